@@ -1,0 +1,128 @@
+"""The wrapping trial: one tendon winds the arm round a cylinder that stands beside it.
+
+The left motor winds in at constant speed, the right one is unactuated (0 A), and the trial ends
+long after the left command has reached its limit.  The cylinder stands on the left of the straight
+arm, opposite the point at `position` of its length.  There the published arm envelops every size
+from 10 to 70 mm by 170° or more; from 0.74 on, the smallest are only touched by the tip.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from spirob.errors import ConfigError
+from spirob.geometry import ARM_LENGTH, SpiralArm, spiral_arm
+
+SLOWEST = 1e-3  # m/s
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrapSettings:
+    """What all wraps of one campaign have in common; the variations are half widths, uniform.
+
+    position            of the cylinder along the straight arm, as a share of its length [-]
+    gap                 between cylinder and straight arm [m]; never below 0
+    speed               at which the left tendon is wound in [m/s];  blend  its start-up [s]
+    current_limit       of both commands [A];  duration [s]
+    friction            of the cylinder's surface [-]
+    placement           variation of the centre along and across the arm [m]
+    speed_variation     relative [-];  friction_variation  absolute [-]
+    """
+
+    position: float = 0.62
+    gap: float = 0.003
+    speed: float = 0.045
+    blend: float = 0.2
+    current_limit: float = 2.0
+    duration: float = 4.5
+    friction: float = 0.3
+    placement: float = 0.002
+    speed_variation: float = 0.05
+    friction_variation: float = 0.1
+
+    def __post_init__(self) -> None:
+        ranges = {
+            "position": (0.1, 0.95),
+            "gap": (0.0, 0.2),
+            "speed": (SLOWEST, 1.0),
+            "blend": (0.0, 5.0),
+            "current_limit": (0.01, 20.0),
+            "duration": (0.1, 600.0),
+            "friction": (0.0, 2.0),
+            "placement": (0.0, self.gap),
+            "speed_variation": (0.0, 0.5),
+            "friction_variation": (0.0, self.friction),
+        }
+        for key, (low, high) in ranges.items():
+            value = getattr(self, key)
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise ConfigError(f"wrap: {key} must be a number, not {value!r}")
+            if not low <= value <= high:
+                raise ConfigError(f"wrap: {key} = {value} is out of range [{low:g}, {high:g}]")
+
+    @classmethod
+    def from_mapping(cls, given: Mapping[str, Any]) -> "WrapSettings":
+        """Settings from a configuration; raises ConfigError on an unknown key or a bad value."""
+        known = [about.name for about in fields(cls)]
+        for key in given:
+            if key not in known:
+                raise ConfigError(f"wrap has no setting '{key}'; it has: {', '.join(known)}")
+        return cls(**given)
+
+
+def wrap_trial(
+    name: str,
+    role: str,
+    diameter: float,
+    settings: WrapSettings | Mapping[str, Any],
+    rng: np.random.Generator,
+) -> dict[str, Any]:
+    """A wrap round a cylinder of `diameter` [m] as plain data for `Trial.from_plain`.
+
+    rng  draws placement, speed and friction; always four numbers, so that the n-th trial of a
+         campaign does not depend on which variations are switched on
+    Raises ConfigError on bad settings or a diameter that is not above 0.
+    """
+    if not isinstance(settings, WrapSettings):
+        settings = WrapSettings.from_mapping(settings)
+    if not (np.isfinite(diameter) and diameter > 0):
+        raise ConfigError(f"trial '{name}': a cylinder's diameter must be above 0, not {diameter}")
+    along, across, faster, rougher = rng.uniform(-1.0, 1.0, 4).tolist()
+    x = settings.position * ARM_LENGTH + settings.placement * along
+    y = beside(spiral_arm(), x, diameter / 2 + settings.gap) + settings.placement * across
+    speed = settings.speed * (1 + settings.speed_variation * faster)
+    winding = {"kind": "constant", "value": float(speed), "blend": float(settings.blend)}
+    return {
+        "name": name,
+        "role": role,
+        "duration": float(settings.duration),
+        "motors": {
+            "left": _plan("velocity", winding, settings),
+            "right": _plan("current", {"kind": "constant", "value": 0.0}, settings),
+        },
+        "scene": {
+            "cylinder": {
+                "diameter": float(diameter),
+                "x": float(x),
+                "y": float(y),
+                "friction": float(settings.friction + settings.friction_variation * rougher),
+            }
+        },
+    }
+
+
+def beside(arm: SpiralArm, x: float, distance: float) -> float:
+    """y [m] of the point above `x` that is `distance` [m] away from the straight arm's left edge.
+
+    The edge is taken as the line through the units' middles: it falls by 5° towards the tip, and
+    the distance counts across it.
+    """
+    middle = arm.hinge_position + arm.unit_length / 2
+    slope, edge = np.polyfit(middle, arm.half_width, 1)
+    return float(edge + slope * x + distance * np.hypot(1.0, slope))
+
+
+def _plan(mode: str, profile: dict[str, Any], settings: WrapSettings) -> dict[str, Any]:
+    return {"mode": mode, "profile": profile, "current_limit": float(settings.current_limit)}

@@ -1,0 +1,142 @@
+"""A robot with real drives: one exchange a millisecond, zero current when anything is wrong."""
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+import can
+
+from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
+from spirob.errors import HardwareError
+from spirob.robot import CYCLE_NS, MOTORS, Scene
+
+ZERO = encode_command((0.0,) * len(MOTORS))
+SILENCE_NS = 10_000_000  # ten feedback frames lost in a row: the drive is gone
+BACKLOG = 1000  # frames taken from the bus at once; a flooded bus must not hold up the command
+
+
+class CanRobot:
+    """The Robot protocol over a python-can bus, in real time.
+
+    The end of each cycle is an absolute deadline, so lateness does not add up; cycles that were
+    missed altogether are skipped and counted in `overruns`, never made up for in a burst.
+    Frames carry the host's clock [ns since 1970], which does not jump during a trial.
+
+    bus         open, owned from now on: `close` shuts it down
+    silence_ns  how long a drive may say nothing
+    ask         told what to do before a trial; returns when it is done
+    """
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        silence_ns: int = SILENCE_NS,
+        ask: Callable[[str], object] = input,
+    ):
+        self.overruns = 0
+        self._bus = bus
+        self._silence_ns = silence_ns
+        self._ask = ask
+        self._epoch_ns = time.time_ns() - time.monotonic_ns()
+        self._deadline: int | None = None
+        self._heard: dict[int, int] = {}
+        self._open = True
+
+    def prepare(self, scene: Scene) -> None:
+        """Hold zero current and ask the operator to set the scene."""
+        self._send(ZERO)
+        around = scene.cylinder
+        put = "nothing near the arm"
+        if around:
+            put = (
+                f"a cylinder of {1e3 * around.diameter:.1f} mm at x = {1e3 * around.x:.1f} mm, "
+                f"y = {1e3 * around.y:.1f} mm"
+            )
+        self._ask(f"Arm straight and at rest, tendons just taut, {put}; then press Enter. ")
+        self._deadline = None
+
+    def exchange(self, command: bytes) -> list[CanFrame]:
+        """One cycle: send, then collect frames up to its deadline.
+
+        Raises HardwareError, after commanding zero, when the bus fails or a drive is silent.
+        """
+        now = time.monotonic_ns()
+        if self._deadline is None:
+            self._start(now)
+            now = time.monotonic_ns()
+        deadline = self._next_deadline(now)
+        frames = [self._send(command)]
+        while (left := deadline - time.monotonic_ns()) > 0:
+            self._receive(frames, left / 1e9)
+        self._drain(frames)  # what had arrived by the deadline still counts
+        self._watch()
+        return frames
+
+    def close(self) -> None:
+        """Command zero current and shut the bus down; safe to call twice."""
+        if self._open:
+            self._open = False
+            with suppress(can.CanError, OSError):
+                self._bus.send(_message(ZERO))
+            self._bus.shutdown()
+
+    def _start(self, now: int) -> None:
+        # What came in while the operator was busy is old; a drive is not silent before the start.
+        self._drain([])
+        self._deadline = now
+        self._heard = {FEEDBACK_ID + 1 + m: time.monotonic_ns() for m in range(len(MOTORS))}
+
+    def _next_deadline(self, now: int) -> int:
+        assert self._deadline is not None
+        deadline = self._deadline + CYCLE_NS
+        if deadline <= now:
+            missed = (now - deadline) // CYCLE_NS + 1
+            self.overruns += missed
+            deadline += missed * CYCLE_NS
+        self._deadline = deadline
+        return deadline
+
+    def _send(self, payload: bytes) -> CanFrame:
+        stamp = self._epoch_ns + time.monotonic_ns()
+        try:
+            self._bus.send(_message(payload))
+        except (can.CanError, OSError) as error:
+            self._fail(f"a command could not be sent: {error}", error)
+        return CanFrame(stamp, COMMAND_ID, payload)
+
+    def _receive(self, frames: list[CanFrame], timeout: float) -> bool:
+        try:
+            message = self._bus.recv(timeout)
+        except (can.CanError, OSError) as error:
+            self._fail(f"receiving failed: {error}", error)
+        if message is None:
+            return False
+        if message.is_error_frame or message.is_remote_frame or message.is_extended_id:
+            return True
+        now = time.monotonic_ns()
+        if message.arbitration_id in self._heard:
+            self._heard[message.arbitration_id] = now
+        stamp = self._epoch_ns + now
+        frames.append(CanFrame(stamp, message.arbitration_id, bytes(message.data)))
+        return True
+
+    def _drain(self, frames: list[CanFrame]) -> None:
+        for _ in range(BACKLOG):
+            if not self._receive(frames, 0.0):
+                return
+
+    def _watch(self) -> None:
+        now = time.monotonic_ns()
+        for motor, heard in zip(MOTORS, self._heard.values(), strict=True):
+            if now - heard > self._silence_ns:
+                silent = (now - heard) / 1e6
+                self._fail(f"no feedback from motor {motor} for {silent:.0f} ms", None)
+
+    def _fail(self, what: str, cause: Exception | None) -> None:
+        with suppress(can.CanError, OSError):
+            self._bus.send(_message(ZERO))
+        raise HardwareError(f"{self._bus.channel_info}: {what}") from cause
+
+
+def _message(payload: bytes) -> can.Message:
+    return can.Message(arbitration_id=COMMAND_ID, data=payload, is_extended_id=False)

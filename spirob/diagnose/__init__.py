@@ -1,0 +1,1 @@
+"""Compare model and measurement, see where it fails, name the missing effect, add it."""

@@ -1,0 +1,42 @@
+"""Evidence: errors on trials that no fit has seen, and how sure they make us.
+
+Residuals of a simulation are autocorrelated, so errors are resampled in blocks of half a second;
+what a block bootstrap cannot tell apart is not told apart.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from spirob.identify.fit import BLOCK
+
+DRAWS = 2000
+
+
+def block_errors(residual: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Mean squared residual of each block of half a second [A²], (B,)."""
+    means = []
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        for k in range(start, stop, BLOCK):
+            means.append(np.mean(residual[k : min(k + BLOCK, stop)] ** 2))
+    return np.array(means)
+
+
+def win_rates(errors: Mapping[str, np.ndarray], seed: int) -> dict[str, float]:
+    """How often each model has the smallest error when the blocks are drawn again.
+
+    errors  model -> block errors, all of the same blocks
+    """
+    names = list(errors)
+    stacked = np.array([errors[n] for n in names])
+    draws = np.random.default_rng(seed).integers(0, stacked.shape[1], (DRAWS, stacked.shape[1]))
+    winners = np.argmin(stacked[:, draws].mean(axis=2), axis=0)
+    return {n: float(np.mean(winners == k)) for k, n in enumerate(names)}
+
+
+def improvement(before: np.ndarray, after: np.ndarray, seed: int) -> tuple[float, float, float]:
+    """Relative fall of the mean squared error with its 95 % interval; negative is worse."""
+    draws = np.random.default_rng(seed).integers(0, len(before), (DRAWS, len(before)))
+    ratio = 1.0 - after[draws].mean(axis=1) / before[draws].mean(axis=1)
+    low, high = np.quantile(ratio, [0.025, 0.975])
+    return float(1.0 - after.mean() / before.mean()), float(low), float(high)

@@ -1,0 +1,96 @@
+"""What an effect is: a declaration and one pure scalar function.
+
+It declares where it acts (`port`), what it reads, what it remembers, its numbers and how to
+recognise it.  Everything else is derived from that: the compiled loop, the parameter vector, the
+check of the configuration, the diagnosis' sentence and the tests.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
+
+from spirob.errors import EffectError
+from spirob.parameter import Numbers
+from spirob.ports import PORTS, READABLE, SIGNALS
+
+OPTIONAL = {"dt"}  # a kernel may ask for the step [s]
+TRAITS = {"dissipative", "odd_in_speed", "even_in_speed", "rate_independent", "constant"}
+
+
+class Effect(Numbers):
+    """Base class of all effects; declare the attributes below and `kernel`.
+
+    port        name in `ports.PORTS`
+    reads       kernel argument -> name in `ports.SIGNALS`
+    state       kernel argument -> initial value; the kernel returns (contribution, next states...)
+    neutral     numbers at which the effect vanishes; setting them makes the models nested
+    traits      claims on the kernel, each a test
+    equation    independent statement of the contribution (of a kernel without state) in the
+                symbols of the numbers and the names of the arguments
+    title       what a reader calls it
+    signature   how it shows in data, one sentence
+    explanation what happens physically, one or two sentences
+    tell_apart  rival effect -> experiment that separates the two
+    references  literature
+
+    `kernel` is a static method; its arguments are exactly: `upstream` (for a pipe port), then
+    reads, state and numbers by name, and `dt` if it wants it.  It uses only arithmetic and `math`.
+    Raises EffectError when the class is created with anything that does not fit.
+    """
+
+    port: ClassVar[str] = ""
+    reads: ClassVar[Mapping[str, str]] = {}
+    state: ClassVar[Mapping[str, float]] = {}
+    neutral: ClassVar[Mapping[str, float]] = {}
+    traits: ClassVar[frozenset[str] | set[str]] = frozenset()
+    equation: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+    signature: ClassVar[str] = ""
+    explanation: ClassVar[str] = ""
+    tell_apart: ClassVar[Mapping[str, str]] = {}
+    references: ClassVar[tuple[str, ...]] = ()
+    kernel: ClassVar[Callable[..., Any]]
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        cls.owner = cls.__module__.rsplit(".", 1)[-1]
+        super().__init_subclass__(**kwargs)
+        _check_declaration(cls)
+
+    @classmethod
+    def name(cls) -> str:
+        """The effect's name: that of its file."""
+        return cls.owner
+
+    @classmethod
+    def arguments(cls) -> list[str]:
+        """The kernel's argument names in order."""
+        return list(inspect.signature(cls.kernel).parameters)
+
+
+def _check_declaration(cls: type[Effect]) -> None:
+    who = f"effect '{cls.owner}' ({cls.__name__})"
+    if cls.port not in PORTS:
+        raise EffectError(f"{who}: port '{cls.port}' is unknown; ports: {', '.join(PORTS)}")
+    port = PORTS[cls.port]
+    for argument, signal in cls.reads.items():
+        if signal not in SIGNALS:
+            raise EffectError(f"{who}: reads '{signal}'; signals: {', '.join(SIGNALS)}")
+        if SIGNALS[signal].each not in READABLE[port.each]:
+            raise EffectError(f"{who}: '{argument}' reads '{signal}', not seen at {cls.port}")
+    numbers = cls.parameters()
+    wanted = [*(["upstream"] if port.combine == "pipe" else []), *cls.reads, *cls.state, *numbers]
+    got = [a for a in cls.arguments() if a not in OPTIONAL]
+    if set(got) != set(wanted) or len(got) != len(set(got)):
+        raise EffectError(f"{who}: kernel takes ({', '.join(got)}), declared: {', '.join(wanted)}")
+    for field, value in cls.neutral.items():
+        if field not in numbers:
+            raise EffectError(f"{who}: neutral names '{field}'; numbers: {', '.join(numbers)}")
+        if not numbers[field].low <= value <= numbers[field].high:
+            raise EffectError(f"{who}: neutral {field} = {value} is outside its bounds")
+    if not cls.neutral:
+        raise EffectError(f"{who}: no neutral numbers, so models would not be nested")
+    if unknown := set(cls.traits) - TRAITS:
+        raise EffectError(f"{who}: unknown traits {sorted(unknown)}; known: {sorted(TRAITS)}")
+    for text in ("title", "signature", "explanation"):
+        if not getattr(cls, text):
+            raise EffectError(f"{who}: '{text}' is empty")

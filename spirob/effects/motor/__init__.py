@@ -1,0 +1,1 @@
+"""Effects that act at the motor."""

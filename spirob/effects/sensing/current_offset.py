@@ -1,0 +1,24 @@
+"""The drive's current sensor does not read zero at zero current."""
+
+from spirob.effects.effect import Effect
+from spirob.parameter import bounded
+
+
+class CurrentOffset(Effect):
+    """i_measured = i + i_0."""
+
+    port = "sensing.current"
+    neutral = {"offset": 0.0}
+    traits = {"constant"}
+    equation = "upstream + i_0"
+    title = "offset of the current sensor"
+    signature = "The same difference everywhere, at rest and in motion, in either direction."
+    explanation = "The amplifier of the current sensor has a zero error."
+    tell_apart = {"constant_force": "swap or free the load: an offset stays"}
+
+    offset: float = bounded(0.02, -1.0, 1.0, "A", "i_0", "reading at zero current")
+
+    @staticmethod
+    def kernel(upstream, offset):
+        """Measured current [A]."""
+        return upstream + offset

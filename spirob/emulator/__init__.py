@@ -1,0 +1,19 @@
+"""Pretend hardware behind a CAN bus: the default robot, with physics of its own.
+
+It answers command frames with feedback frames and shares with the model only the published
+geometry and the CAN protocol: 48 hinges instead of 24, its own integrator, its own contact, its
+own tendon routing, and a hidden effect that the model does not know.  A model that is tested on
+data from its own equations proves nothing.
+
+    rig.py      what a user may know and choose: ratio, winch, size, gravity, noise
+    truth.py    how this one machine differs from its data sheet, drawn from a seed
+    hidden/     effects that nobody told the model about, one file each
+    physics/    the compiled step, one file for each part of the machine
+    node.py     the drives' side of the bus
+    robot.py    the robot: both sides of the bus, one cycle at a time
+"""
+
+from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.emulator.robot import EmulatedRobot
+
+__all__ = ["EmulatedRig", "EmulatedRobot", "HiddenSettings"]

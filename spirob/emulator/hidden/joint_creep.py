@@ -1,0 +1,27 @@
+"""Printed TPU that keeps yielding: every hinge creeps with three relaxation times.
+
+Typical: the hinge is 60 % stiffer at once than in the long run, spread over tenths of a second,
+seconds and tens of seconds; each hinge a little differently.  A Prony series, as viscoelastic
+data sheets of TPU have it (loss factor 0.1-0.2 over three decades).
+"""
+
+import numpy as np
+from numpy.random import Generator
+
+from spirob.emulator.hidden import Nominal
+from spirob.emulator.physics.body import CREEP_ARMS
+from spirob.emulator.physics.compiled import HINGES
+
+REPLACED = ("creep_time",)
+TYPICAL = 0.6
+TIMES = np.array([0.15, 1.2, 10.0])  # s
+
+
+def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:
+    """Share of stiffness and relaxation time of each arm of the series."""
+    shares = rng.dirichlet([8.0] * CREEP_ARMS)
+    hinges = rng.lognormal(0.0, 0.1, size=HINGES)
+    return {
+        "creep_share": strength * TYPICAL * shares[:, None] * hinges,
+        "creep_time": TIMES * rng.lognormal(0.0, 0.2, size=CREEP_ARMS),
+    }

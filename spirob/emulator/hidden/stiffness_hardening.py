@@ -1,0 +1,21 @@
+"""Hinges that harden as they bend: k(1 + a|x|ⁿ), x the angle over the end stop's.
+
+Typical a = 1.5 (2.5 times the moment just before the stop), n between 2 and 4, differing from hinge to
+hinge: the elastic layer is stretched as well as bent, and faces touch at their rims first.
+"""
+
+from numpy.random import Generator
+
+from spirob.emulator.hidden import Nominal
+from spirob.emulator.physics.compiled import HINGES
+
+REPLACED = ("hardening_power",)
+TYPICAL = 1.5
+
+
+def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:
+    """Hardening of every hinge and its exponent."""
+    return {
+        "hardening": strength * TYPICAL * rng.lognormal(0.0, 0.25, size=HINGES),
+        "hardening_power": rng.uniform(2.0, 4.0),
+    }

@@ -1,0 +1,121 @@
+"""The machine itself: state, trials and cycles, without a bus.
+
+A trial starts from the same rest whatever came before, and its noise depends on nothing but the
+seed and the trial's name, so trials can run in any order and in parallel.
+"""
+
+import zlib
+
+import numpy as np
+
+from spirob.emulator import hidden, truth
+from spirob.emulator.physics.layout import SCRATCH, STATE
+from spirob.emulator.physics.step import run_cycle
+from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.errors import ConfigError, HardwareError
+from spirob.robot import CYCLE_NS, Scene
+
+CYCLE = CYCLE_NS * 1e-9
+NOISE_BLOCK = 1000  # cycles whose noise is drawn at once
+SETTLE_STEPS = 15000
+SETTLE_STEP = 0.002  # s
+SETTLE_DAMPING = 10.0  # times the arm's own, while it comes to rest
+
+
+class Machine:
+    """One emulated machine.
+
+    rig, settings  what was asked for
+    numbers        the record of its true numbers, hidden effect included
+    state          the record of its present state
+    """
+
+    def __init__(self, rig: EmulatedRig, settings: HiddenSettings, seed: int):
+        self.rig = rig
+        self.settings = settings
+        self.seed = seed
+        self.dt = CYCLE / rig.steps_per_cycle
+        self.drawn = truth.draw(self._generator("machine"))
+        self.numbers = truth.machine(rig, self.drawn, self.dt)
+        effect = self._generator(f"hidden {settings.effect}")
+        self.hidden_numbers = hidden.apply(settings, effect, self.numbers)
+        self.state = np.zeros(1, STATE)
+        self.counts = np.zeros((2, 4), dtype=np.int64)
+        self._scratch = np.zeros(1, SCRATCH)
+        self.start(Scene(), "trial")
+
+    def start(self, scene: Scene, trial: str) -> None:
+        """Bring the machine to rest in a scene, tendons just taut, currents zero."""
+        self._trial = trial
+        self._noise_source = self._generator(f"trial {trial}")
+        rotors = self._noise_source.uniform(0.0, 2 * np.pi, size=2)
+        self._noise = np.empty((0, 2))
+        self._cycle = 0
+        self._place(scene)
+        self.state = np.zeros(1, STATE)
+        self.state["phi"][0] = np.cumsum(self.numbers["rest_angle"][0])
+        self._settle()
+        self.state["rotor_angle"][0] = rotors
+        self.state["rotor_start"][0] = rotors
+        self._advance(self.numbers, np.zeros(2), steps=0)
+        if self._scratch["depth"][0] > 1e-4:
+            raise ConfigError(
+                f"trial '{trial}': the cylinder overlaps the resting arm by "
+                f"{1e3 * self._scratch['depth'][0]:.1f} mm; move it away from the arm"
+            )
+
+    def cycle(self, currents: tuple[float, ...]) -> np.ndarray:
+        """Hold the commanded currents [A] for 1 ms; returns the counts of the feedback (2, 4).
+
+        Raises HardwareError when the state is lost; the machine must then be started anew.
+        """
+        if self._cycle == len(self._noise):
+            self._noise = self._noise_source.standard_normal((NOISE_BLOCK, 2))
+            self._cycle = 0
+        noise = self._noise[self._cycle]
+        self._cycle += 1
+        self._advance(self.numbers, np.asarray(currents, dtype=float), noise=noise)
+        return self.counts
+
+    def _advance(self, numbers, currents, steps=None, noise=None, dt=None) -> None:
+        ok = run_cycle(
+            numbers,
+            self.state,
+            self._scratch,
+            currents,
+            np.zeros(2) if noise is None else noise,
+            self.counts,
+            self.rig.steps_per_cycle if steps is None else steps,
+            self.dt if dt is None else dt,
+        )
+        if not ok:
+            raise HardwareError(
+                f"emulated robot, trial '{self._trial}': the state became non-finite at "
+                f"{self.state['time'][0]:.3f} s under currents {currents[0]:.2f}, "
+                f"{currents[1]:.2f} A; start a new trial"
+            )
+
+    def _place(self, scene: Scene) -> None:
+        self.numbers["cylinder"][0] = 0.0
+        if scene.cylinder is not None:
+            c = scene.cylinder
+            self.numbers["cylinder"][0] = c.x, c.y, c.diameter / 2, c.friction
+
+    def _settle(self) -> None:
+        """Let the arm hang, tendons off, then take up the tendons' slack."""
+        if np.any(self.numbers["gravity"][0]):
+            calm = self.numbers.copy()
+            calm["damping"] *= SETTLE_DAMPING
+            calm["supply"] = 0.0
+            self.state["wound"] = -1.0
+            self._advance(calm, np.zeros(2), steps=SETTLE_STEPS, dt=SETTLE_STEP)
+        hanging = self.state["phi"][0].copy()
+        creep = self.state["creep"][0].copy()
+        self.state = np.zeros(1, STATE)
+        self.state["phi"][0] = hanging
+        self.state["creep"][0] = creep
+        self._advance(self.numbers, np.zeros(2), steps=0)
+        self.state["wound"] = self._scratch["shortening"]
+
+    def _generator(self, purpose: str) -> np.random.Generator:
+        return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])

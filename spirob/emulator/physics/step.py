@@ -1,0 +1,107 @@
+"""One step of the machine, and one bus cycle made of such steps.
+
+Linearly implicit Euler: forces are taken at the end of the step, linearised in the new rates,
+
+    H Δφ̇ = h f*,   H = M + h D + h² K
+
+where f* is the force that the present rates would lead to.  Hinges, stops, contacts, the
+stickiness of friction, gears and tendons are all in H or solved beside it, so no part needs an
+artificial inertia; only the velocity terms of the chain and the direction of contact are explicit.
+"""
+
+import numpy as np
+
+from spirob.emulator.physics.body import creep, hinges, inertia, pose, weight_and_spin
+from spirob.emulator.physics.chain import factorise, solve
+from spirob.emulator.physics.compiled import HINGES, SIDES, compiled, compiled_entry
+from spirob.emulator.physics.contact import add_contact, contact
+from spirob.emulator.physics.drive import drive
+from spirob.emulator.physics.guides import add_tendons, guide_friction, rub
+from spirob.emulator.physics.motor import motors, turn_winches
+from spirob.emulator.physics.sensing import feedback
+from spirob.emulator.physics.tendon import routing, tighten
+
+FASTEST = 1e5  # rad/s of units and rotors together; beyond it the state is lost
+
+
+@compiled
+def add_hinges(w):
+    """Hinge moments and their slopes, from hinge angles to absolute angles."""
+    for i in range(HINGES):
+        next_moment, next_implicit = 0.0, 0.0
+        if i + 1 < HINGES:
+            next_moment, next_implicit = w.moment[i + 1], w.implicit[i + 1]
+        w.force[i] += w.moment[i] - next_moment
+        w.diagonal[i] += w.implicit[i] + next_implicit
+        w.sub[i] = -w.implicit[i]
+
+
+@compiled
+def step(p, s, w, h):
+    """Advance the machine by h; False where the state is lost.  `pose` must be up to date."""
+    inertia(p, w)
+    weight_and_spin(p, s, w)
+    hinges(p, s, w, h)
+    routing(p, s, w, h)
+    guide_friction(p, s, w, h)
+    add_tendons(w, h)
+    add_hinges(w)
+    if contact(p, s, w, h):
+        add_contact(w)
+    if not factorise(w):
+        return False
+    for i in range(HINGES):
+        w.force[i] *= h
+    solve(w, w.force)
+    for i in range(HINGES):
+        w.force[i] += s.rate[i]
+    for m in range(SIDES):
+        for i in range(HINGES):
+            w.answer[m, i] = w.pull[m, i]
+        solve(w, w.answer[m])
+    drive(p, s, w, h)
+    motors(p, s, w, h)
+    tighten(p, s, w, h)
+    turn_winches(p, s, w, h)
+    fastest = 0.0
+    for i in range(HINGES):
+        pulled = s.tension[0] * w.answer[0, i] + s.tension[1] * w.answer[1, i]
+        s.rate[i] = w.force[i] + h * pulled
+        s.phi[i] += h * s.rate[i]
+        fastest = max(fastest, abs(s.rate[i]))
+    pose(s, w)
+    rub(p, s, w, h)
+    creep(p, s, w, h)
+    s.time += h
+    return fastest + abs(s.rotor_speed[0]) + abs(s.rotor_speed[1]) < FASTEST
+
+
+@compiled_entry
+def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
+    """Hold the commanded currents [A] for `steps` steps of h [s], then write the feedback.
+
+    numbers, state, scratch  arrays of one record each
+    noise    (2,) one standard normal number for each current sensor
+    counts   (2, 4) int64, angle, speed, current and temperature of each drive
+    steps    0 only measures: tendon shortening and contact depth of the present pose
+    Returns True while the state is finite; the counts are not touched otherwise.
+    """
+    p, s, w = numbers[0], state[0], scratch[0]
+    for m in range(SIDES):
+        w.target[m] = currents[m]
+    pose(s, w)
+    if steps == 0:
+        routing(p, s, w, h)
+        contact(p, s, w, h)
+    for _ in range(steps):
+        if not step(p, s, w, h):
+            return False
+    total = 0.0
+    for i in range(HINGES):
+        total += s.phi[i] + s.rate[i]
+    for m in range(SIDES):
+        total += s.rotor_angle[m] + s.current[m] + s.tension[m]
+    if not np.isfinite(total):
+        return False
+    feedback(p, s, noise, counts)
+    return True

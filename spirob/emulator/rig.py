@@ -1,0 +1,57 @@
+"""What a user may know and choose about the emulated machine."""
+
+from dataclasses import dataclass
+
+from spirob.errors import ConfigError
+
+M3508_RATIO = 3591 / 187  # 19.203, from published firmware of the motor
+STEPS_PER_CYCLE = 10  # 0.1 ms: two periods of the 20 kHz current loop
+
+
+@dataclass(frozen=True)
+class EmulatedRig:
+    """The data sheet of the machine; what the seed draws lies around these numbers.
+
+    gear_ratio         G, rotor turns a winch turn; 1 is direct drive
+    winch_radius       nominal [m]
+    size               scale of the arm; 1 is the 464 mm default design
+    gravity            components in the plane of the arm, x (base to tip) and y [m/s²];
+                       (0, 0) is an arm on a smooth horizontal table
+    current_bandwidth  of the drive's own current loop [Hz]
+    current_noise      rms of the current sensor [A]
+    steps_per_cycle    integration steps in a 1 ms bus cycle
+    """
+
+    gear_ratio: float = M3508_RATIO
+    winch_radius: float = 0.020
+    size: float = 1.0
+    gravity: tuple[float, float] = (0.0, 0.0)
+    current_bandwidth: float = 1000.0
+    current_noise: float = 0.005
+    steps_per_cycle: int = STEPS_PER_CYCLE
+
+    def __post_init__(self) -> None:
+        ranges = {
+            "gear_ratio": (1.0, 200.0),
+            "winch_radius": (0.002, 0.1),
+            "size": (0.1, 10.0),
+            "current_bandwidth": (50.0, 3000.0),
+            "current_noise": (0.0, 0.2),
+            "steps_per_cycle": (4, 1000),
+        }
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ConfigError(f"emulated rig: {name} = {value} is out of range [{low}, {high}]")
+
+
+@dataclass(frozen=True)
+class HiddenSettings:
+    """Which hidden effect the machine has, and how strong: 1 is typical, 0 is none of it."""
+
+    effect: str = "guide_friction"
+    strength: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.strength <= 10.0:
+            raise ConfigError(f"hidden effect: strength = {self.strength} is out of range [0, 10]")

@@ -1,0 +1,118 @@
+"""The emulated robot: both ends of a virtual bus, driven one cycle at a time."""
+
+import itertools
+import os
+from typing import Any
+
+import can
+import numpy as np
+
+from spirob.can_protocol import COMMAND_ID, CanFrame, encode_command
+from spirob.emulator.machine import Machine
+from spirob.emulator.node import SECOND_NS, DriveNode
+from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.errors import HardwareError
+from spirob.robot import MOTORS, Scene
+
+_instances = itertools.count()
+
+
+class EmulatedRobot:
+    """A `Robot` whose hardware is computed.
+
+    The controller's side of the bus is a real python-can bus; only the node behind it knows that
+    no steel is there.
+
+        robot = EmulatedRobot(EmulatedRig(), HiddenSettings("guide_friction", 1.0), seed=7)
+        robot.prepare(Scene(), "extreme_curl_1")
+        frames = robot.exchange(encode_command((0.5, 0.1)))
+    """
+
+    def __init__(
+        self,
+        rig: EmulatedRig | None = None,
+        hidden: HiddenSettings | None = None,
+        seed: int = 0,
+    ):
+        self.machine = Machine(rig or EmulatedRig(), hidden or HiddenSettings(), seed)
+        channel = f"spirob-emulator-{os.getpid()}-{next(_instances)}"
+        self._bus = _virtual_bus(channel)
+        self._node_bus = _virtual_bus(channel)
+        self.node = DriveNode(self._node_bus, self.machine)
+        self._open = True
+
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
+        """Bring the arm to rest in this scene, at simulated time zero.
+
+        trial  name that, with the seed, decides the noise and the rotors' first angles
+        """
+        self._require_open()
+        self.machine.start(scene, trial)
+        self.node.now_ns = 0
+
+    def exchange(self, command: bytes) -> list[CanFrame]:
+        """Send one command payload; returns it and the feedback of the cycle that it ruled.
+
+        Raises HardwareError when the machine's state is lost; its currents are then zero, because
+        it stands still until it is prepared again.
+        """
+        self._require_open()
+        sent = CanFrame(self.node.now_ns, COMMAND_ID, bytes(command))
+        self._bus.send(
+            can.Message(
+                timestamp=sent.stamp_ns / SECOND_NS,
+                arbitration_id=COMMAND_ID,
+                is_extended_id=False,
+                data=command,
+            )
+        )
+        self.node.serve()
+        frames = [sent]
+        while (message := self._bus.recv(timeout=0)) is not None:
+            stamp = round(message.timestamp * SECOND_NS)
+            frames.append(CanFrame(stamp, message.arbitration_id, bytes(message.data)))
+        if len(frames) != 1 + len(MOTORS):
+            raise HardwareError(
+                f"emulated robot: {len(frames) - 1} of {len(MOTORS)} drives answered the command"
+            )
+        return frames
+
+    def truth(self) -> dict[str, Any]:
+        """What a real machine would never tell: its hidden effect and its true numbers.
+
+        Plain numbers, lists and strings; only scoring may read them.
+        """
+        machine = self.machine
+        fields = machine.numbers.dtype.names or ()
+        return {
+            "seed": machine.seed,
+            "effect": machine.settings.effect,
+            "strength": machine.settings.strength,
+            "hidden": {name: value.tolist() for name, value in machine.hidden_numbers.items()},
+            "drawn": {name: value.tolist() for name, value in machine.drawn.items()},
+            "numbers": {
+                name: np.asarray(machine.numbers[name][0]).tolist()
+                for name in fields
+                if not name.startswith("source_")
+            },
+        }
+
+    def close(self) -> None:
+        """Command zero current and release the bus; safe to call twice."""
+        if self._open:
+            self._open = False
+            self._bus.send(
+                can.Message(
+                    arbitration_id=COMMAND_ID, is_extended_id=False, data=encode_command((0.0, 0.0))
+                )
+            )
+            self._bus.shutdown()
+            self._node_bus.shutdown()
+
+    def _require_open(self) -> None:
+        if not self._open:
+            raise HardwareError("emulated robot: the bus is closed; make a new robot")
+
+
+def _virtual_bus(channel: str) -> can.BusABC:
+    return can.Bus(interface="virtual", channel=channel, preserve_timestamps=True)

@@ -1,0 +1,1 @@
+"""Fit the model's numbers to measurements, with honest intervals."""

@@ -1,0 +1,49 @@
+"""A measured trial in the form in which the model can play it again."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.control.schedule import Schedule
+from spirob.logs.replay import scene_of, schedule_of
+from spirob.robot import MOTORS, Scene
+from spirob.trace import Trace
+
+MEASURED = ("current", "displacement", "velocity")
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Signals of one trial, (T, 2) for the left and right motor, and what was played.
+
+    current [A], displacement [m], velocity [m/s] as the drives reported them, raw
+    """
+
+    name: str
+    role: str
+    current: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    schedule: Schedule
+    scene: Scene
+
+    @property
+    def seconds(self) -> np.ndarray:
+        """Time since the trial began [s]."""
+        return np.arange(len(self.current)) * 1e-3
+
+    @classmethod
+    def from_trace(cls, trace: Trace) -> "Measurement":
+        """Read the channels that replaying needs; raises MissingChannel or DataError."""
+        trace.require(200, "the model")
+        wanted = [f"{motor}.{signal}" for motor in MOTORS for signal in MEASURED]
+        trace.require_finite(wanted)
+
+        def both(signal: str) -> np.ndarray:
+            return np.column_stack([trace[f"{motor}.{signal}"] for motor in MOTORS])
+
+        measured = {name: both(name) for name in MEASURED}
+        role = str(trace.meta.get("role", "train"))
+        return cls(
+            trace.name, role, **measured, schedule=schedule_of(trace), scene=scene_of(trace)
+        )

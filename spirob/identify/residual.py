@@ -1,0 +1,106 @@
+"""Model minus measurement, filtered alike on both sides and weighted to one unit.
+
+The current of a motor that follows a velocity, displacement or force is what its load demands, and
+is compared in ampere.  A motor whose current is commanded shows nothing there: its load shows in
+its motion (compared by `diagnose.compare`, not fitted).
+"""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy import signal
+
+from spirob.control.law import CURRENT
+from spirob.identify.measurement import Measurement
+from spirob.plant import Plant, Response
+from spirob.trace import moving_average
+
+
+@dataclass(frozen=True)
+class Filter:
+    """The filter that both sides of a residual pass.
+
+    kind     "butterworth" (4th order, zero phase) or "moving_average" (the paper's, causal)
+    cutoff   [Hz], for butterworth;  window  [samples], for moving_average
+    every    keep every n-th sample of the 1 kHz signal after filtering
+    """
+
+    kind: str = "butterworth"
+    cutoff: float = 30.0
+    window: int = 100
+    every: int = 10
+
+    def __call__(self, values: np.ndarray, name: str = "signal") -> np.ndarray:
+        """Filter one 1 kHz signal, same length; raises TooShort."""
+        if self.kind == "moving_average":
+            return moving_average(values, self.window, name)
+        return signal.sosfiltfilt(self._sections, values)
+
+    @cached_property
+    def _sections(self) -> np.ndarray:
+        return signal.butter(2, self.cutoff, fs=1000.0, output="sos")  # doubled by both passes
+
+    def thin(self, values: np.ndarray, name: str = "signal") -> np.ndarray:
+        """Filter, then keep every n-th sample."""
+        return self(values, name)[:: self.every]
+
+
+@dataclass
+class Residual:
+    """The residual of a set of trials as a function of the parameters.
+
+    current   "current" (i*, what a current sensor sees) or "arm_current" (the paper's i**).
+              On data made by the model itself a fit on i* ends at the noise (1.1 mA) with η right
+              to 0.1 %; on i** it ends at 9 mA with η 13 % off, because i** multiplies differences
+              between rotor and arm by J_eq/r², kilograms
+    workers   threads; the compiled loop runs without the GIL
+    """
+
+    plant: Plant
+    trials: Sequence[Measurement]
+    filter: Filter = field(default_factory=Filter)
+    current: str = "current"
+    workers: int = 2
+
+    def __post_init__(self) -> None:
+        self._measured = [self._effort(t, t.current) for t in self.trials]
+        sizes = [len(m) for m in self._measured]
+        self.edges = np.concatenate([[0], np.cumsum(sizes)])
+
+    def driven(self, trial: Measurement) -> list[int]:
+        """Motors whose current is not commanded."""
+        return [m for m, mode in enumerate(trial.schedule.mode) if mode != CURRENT]
+
+    def measured(self) -> np.ndarray:
+        """The measured effort in the order of the residual [A]."""
+        return np.concatenate(self._measured)
+
+    def __call__(self, changes: Mapping[str, float]) -> np.ndarray:
+        """Model minus measurement for all trials, one vector [A]."""
+        return self.many([changes])[0]
+
+    def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
+        """Residuals at several parameter points, all simulations in parallel."""
+        jobs = [(point, k) for point in points for k in range(len(self.trials))]
+        with ThreadPoolExecutor(self.workers) as pool:
+            parts = list(pool.map(lambda job: self.one(*job), jobs))
+        count = len(self.trials)
+        return [np.concatenate(parts[i * count : (i + 1) * count]) for i in range(len(points))]
+
+    def one(self, changes: Mapping[str, float], index: int) -> np.ndarray:
+        """The residual of one trial [A]."""
+        trial = self.trials[index]
+        response = self.respond(changes, index)
+        return self._effort(trial, getattr(response, self.current)) - self._measured[index]
+
+    def respond(self, changes: Mapping[str, float], index: int) -> Response:
+        """The model's full response in one trial."""
+        trial = self.trials[index]
+        return self.plant.simulate(trial.schedule, trial.scene, changes)
+
+    def _effort(self, trial: Measurement, current: np.ndarray) -> np.ndarray:
+        parts = [self.filter.thin(current[:, m], trial.name) for m in self.driven(trial)]
+        return np.concatenate(parts) if parts else np.zeros(0)

@@ -1,0 +1,76 @@
+"""The frames of a log sorted into cycles, and turned into SI units, motor by motor."""
+
+import numpy as np
+
+from spirob.can_protocol import (
+    AMPERE_PER_COUNT,
+    COMMAND_ID,
+    FEEDBACK_ID,
+    decode_feedback_array,
+)
+from spirob.errors import MissingChannel
+from spirob.logs.alignment import hold, rows_of, unwrap
+from spirob.logs.transmission import Transmission
+from spirob.robot import CYCLE_NS, MOTORS
+
+
+class Cycles:
+    """One trial's frames on an even time base.
+
+    where  the file, for messages
+    raw    `messages.FRAME` records in the order received
+    asked  `messages.COMMAND` records, one a cycle
+    Raises DataError where time runs backwards, MissingChannel where no command frame was sent.
+    """
+
+    def __init__(self, where: str, raw: np.ndarray, asked: np.ndarray):
+        self._where, self._raw, self._asked = where, raw, asked
+        stamps = asked["stamp_ns"]
+        self._rows = rows_of(stamps)
+        self.count = int(self._rows[-1]) + 1
+        self.time_ns = stamps[0] + np.arange(self.count, dtype=np.int64) * CYCLE_NS
+        self._asked_held, empty, _ = hold(self._rows, self.count)
+        self.counts: dict[str, int] = {"empty_cycles": empty}
+
+        sent = raw["id"] == COMMAND_ID
+        sent_at = raw["stamp_ns"][sent]
+        match = np.minimum(np.searchsorted(stamps, sent_at), len(stamps) - 1)
+        in_trial = stamps[match] == sent_at
+        if not in_trial.any():
+            raise MissingChannel(where, f"command frame {COMMAND_ID:#x}", self._present())
+        rows = self._rows[match[in_trial]]
+        self._sent_held, self.counts["command.missing"], _ = hold(rows, self.count)
+        self._amperes = raw["data"][sent][in_trial].copy().view(">i2") * AMPERE_PER_COUNT
+
+        # Feedback belongs to the first cycle that starts after the command it followed.
+        before = np.cumsum(sent) - 1
+        followed = np.where(before >= 0, sent_at[before], np.iinfo(np.int64).min)
+        self._next_cycle = np.searchsorted(stamps, followed, side="right")
+
+    def feedback(self, number: int, transmission: Transmission) -> dict[str, np.ndarray]:
+        """What a motor measured, at the tendon; raises MissingChannel where it never answered."""
+        motor, frame = MOTORS[number], FEEDBACK_ID + 1 + number
+        mine = (self._raw["id"] == frame) & (self._next_cycle < len(self._asked))
+        if not mine.any():
+            raise MissingChannel(self._where, f"{motor} feedback frame {frame:#x}", self._present())
+        held, missing, duplicate = hold(self._rows[self._next_cycle[mine]], self.count)
+        self.counts |= {f"{motor}.missing": missing, f"{motor}.duplicate": duplicate}
+        said = decode_feedback_array(self._raw["data"][mine])
+        turned = unwrap(said["angle"])[held]
+        return {
+            "current": said["current"][held] * AMPERE_PER_COUNT,
+            "displacement": (turned - turned[0]) * transmission.metre_per_count,
+            "velocity": said["speed"][held] * transmission.metre_per_second_per_rpm,
+            "temperature": said["temperature"][held].astype(float),
+        }
+
+    def asked_of(self, number: int) -> dict[str, np.ndarray]:
+        """What was asked of a motor: the current as sent on the bus, reference, rate and mode."""
+        names = ("reference", "reference_rate", "mode")
+        columns = {n: self._asked[f"{MOTORS[number]}.{n}"][self._asked_held] for n in names}
+        return {name: values.astype(float) for name, values in columns.items()} | {
+            "command": self._amperes[self._sent_held, number]
+        }
+
+    def _present(self) -> list[str]:
+        return [f"{number:#x}" for number in np.unique(self._raw["id"]).tolist()[:20]]

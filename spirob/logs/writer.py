@@ -1,0 +1,144 @@
+"""One trial, one MCAP file, readable up to the last half second whatever happens."""
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import yaml
+from mcap.writer import CompressionType, Writer
+
+from spirob.can_protocol import CanFrame
+from spirob.errors import DataError
+from spirob.logs.atomic import publish
+from spirob.logs.messages import JointPacker, pack_command, pack_frame
+from spirob.logs.provenance import versions
+from spirob.logs.schema import (
+    ABOUT,
+    COMMAND_TOPIC,
+    CONFIG_FILE,
+    JOINTS_TOPIC,
+    RAW_TOPIC,
+    SCHEMAS,
+    TRIAL_FILE,
+)
+from spirob.logs.transmission import Transmission
+from spirob.robot import MOTORS
+
+CHUNK_BYTES = 64 * 1024  # about 0.15 s: what a power cut may cost
+
+
+class TrialLog:
+    """Writes a trial's log; a context manager.
+
+    The log grows under `<name>.part` beside `path` and gets its name when the block ends well.
+    After an exception the `.part` file stays: closed, readable, for looking into the fault.
+    All stamps are the robot's own, so a simulated trial gives the same bytes every time.
+
+    path          of the finished log, `*.mcap`
+    trial         the trial as plain data, with at least `name` and `role`
+    transmission  nominal, from counts to SI
+    rig           name of the machine
+    config        bytes of the resolved configuration; must not hold the emulator's truth
+    about         further provenance as text, e.g. git_commit, start_time
+
+    Raises DataError where the file cannot be opened.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        *,
+        trial: Mapping[str, Any],
+        transmission: Transmission,
+        rig: str,
+        config: bytes = b"",
+        about: Mapping[str, str] | None = None,
+    ):
+        self.path = Path(path)
+        self.partial = self.path.with_name(self.path.name + ".part")
+        self._about = {
+            "trial": str(trial["name"]),
+            "role": str(trial["role"]),
+            "rig": rig,
+            **versions(),
+            **(about or {}),
+        }
+        numbers = {name: getattr(transmission, name) for name in transmission.parameters()}
+        document = {"trial": dict(trial), "rig": rig, "transmission": numbers}
+        self._attachments = {
+            CONFIG_FILE: config,
+            TRIAL_FILE: yaml.safe_dump(document, sort_keys=False, allow_unicode=True).encode(),
+        }
+        self._joints = JointPacker(MOTORS)
+        self._sequence = 0
+
+    def __enter__(self) -> Self:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            # A buffer of one byte: each finished chunk reaches the operating system at once.
+            self._file = io.BufferedWriter(io.FileIO(self.partial, "wb"), buffer_size=1)
+        except OSError as error:
+            raise DataError(f"{self.path}: cannot write the log: {error.strerror}") from error
+        self._writer = Writer(
+            self._file,
+            chunk_size=CHUNK_BYTES,
+            compression=CompressionType.ZSTD,
+            enable_data_crcs=True,
+        )
+        self._writer.start(profile="", library=f"spirob {self._about['spirob']}")
+        self._writer.add_metadata(ABOUT, self._about)
+        for name, content in self._attachments.items():
+            self._writer.add_attachment(0, 0, name, "application/yaml", content)
+        channels = []
+        for topic in (RAW_TOPIC, JOINTS_TOPIC, COMMAND_TOPIC):
+            name, descriptor = SCHEMAS[topic]
+            schema = self._writer.register_schema(name, "protobuf", descriptor)
+            channels.append(self._writer.register_channel(topic, "protobuf", schema))
+        self._raw, self._joint_states, self._command = channels
+        return self
+
+    def frames(self, frames: Sequence[CanFrame]) -> None:
+        """Keep frames just as they were received, in the order they were."""
+        for frame in frames:
+            stamp = frame.stamp_ns
+            data = pack_frame(stamp, frame.arbitration_id, frame.data)
+            self._writer.add_message(self._raw, stamp, data, stamp, self._sequence)
+
+    def cycle(
+        self,
+        stamp_ns: int,
+        positions: Sequence[float],
+        velocities: Sequence[float],
+        efforts: Sequence[float],
+        currents: Sequence[float],
+        references: Sequence[float],
+        rates: Sequence[float],
+        modes: Sequence[int],
+    ) -> None:
+        """Keep what was measured at the start of a cycle and what was asked in it, by motor.
+
+        stamp_ns    of this cycle's command frame
+        positions, velocities, efforts   [m], [m/s], [N] at the tendon
+        currents    commanded [A];  references and modes as in `Schedule`;  rates [m/s]
+        """
+        add, sequence = self._writer.add_message, self._sequence
+        joints = self._joints(stamp_ns, positions, velocities, efforts)
+        add(self._joint_states, stamp_ns, joints, stamp_ns, sequence)
+        command = pack_command(stamp_ns, currents, references, rates, modes)
+        add(self._command, stamp_ns, command, stamp_ns, sequence)
+        self._sequence = sequence + 1
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            self._writer.finish()
+        finally:
+            self._file.close()
+        if kind is None:
+            publish(self.partial, self.path)

@@ -1,0 +1,129 @@
+"""Bounded numbers: each has a nominal value, bounds, a unit, a symbol, a meaning and a source.
+
+A class that inherits `Numbers` declares them one to a line with `bounded(...)`; instances hold
+values.  A `Table` lines up the numbers of several owners as one vector, named `owner.field`, for
+the compiled loop and for the optimiser.
+"""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, dataclass_transform
+
+import numpy as np
+
+from spirob.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is known of one number before any measurement.
+
+    log  true where the number spans decades: the optimiser then moves its logarithm
+    """
+
+    nominal: float
+    low: float
+    high: float
+    unit: str
+    symbol: str
+    meaning: str
+    source: str = ""
+    log: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.low <= self.nominal <= self.high:
+            raise ConfigError(
+                f"parameter '{self.symbol}': nominal {self.nominal} is outside "
+                f"[{self.low}, {self.high}]"
+            )
+        if self.log and self.low <= 0:
+            raise ConfigError(f"parameter '{self.symbol}': log scale needs a lower bound above 0")
+
+
+def bounded(
+    nominal: float,
+    low: float,
+    high: float,
+    unit: str,
+    symbol: str,
+    meaning: str,
+    source: str = "",
+    log: bool = False,
+) -> Any:
+    """Declare one bounded number as a field of a `Numbers` class."""
+    about = Parameter(nominal, low, high, unit, symbol, meaning, source, log)
+    return dataclasses.field(default=nominal, metadata={"parameter": about})
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(bounded,))
+class Numbers:
+    """Base of every class that declares bounded numbers; subclasses become frozen dataclasses.
+
+    Raises ConfigError when a value is not finite or lies outside its bounds.
+    """
+
+    owner: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+
+    def __post_init__(self) -> None:
+        for name, about in self.parameters().items():
+            value = getattr(self, name)
+            if not (np.isfinite(value) and about.low <= value <= about.high):
+                raise ConfigError(
+                    f"{self.owner or type(self).__name__}.{name} = {value} {about.unit} is out of "
+                    f"range [{about.low}, {about.high}] ({about.meaning})"
+                )
+
+    @classmethod
+    def parameters(cls) -> dict[str, Parameter]:
+        """The declared numbers by field name, in order of declaration."""
+        fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+        return {f.name: f.metadata["parameter"] for f in fields if "parameter" in f.metadata}
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, float]) -> "Numbers":
+        """Build from a mapping; an unknown key is an error that lists the known ones."""
+        known = cls.parameters()
+        for key in values:
+            if key not in known:
+                raise ConfigError(
+                    f"{cls.owner or cls.__name__} has no number '{key}'; it has: {', '.join(known)}"
+                )
+        return cls(**{key: float(value) for key, value in values.items()})
+
+
+class Table:
+    """Names and values of many bounded numbers as one vector, in a fixed order."""
+
+    def __init__(self, owners: Iterable[tuple[str, Numbers]]):
+        self.about: dict[str, Parameter] = {}
+        values: list[float] = []
+        for owner, numbers in owners:
+            for field, about in numbers.parameters().items():
+                self.about[f"{owner}.{field}"] = about
+                values.append(float(getattr(numbers, field)))
+        self.names = list(self.about)
+        self.index = {name: k for k, name in enumerate(self.names)}
+        self.values = np.array(values)
+
+    def vector(self, changes: Mapping[str, float] | None = None) -> np.ndarray:
+        """The whole vector with some values replaced; raises ConfigError on an unknown name."""
+        out = self.values.copy()
+        for name, value in (changes or {}).items():
+            out[self.position(name)] = value
+        return out
+
+    def position(self, name: str) -> int:
+        """Index of a parameter in the vector; raises ConfigError on an unknown name."""
+        if name not in self.index:
+            raise ConfigError(f"no parameter '{name}'; known: {', '.join(self.names)}")
+        return self.index[name]
+
+    def bounds(self, names: Iterable[str]) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the named parameters."""
+        chosen = [self.about[self.names[self.position(n)]] for n in names]
+        return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])

@@ -1,0 +1,149 @@
+"""The arm as a MuJoCo chain of hinges, generated from the spiral's law.
+
+Each unit is a trapezoid mirrored about the elastic axis, of thickness h·width; its two outer edges
+are thin capsules.  Self-contact of neighbouring faces is the joints' end stop at 0.96·Δθ.  The
+tendons are not MuJoCo's: their lengths are known in closed form (`plant.tendon`), which halves the
+cost of a step.  `tendons=True` adds them for export, so that other tools see the same machine.
+"""
+
+import mujoco
+import numpy as np
+
+from spirob.geometry import SpiralArm, spiral_arm
+from spirob.plant.nominal import Arm
+from spirob.robot import MOTORS, Scene
+
+OUTLINE_RADIUS = 0.1  # capsule radius over half width
+ARM_BIT, OBJECT_BIT = 1, 2  # arm touches arm and objects; objects touch the arm
+
+
+def hinge_stiffness(arm: Arm, geometry: SpiralArm) -> np.ndarray:
+    """k_i = k_1 s_i^e [N·m/rad], (N,)."""
+    return arm.base_stiffness * geometry.scale**arm.stiffness_exponent
+
+
+def unit_inertia(arm: Arm, geometry: SpiralArm) -> tuple[np.ndarray, np.ndarray]:
+    """Mass [kg] and moment about the centre of mass, axis z [kg·m²], of each unit, (N,).
+
+    Trapezoid with parallel sides L ∓ ... along x: at height y the unit's length is
+    L - 2|y| tan(Δθ/2), integrated over |y| ≤ w.
+    """
+    w, length = geometry.half_width, geometry.unit_length
+    slope = np.tan(geometry.unit_angle / 2)
+    thickness = arm.thickness_ratio * 2 * w
+    area = 2 * (length * w - slope * w**2)
+    # ∫ y² ℓ(y) dy and ∫ ℓ(y)³/12 dy over both halves
+    along_y = 2 * (length * w**3 / 3 - slope * w**4 / 2)
+    short = length - 2 * w * slope
+    along_x = (length**4 - short**4) / (48 * slope)
+    surface = arm.density * thickness
+    return surface * area, surface * (along_x + along_y)
+
+
+def build_spec(
+    arm: Arm, scene: Scene, units: int, timestep: float, tendons: bool = False
+) -> mujoco.MjSpec:
+    """The arm, straight along +x from the origin, in its scene.
+
+    Masses in kg, lengths in m, angles in rad; gravity from `arm.gravity_x`, `arm.gravity_y`.
+    """
+    geometry = spiral_arm(units)
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    _set_options(spec, arm, timestep)
+    mass, inertia = unit_inertia(arm, geometry)
+    stiffness = hinge_stiffness(arm, geometry)
+    parent = spec.worldbody
+    for i in range(units):
+        offset = 0.0 if i == 0 else geometry.unit_length[i - 1]
+        if tendons:
+            _add_guides(parent, geometry.guide_before[i] + [offset, 0], f"before_{i}")
+        parent = parent.add_body(name=f"unit_{i}", pos=[offset, 0, 0])
+        _add_hinge(parent, i, arm, geometry, stiffness[i])
+        parent.explicitinertial = True
+        parent.mass = mass[i]
+        parent.ipos = [geometry.unit_length[i] / 2, 0, 0]
+        parent.inertia = np.full(3, inertia[i])
+        _add_outline(parent, i, arm, geometry)
+        if tendons:
+            _add_guides(parent, geometry.guide_after[i], f"after_{i}")
+    if scene.cylinder is not None:
+        _add_cylinder(spec, scene, geometry)
+    if tendons:
+        _add_tendons(spec, units)
+    return spec
+
+
+def _set_options(spec: mujoco.MjSpec, arm: Arm, timestep: float) -> None:
+    spec.option.timestep = timestep
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.gravity = [arm.gravity_x, arm.gravity_y, 0.0]
+
+
+def _add_hinge(body, i: int, arm: Arm, geometry: SpiralArm, stiffness: float) -> None:
+    limit = arm.limit_ratio * geometry.unit_angle
+    joint = body.add_joint(
+        name=f"hinge_{i}",
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=[0, 0, 1],
+        limited=mujoco.mjtLimited.mjLIMITED_TRUE,
+        range=[-limit, limit],
+        armature=arm.armature * geometry.scale[i] ** 2,
+        solref_limit=[0.004, 1.0],
+    )
+    joint.stiffness = np.array([stiffness, 0.0, 0.0])
+    joint.damping = np.array([arm.damping_time * stiffness, 0.0, 0.0])
+
+
+def _add_outline(body, i: int, arm: Arm, geometry: SpiralArm) -> None:
+    w, length = geometry.half_width[i], geometry.unit_length[i]
+    radius = OUTLINE_RADIUS * w
+    height = w - radius
+    inset = height * np.tan(geometry.unit_angle / 2) + radius
+    for name, side in zip(MOTORS, (1, -1), strict=True):
+        body.add_geom(
+            name=f"{name}_edge_{i}",
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[radius, 0, 0],
+            fromto=[inset, side * height, 0, max(length - inset, inset + 1e-4), side * height, 0],
+            contype=ARM_BIT,
+            conaffinity=ARM_BIT | OBJECT_BIT,
+            friction=[arm.contact_friction, 0.005, 0.0001],
+            solref=[0.004, 1.0],
+            mass=0.0,
+        )
+
+
+def _add_cylinder(spec: mujoco.MjSpec, scene: Scene, geometry: SpiralArm) -> None:
+    cylinder = scene.cylinder
+    assert cylinder is not None
+    half = 2 * geometry.half_width[0]  # taller than the arm is thick
+    spec.worldbody.add_geom(
+        name="cylinder",
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        size=[cylinder.diameter / 2, 0, 0],
+        fromto=[cylinder.x, cylinder.y, -half, cylinder.x, cylinder.y, half],
+        contype=OBJECT_BIT,
+        conaffinity=ARM_BIT,
+        friction=[cylinder.friction, 0.005, 0.0001],
+        solref=[0.004, 1.0],
+    )
+
+
+def _add_guides(body, position: np.ndarray, name: str) -> None:
+    for motor, side in zip(MOTORS, (1, -1), strict=True):
+        body.add_site(name=f"{motor}_{name}", pos=[position[0], side * position[1], 0])
+
+
+def _add_tendons(spec: mujoco.MjSpec, units: int) -> None:
+    for motor in MOTORS:
+        tendon = spec.add_tendon(name=motor)
+        for i in range(units):
+            tendon.wrap_site(f"{motor}_before_{i}")
+            tendon.wrap_site(f"{motor}_after_{i}")
+        spec.add_actuator(
+            name=motor,
+            target=motor,
+            trntype=mujoco.mjtTrn.mjTRN_TENDON,
+            gear=[-1, 0, 0, 0, 0, 0],  # positive control pulls
+        )

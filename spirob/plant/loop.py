@@ -1,0 +1,280 @@
+# ruff: noqa: F821
+"""The coupled cycle, as a template: `plant.assemble` fills in the ports and compiles it.
+
+A comment `#@ port name -> variable` is replaced by one statement for each effect at that port.
+`P_...` are positions in the parameter vector, `COUNT_...` sizes.  What the loop does in cycle k:
+
+    j_a  feedback law -> i_cmd;  drive and R-L circuit -> i*            (control.law, electrics)
+    j_b  i* -> torque at the drum                                       (here)
+    j_c  rotor, tendon and arm together -> F, Δl, dΔl/dt; i**           (winch, MuJoCo)
+
+repeated j_b, j_c for each substep.  Row k of the output is the state at the start of the cycle,
+as the drive reports it, with the command that follows from it;
+one more row holds the state after the last cycle.
+
+    i** = (J_eq Δl̈/r + b_eq Δl̇/r + r F - G τ_effects)/(η G k_t)
+
+It is written as i* plus the difference between the arm's motion and the rotor's, which is the same
+equation (the rotor satisfies it with i*) and holds with every effect; a slack tendon tells the
+rotor nothing of the arm, and there i** = i*.
+"""
+
+
+def run(
+    model,
+    data,
+    qpos,
+    qvel,
+    applied,
+    p,
+    mode,
+    reference,
+    reference_rate,
+    limit,
+    gains,
+    guides,
+    stiffness,
+    substeps,
+    step,
+    drive_steps,
+    state,
+    memory,
+    pull,
+    pull_address,
+    solved,
+    solved_address,
+    out,
+    angles,
+):
+    """Simulate all cycles; returns the cycle where a state became non-finite, or -1.
+
+    guides (N, 4) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2, cos β/2 of each hinge (`plant.tendon`);
+    pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension
+    ratio, solved (N,) what `mj_solveM` makes of it; C wants their addresses too.
+    """
+    cycles = reference.shape[0]
+    motors = 2
+    hinges = guides.shape[0]
+    dt = step
+    cycle_time = substeps * step
+    gear = p[P_winch_gear_ratio]
+    nominal_radius = gains[7]
+    gain_p, gain_i = current_loop_gains(
+        p[P_motor_resistance], p[P_motor_inductance], p[P_drive_bandwidth]
+    )
+    side = np.array([1.0, -1.0])
+    rest = np.zeros(hinges)
+    for i in range(hinges):
+        rest[i], _ = guide_length(
+            1.0, 0.0, 1.0, guides[i, 0], guides[i, 1], guides[i, 2], guides[i, 3]
+        )
+    sine = np.zeros(hinges)
+    cosine = np.zeros(hinges)
+    arm = np.zeros((motors, hinges))  # shortening of each tendon per hinge angle
+    # what a motor remembers from cycle to cycle, one row each
+    current, integral, velocity_integral = state[0], state[1], state[2]
+    displacement, rate, turned = state[3], state[4], state[5]  # x, w, angle of the drum
+    tension, shortening, shortening_rate = state[6], state[7], state[8]  # F, Δl, dΔl/dt
+    previous_rate, previous_accel, arm_accel = state[9], state[10], state[11]
+    command, arm_current, radius_now = state[12], state[13], state[14]
+    begun = state[15]  # cycles played so far, in its first entry
+    mobility = np.zeros(motors)
+    mean_current = np.zeros(motors)
+    last_command = np.zeros(motors)
+    if begun[0] == 0.0:
+        radius_now[:] = p[P_winch_radius]
+    for cycle in range(cycles + 1):
+        time = begun[0] * cycle_time
+        for m in range(motors):
+            # what the drive reports
+            sensed_displacement = nominal_radius * turned[m]
+            #@ port sensing.displacement -> sensed_displacement
+            sensed_velocity = nominal_radius * rate[m] / radius_now[m]
+            sensed_current = current[m]
+            #@ port sensing.current -> sensed_current
+            sensed_arm_current = arm_current[m]
+            #@ repeat sensing.current -> sensed_arm_current
+            out[cycle, m, 0] = sensed_current
+            out[cycle, m, 1] = sensed_arm_current
+            out[cycle, m, 2] = sensed_displacement
+            out[cycle, m, 3] = sensed_velocity
+            out[cycle, m, 4] = shortening[m]
+            out[cycle, m, 5] = shortening_rate[m]
+            out[cycle, m, 6] = tension[m]
+            if cycle == cycles:
+                continue
+            last_command[m] = command[m]
+            wanted, velocity_integral[m] = current_command(
+                mode[m],
+                reference[cycle, m],
+                reference_rate[cycle, m],
+                sensed_displacement,
+                sensed_velocity,
+                sensed_current,
+                velocity_integral[m],
+                cycle_time,
+                limit[m],
+                gains[0],
+                gains[1],
+                gains[2],
+                gains[3],
+                gains[4],
+                gains[5],
+            )
+            #@ port command.current -> wanted
+            command[m] = wanted
+            out[cycle, m, 7] = wanted
+        for i in range(hinges):
+            angles[cycle, i] = qpos[i]
+        if cycle == cycles:
+            break
+        rate_before = rate.copy()
+        arm_rate_before = shortening_rate.copy()
+        for substep in range(substeps):
+            mj_step1(model, data)
+            for i in range(hinges):
+                sine[i], cosine[i] = half_angle(qpos[i])
+            for m in range(motors):
+                total = 0.0
+                slide = 0.0
+                for i in range(hinges):
+                    length, lever = guide_length(
+                        side[m],
+                        sine[i],
+                        cosine[i],
+                        guides[i, 0],
+                        guides[i, 1],
+                        guides[i, 2],
+                        guides[i, 3],
+                    )
+                    total += rest[i] - length
+                    arm[m, i] = side[m] * lever
+                    slide += arm[m, i] * qvel[i]
+                shortening[m] = total
+                shortening_rate[m] = slide
+                ratio = 1.0
+                for i in range(hinges):
+                    # the tendon ahead of guide i has already taken up what lies nearer the base
+                    #@ port tendon.tension_ratio -> ratio
+                    pull[m, i] = ratio * arm[m, i]
+                    slide -= arm[m, i] * qvel[i]
+                mj_solveM(model, data, solved_address, pull_address + 8 * hinges * m, 1)
+                total = 0.0
+                for i in range(hinges):
+                    total += arm[m, i] * solved[i]
+                mobility[m] = total
+            for m in range(motors):
+                radius = p[P_winch_radius]
+                #@ port winch.radius -> radius
+                radius_now[m] = radius
+                rotor_speed = gear * rate[m] / radius
+                rotor_angle = gear * turned[m]
+                load_torque = radius * tension[m] / gear
+                resistance = p[P_motor_resistance]
+                #@ port motor.resistance -> resistance
+                disturbance = 0.0
+                #@ port motor.voltage -> disturbance
+                current[m], integral[m], mean_current[m] = drive_current(
+                    current[m],
+                    integral[m],
+                    command[m],
+                    (command[m] - last_command[m]) / cycle_time,
+                    p[P_motor_emf_constant] * rotor_speed,
+                    disturbance,
+                    drive_steps,
+                    step / drive_steps,
+                    resistance,
+                    p[P_motor_inductance],
+                    gain_p,
+                    gain_i,
+                    p[P_drive_emf_compensation],
+                    p[P_drive_voltage_limit],
+                )
+                drive_torque = p[P_motor_torque_constant] * mean_current[m]
+                #@ port motor.drive_torque -> drive_torque
+                efficiency = p[P_winch_efficiency]
+                #@ port winch.efficiency -> efficiency
+                # friction at this speed and just above it: its slope is solved implicitly
+                slope = 0.0
+                added = 0.0
+                for probe in range(1, -1, -1):
+                    rotor_speed = gear * rate[m] / radius + 0.01 * probe
+                    added = 0.0
+                    #@ probe motor.torque -> added
+                    slope = added if probe == 1 else (added - slope) / 0.01
+                rotor_damping = max(0.0, slope)
+                torque = efficiency * gear * drive_torque + gear * (
+                    added + rotor_damping * gear * rate[m] / radius
+                )
+                inertia = gear * gear * p[P_motor_rotor_inertia] / (radius * radius)
+                damping = (
+                    gear * gear * (p[P_motor_rotor_damping] + rotor_damping) / (radius * radius)
+                )
+                external = 0.0
+                #@ port tendon.force -> external
+                extra = 0.0
+                #@ port tendon.extra_length -> extra
+                free = free_rate(rate[m], torque / radius + external, inertia, damping, step)
+                if begun[0] + substep > 0:
+                    seen = (shortening_rate[m] - previous_rate[m]) / step
+                    arm_accel[m] += 0.3 * (seen - previous_accel[m] - arm_accel[m])
+                tension[m] = implicit_tension(
+                    displacement[m] - shortening[m] - extra,
+                    free,
+                    shortening_rate[m],
+                    arm_accel[m],
+                    inertia,
+                    damping,
+                    mobility[m],
+                    p[P_tendon_stiffness],
+                    p[P_tendon_damping],
+                    step,
+                )
+                previous_rate[m] = shortening_rate[m]
+                previous_accel[m] = mobility[m] * tension[m]
+                rate[m] = free - step * tension[m] / (inertia + step * damping)
+                displacement[m] += step * rate[m]
+                turned[m] += step * rate[m] / radius
+            for i in range(hinges):
+                hinge_torque = 0.0
+                #@ port body.hinge_torque -> hinge_torque
+                applied[i] = (
+                    hinge_torque + tension[0] * pull[0, i] + tension[1] * pull[1, i]
+                )
+            mj_step2(model, data)
+        for i in range(hinges):
+            sine[i], cosine[i] = half_angle(qpos[i])
+        for m in range(motors):
+            total = 0.0
+            slide = 0.0
+            for i in range(hinges):
+                length, lever = guide_length(
+                    side[m],
+                    sine[i],
+                    cosine[i],
+                    guides[i, 0],
+                    guides[i, 1],
+                    guides[i, 2],
+                    guides[i, 3],
+                )
+                total += rest[i] - length
+                slide += side[m] * lever * qvel[i]
+            shortening[m] = total
+            shortening_rate[m] = slide
+            arm_current[m] = current[m]
+            if tension[m] > 0.0:
+                scale = p[P_winch_efficiency] * gear * p[P_motor_torque_constant] / radius_now[m]
+                square = gear * gear / (radius_now[m] * radius_now[m])
+                accel = (
+                    (shortening_rate[m] - arm_rate_before[m]) - (rate[m] - rate_before[m])
+                ) / cycle_time
+                slip = shortening_rate[m] - rate[m]
+                arm_current[m] += (
+                    square
+                    * (p[P_motor_rotor_inertia] * accel + p[P_motor_rotor_damping] * slip)
+                    / scale
+                )
+        if not (np.isfinite(rate[0] + rate[1]) and np.isfinite(qvel.sum())):
+            return cycle
+        begun[0] += 1.0
+    return -1

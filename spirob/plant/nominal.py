@@ -1,0 +1,91 @@
+"""The numbers of the model before any measurement, each with its bounds and source."""
+
+from spirob.parameter import Numbers, bounded
+
+PAPER = "Alsarraj et al. 2026, sim-to-real identification"
+DRIVE_SHEET = "M3508/C620 class drive, published by several firmwares"
+DESIGN = "SpiRobs design tool and published models; they differ by a factor of ten"
+
+
+class Motor(Numbers):
+    """Winding and rotor."""
+
+    owner = "motor"
+
+    resistance: float = bounded(0.194, 0.01, 20.0, "Ω", "R", "phase resistance", DRIVE_SHEET)
+    inductance: float = bounded(9.7e-5, 1e-6, 0.1, "H", "L", "phase inductance", DRIVE_SHEET)
+    torque_constant: float = bounded(
+        0.0203, 1e-3, 2.0, "N·m/A", "k_t", "torque per current at the rotor", DRIVE_SHEET
+    )
+    emf_constant: float = bounded(
+        0.0203, 1e-3, 2.0, "V·s/rad", "k_e", "back-EMF per rotor speed", DRIVE_SHEET
+    )
+    rotor_inertia: float = bounded(
+        2e-5, 5e-6, 5e-4, "kg·m²", "J_m", "inertia of the rotor", PAPER, log=True
+    )
+    rotor_damping: float = bounded(
+        1e-4, 1e-5, 1e-3, "N·m·s/rad", "b_m", "viscous friction of the rotor", PAPER, log=True
+    )
+
+
+class Drive(Numbers):
+    """The drive's inner current loop, faster than the bus."""
+
+    owner = "drive"
+
+    rate: float = bounded(20000.0, 2000.0, 1e5, "Hz", "f_d", "rate of the current loop")
+    bandwidth: float = bounded(1000.0, 1.0, 4000.0, "Hz", "f_c", "bandwidth of the current loop")
+    emf_compensation: float = bounded(1.0, 0.0, 1.0, "1", "c_e", "fed-forward share of back-EMF")
+    voltage_limit: float = bounded(24.0, 1.0, 100.0, "V", "U", "supply voltage", DRIVE_SHEET)
+    current_limit: float = bounded(5.0, 0.1, 100.0, "A", "I", "limit of the current command", PAPER)
+
+
+class Winch(Numbers):
+    """Gear and drum."""
+
+    owner = "winch"
+
+    gear_ratio: float = bounded(3591 / 187, 1.0, 200.0, "1", "G", "rotor turns per drum turn")
+    radius: float = bounded(0.02, 1e-3, 0.2, "m", "r", "radius of the drum")
+    efficiency: float = bounded(0.77, 0.6, 1.0, "1", "η", "torque transmitted by the gear", PAPER)
+
+
+class Tendon(Numbers):
+    """The elastic, one-sided tendon."""
+
+    owner = "tendon"
+
+    stiffness: float = bounded(4e4, 5e3, 1e6, "N/m", "k", "tension per stretch", log=True)
+    damping: float = bounded(20.0, 0.0, 200.0, "N·s/m", "c", "tension per rate of stretch")
+
+
+class Arm(Numbers):
+    """The chain of hinges."""
+
+    owner = "arm"
+
+    base_stiffness: float = bounded(
+        0.15, 0.01, 2.0, "N·m/rad", "k_1", "stiffness of the base hinge", DESIGN, log=True
+    )
+    stiffness_exponent: float = bounded(
+        1.5, 0.5, 3.5, "1", "e", "stiffness falls as size to this power", DESIGN
+    )
+    damping_time: float = bounded(
+        0.02, 1e-3, 0.4, "s", "τ_d", "damping over stiffness of each hinge", DESIGN, log=True
+    )
+    density: float = bounded(
+        540.0, 50.0, 3000.0, "kg/m³", "ρ", "TPU 1200 kg/m³ at 45 % fill", DESIGN, log=True
+    )
+    thickness_ratio: float = bounded(0.6, 0.1, 2.0, "1", "h", "thickness over width", DESIGN)
+    armature: float = bounded(
+        5e-5, 0.0, 1e-3, "kg·m²", "I_a", "added inertia of the base hinge; falls as size squared"
+    )
+    limit_ratio: float = bounded(
+        0.96, 0.5, 0.99, "1", "q_max/Δθ", "end stop; at 1 the guides coincide and length has a cusp"
+    )
+    gravity_x: float = bounded(0.0, -20.0, 20.0, "m/s²", "g_x", "gravity along the straight arm")
+    gravity_y: float = bounded(0.0, -20.0, 20.0, "m/s²", "g_y", "gravity across the arm, in plane")
+    contact_friction: float = bounded(0.3, 0.0, 2.0, "1", "μ_c", "friction of the arm's surface")
+
+
+COMPONENTS: tuple[type[Numbers], ...] = (Motor, Drive, Winch, Tendon, Arm)

@@ -1,0 +1,75 @@
+"""The places where effects act, in the order of a cycle, and the signals that effects may read.
+
+Signs, once for the whole program: positive current and torque wind the tendon in; Δl = ℓ(0) - ℓ(q)
+is positive when the tendon is shortened; tension is positive when it pulls; a positive hinge angle
+bends the arm to the left (+y), which shortens the left tendon.
+
+A port combines its effects in one of two ways.  `sum`: it starts at zero and effects add.  `pipe`:
+each effect maps the value that comes from upstream, in the order in which the effects are listed.
+If an effect cannot be written without naming it in `plant/`, a port is missing here.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Port:
+    """One place where effects act.
+
+    each  what the kernel runs for: every "motor", every "hinge", or every "guide" (each hinge of
+          each tendon, from base to tip)
+    """
+
+    unit: str
+    combine: str
+    each: str
+    meaning: str
+
+
+PORTS = {
+    "command.current": Port("A", "pipe", "motor", "commanded current as the drive understands it"),
+    "motor.resistance": Port("Ω", "pipe", "motor", "winding resistance R"),
+    "motor.voltage": Port("V", "sum", "motor", "disturbance voltage d in the R-L circuit"),
+    "motor.drive_torque": Port("N·m", "pipe", "motor", "torque k_t·i at the rotor"),
+    "motor.torque": Port("N·m", "sum", "motor", "torque added at the rotor, friction negative"),
+    "winch.efficiency": Port("1", "pipe", "motor", "transmission efficiency η"),
+    "winch.radius": Port("m", "pipe", "motor", "effective radius of the drum r"),
+    "tendon.force": Port("N", "sum", "motor", "force on the winch besides the tendon's, + winds in"),
+    "tendon.extra_length": Port("m", "sum", "motor", "length the tendon has gained (creep, play)"),
+    "tendon.tension_ratio": Port("1", "pipe", "guide", "tension behind a guide over that at winch"),
+    "body.hinge_torque": Port("N·m", "sum", "hinge", "torque added at a hinge of the arm"),
+    "sensing.displacement": Port("m", "pipe", "motor", "wound-in length as the encoder reports it"),
+    "sensing.current": Port("A", "pipe", "motor", "motor current as the drive reports it"),
+}
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One quantity that a kernel may read; `each` as for ports."""
+
+    unit: str
+    each: str
+    meaning: str
+
+
+SIGNALS = {
+    "time": Signal("s", "trial", "time since the trial began"),
+    "motor.command": Signal("A", "motor", "commanded current"),
+    "motor.current": Signal("A", "motor", "motor current i*"),
+    "motor.speed": Signal("rad/s", "motor", "rotor speed, + winds in"),
+    "motor.angle": Signal("rad", "motor", "rotor angle since the start of the trial"),
+    "motor.load_torque": Signal("N·m", "motor", "tendon's torque r·F/G seen by the rotor"),
+    "winch.displacement": Signal("m", "motor", "wound-in length x"),
+    "winch.velocity": Signal("m/s", "motor", "rate of the wound-in length"),
+    "tendon.tension": Signal("N", "motor", "tension at the winch"),
+    "guide.sliding": Signal("m/s", "guide", "speed of the tendon through a guide, + towards base"),
+    "hinge.angle": Signal("rad", "hinge", "angle of a hinge"),
+    "hinge.speed": Signal("rad/s", "hinge", "angular speed of a hinge"),
+    "hinge.stiffness": Signal("N·m/rad", "hinge", "linear stiffness of a hinge"),
+}
+
+READABLE = {  # what a port of each kind may read
+    "motor": {"trial", "motor"},
+    "hinge": {"trial", "hinge"},
+    "guide": {"trial", "motor", "hinge", "guide"},
+}

@@ -1,0 +1,55 @@
+"""Puts the sections on one page; knows none of them by name."""
+
+from importlib import resources
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from spirob.logs.atomic import write_text
+from spirob.report.data import ReportData
+from spirob.report.embed import json_script
+from spirob.report.plotly_script import plotly_script
+from spirob.report.sections import discover
+
+SCRIPTS = ("packing.js", "theme.js", "plots.js", "overlay.js", "arm.js", "start.js")
+
+
+def build(data: ReportData, out: Path | str) -> Path:
+    """Write the page to `out`, whole or not at all; equal data give equal bytes."""
+    out = Path(out)
+    write_text(out, render(data))
+    return out
+
+
+def render(data: ReportData) -> str:
+    """The page as text."""
+    environment = _environment()
+    sections = discover()
+    bodies = [
+        Markup(environment.get_template(section.template).render(section.get_context(data)))
+        for section in sections
+    ]
+    return environment.get_template("page.html.j2").render(
+        sections=list(zip(sections, bodies, strict=True)),
+        commit=data.provenance.commit[:10],
+        style=Markup(_asset("style.css")),
+        plotly=Markup(plotly_script()),
+        scripts=[Markup(_asset(name)) for name in SCRIPTS],
+    )
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("spirob.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals["json_script"] = json_script
+    return environment
+
+
+def _asset(name: str) -> str:
+    return resources.files("spirob.report").joinpath("assets", name).read_text(encoding="utf-8")

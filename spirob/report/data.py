@@ -1,0 +1,151 @@
+"""What the report is made of, and the files that it is read from.
+
+Everything inside is SI; the sections change to mm and ms.  A file that must exist and does not is
+an error that names the stage writing it; a file that may be absent leaves a sentence in `absent`,
+which its section prints in place of the numbers.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from spirob.errors import DataError, MissingChannel, MissingLog
+from spirob.report.provenance import Provenance, collect
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file: its path under the root, the stage that writes it, the keys or columns it must hold.
+
+    why  for a file that may be absent: what its absence means; None where it is required
+    """
+
+    path: str
+    stage: str
+    keys: tuple[str, ...] = ()
+    why: str | None = None
+
+
+OVERLAY_CHANNELS = tuple(
+    f"{origin}_{channel}"
+    for channel in ("current", "displacement", "velocity")
+    for origin in ("measured", "base", "named")
+)
+SOURCES = {
+    "config": Source("data/config/config.yaml", "config"),
+    "identified": Source("data/identified/base.json", "identify", ("parameters",)),
+    "compare": Source("data/compare/compare.json", "compare", ("trials",)),
+    "diagnosis": Source(
+        "data/diagnosis/diagnosis.json",
+        "diagnose",
+        ("verdict", "sentence", "effects", "candidates", "ladder", "atlas", "unit"),
+    ),
+    "overlay": Source(
+        "data/diagnosis/overlay.parquet",
+        "diagnose",
+        ("trial", "role", "motor", "time", *OVERLAY_CHANNELS),
+    ),
+    "identify_metrics": Source("reports/metrics/identify.json", "identify"),
+    "compare_metrics": Source("reports/metrics/compare.json", "compare"),
+    "diagnose_metrics": Source("reports/metrics/diagnose.json", "diagnose"),
+    "motion": Source(
+        "data/diagnosis/motion.parquet",
+        "diagnose",
+        ("trial", "time", "q0"),
+        "the model of this rig has no arm, or its motion was not kept",
+    ),
+    "size_metrics": Source(
+        "reports/metrics/size.json", "size", (), "object size was not estimated in this run"
+    ),
+    "predictions": Source(
+        "data/features/predictions.parquet",
+        "size",
+        ("domain", "true_mm", "predicted_mm"),
+        "object size was not estimated in this run",
+    ),
+    "sweep": Source("data/sweep/table.json", "sweep", ("columns", "rows"), "no sweep was run here"),
+    "score": Source(
+        "reports/metrics/score.json", "score", (), "the truth of this machine was not opened"
+    ),
+}
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """Everything the sections read; fields are named as in `SOURCES`.
+
+    config      the resolved configuration as its YAML text
+    metrics     stage -> its metrics file
+    absent      name of an optional source -> sentence saying why it is not here
+    """
+
+    config: str
+    identified: dict[str, Any]
+    compare: dict[str, Any]
+    diagnosis: dict[str, Any]
+    overlay: pd.DataFrame
+    metrics: dict[str, dict[str, Any]]
+    provenance: Provenance
+    motion: pd.DataFrame | None = None
+    predictions: pd.DataFrame | None = None
+    sweep: dict[str, Any] | None = None
+    score: dict[str, Any] | None = None
+    absent: dict[str, str] = field(default_factory=dict)
+
+
+def load(root: Path | str) -> ReportData:
+    """Read all sources under `root`.
+
+    Raises MissingLog for an absent required file, DataError or MissingChannel for a broken one.
+    """
+    root = Path(root)
+    found: dict[str, Any] = {}
+    absent: dict[str, str] = {}
+    for name, source in SOURCES.items():
+        if (root / source.path).exists():
+            found[name] = _read(root / source.path, source)
+        elif source.why is None:
+            raise MissingLog(f"{source.path} is missing; the stage '{source.stage}' writes it")
+        else:
+            absent[name] = f"{source.why[0].upper()}{source.why[1:]} ({source.path} is absent)."
+    metrics = {
+        name.removesuffix("_metrics"): found.pop(name)
+        for name in list(found)
+        if name.endswith("_metrics")
+    }
+    read = [source.path for name, source in SOURCES.items() if name not in absent]
+    provenance = collect(root, read, found["config"])
+    return ReportData(metrics=metrics, provenance=provenance, absent=absent, **found)
+
+
+def _read(path: Path, source: Source) -> Any:
+    reader = READERS[path.suffix]
+    try:
+        content = reader(path)
+    except (OSError, ValueError) as error:
+        raise DataError(
+            f"{source.path} cannot be read ({error}); the stage '{source.stage}' writes it"
+        ) from error
+    for key in source.keys:
+        if key not in content:
+            raise MissingChannel(source.path, key, [str(k) for k in content])
+    return content
+
+
+def _read_text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def _read_json(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+READERS: dict[str, Callable[[Path], Any]] = {
+    ".json": _read_json,
+    ".parquet": pd.read_parquet,
+    ".yaml": _read_text,
+}

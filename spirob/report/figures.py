@@ -1,0 +1,190 @@
+"""The figures, as plotly describes them; colours are names that the page's style resolves.
+
+Horizontal bars throughout: labels are read without turning the head, on a phone too.
+"""
+
+import json
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import plotly.graph_objects as go
+
+from spirob.report.numbers import EFFORT, column, is_number, percent
+
+MEASURED, BASE, NAMED = "var(--measured)", "var(--base)", "var(--named)"
+NEUTRAL, GRID, INK = "var(--neutral)", "var(--grid)", "var(--ink)"
+CLEAR = "rgba(0,0,0,0)"
+LABEL_WIDTH = 22  # characters before a label takes a second line
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure with the id of its place on the page and a sentence for those who cannot see it."""
+
+    name: str
+    label: str
+    figure: go.Figure
+
+    @property
+    def height(self) -> int:
+        """Height in pixels, kept free before the figure is drawn."""
+        return int(self.figure.layout.height)
+
+    @property
+    def content(self) -> Any:
+        """What the page's script draws."""
+        return json.loads(self.figure.to_json())
+
+
+def blank(height: int, **layout: Any) -> go.Figure:
+    """A figure with the page's manners: no frame, thin grid, room made for labels."""
+    axis = {
+        "gridcolor": GRID,
+        "zerolinecolor": NEUTRAL,
+        "linecolor": NEUTRAL,
+        "automargin": True,
+        "title": {"standoff": 8, "font": {"size": 13}},
+    }
+    figure = go.Figure()
+    figure.update_layout(
+        template=go.layout.Template(layout={"xaxis": axis, "yaxis": axis}),
+        height=height,
+        margin={"l": 8, "r": 12, "t": 8, "b": 8},
+        paper_bgcolor=CLEAR,
+        plot_bgcolor=CLEAR,
+        font={"color": INK, "size": 13},
+        legend={"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
+        hoverlabel={"bgcolor": "var(--surface)", "font": {"color": INK}},
+        dragmode=False,
+    )
+    figure.update_layout(**layout)
+    return figure
+
+
+def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str) -> go.Figure:
+    """Error of each rung on held-out trials, with the training error and the noise floor."""
+    figure = _bars(150 + 38 * len(rungs))
+    labels = [wrap(rung["label"]) for rung in rungs]
+    heldout = [(rung.get("heldout") or {}).get("rmse") for rung in rungs]
+    counts = [0, *(len(rung.get("effects") or ()) for rung in rungs)]
+    # blue where an effect is added; a flexible residual on top of them adds none
+    colours = [
+        NAMED if counts[k + 1] > max(counts[: k + 1]) else NEUTRAL for k in range(len(rungs))
+    ]
+    if colours and not counts[1]:
+        colours[0] = BASE
+    figure.add_bar(
+        x=heldout,
+        y=labels,
+        orientation="h",
+        name="held-out trials",
+        marker={"color": colours},
+        text=column(heldout),
+        textposition="outside",
+        cliponaxis=False,
+        showlegend=False,
+        hovertemplate=f"%{{x:.3g}} {unit}<extra>%{{y}}, held-out</extra>",
+    )
+    figure.add_scatter(
+        x=[(rung.get("train") or {}).get("rmse") for rung in rungs],
+        y=labels,
+        mode="markers",
+        name="training trials",
+        marker={"symbol": "line-ns", "size": 16, "line": {"width": 2, "color": INK}},
+        hovertemplate=f"%{{x:.3g}} {unit}<extra>%{{y}}, training</extra>",
+    )
+    top = max((v for v in heldout if is_number(v)), default=1.0)
+    figure.update_xaxes(
+        title_text=f"held-out RMSE of {EFFORT.get(unit, 'effort')} [{unit}]",
+        range=[0, 1.22 * top],
+    )
+    if noise_floor is not None and is_number(noise_floor):
+        figure.add_shape(
+            type="line",
+            xref="x",
+            yref="paper",
+            x0=noise_floor,
+            x1=noise_floor,
+            y0=0,
+            y1=1,
+            name=f"sensor noise, {column([noise_floor], 2)[0]} {unit}",
+            showlegend=True,
+            line={"color": INK, "dash": "dot", "width": 1.5},
+        )
+    return figure
+
+
+def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
+    """Share of squared error beside share of time, one pair of bars for each regime."""
+    figure = _bars(120 + 46 * len(regimes), barmode="group", bargap=0.28, bargroupgap=0.05)
+    labels = [wrap(regime["regime"], 26) for regime in regimes]
+    for name, key, colour in (
+        ("share of squared error", "share_of_error", BASE),
+        ("share of time", "share_of_time", NEUTRAL),
+    ):
+        shares = [regime[key] for regime in regimes]
+        figure.add_bar(
+            x=[None if share is None else 100 * share for share in shares],
+            y=labels,
+            orientation="h",
+            name=name,
+            marker={"color": colour},
+            text=[percent(share) for share in shares],
+            textposition="outside",
+            cliponaxis=False,
+            hovertemplate="%{x:.1f} %<extra>%{y}, " + name + "</extra>",
+        )
+    top = max(100 * (r[k] or 0) for r in regimes for k in ("share_of_error", "share_of_time"))
+    figure.update_xaxes(title_text="share [%]", range=[0, 1.14 * top])
+    return figure
+
+
+def size(points: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> go.Figure:
+    """Predicted over true diameter [mm] with the line of a perfect estimate."""
+    figure = blank(430)
+    every = [value for pair in points.values() for values in pair for value in values]
+    low, high = min(every) - 4, max(every) + 4
+    figure.add_scatter(
+        x=[low, high],
+        y=[low, high],
+        mode="lines",
+        name="perfect",
+        line={"color": NEUTRAL, "width": 1, "dash": "dot"},
+        hoverinfo="skip",
+    )
+    looks = {"simulation": (NAMED, "circle-open"), "robot": (BASE, "diamond-open")}
+    for domain, (true, predicted) in points.items():
+        colour, symbol = looks.get(domain, (INK, "cross"))
+        figure.add_scatter(
+            x=list(true),
+            y=list(predicted),
+            mode="markers",
+            name=domain,
+            marker={"color": colour, "symbol": symbol, "size": 8, "line": {"width": 1.6}},
+            hovertemplate="true %{x:.1f} mm, predicted %{y:.1f} mm<extra>" + domain + "</extra>",
+        )
+    figure.update_xaxes(
+        title_text="true diameter [mm]", range=[low, high], constrain="domain", dtick=10
+    )
+    figure.update_yaxes(
+        title_text="predicted diameter [mm]",
+        range=[low, high],
+        dtick=10,
+        scaleanchor="x",
+        constrain="domain",
+    )
+    return figure
+
+
+def wrap(label: str, width: int = LABEL_WIDTH) -> str:
+    """A label over several lines."""
+    return "<br>".join(textwrap.wrap(label, width)) or label
+
+
+def _bars(height: int, **layout: Any) -> go.Figure:
+    figure = blank(height, **{"bargap": 0.35, **layout})
+    figure.update_yaxes(autorange="reversed", showgrid=False, ticks="", ticklabelstandoff=6)
+    figure.update_xaxes(rangemode="tozero")
+    return figure

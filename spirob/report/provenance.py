@@ -1,0 +1,107 @@
+"""Where the page comes from: source, data, versions, seed and the command that repeats it."""
+
+import hashlib
+import subprocess
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from spirob.logs.provenance import git_commit, versions
+
+PACKAGES = ("scipy", "numba", "pandas", "pyarrow", "scikit-learn", "plotly")
+SOURCE_FOLDERS = ("spirob", "pipeline", "conf", "dvc.yaml", "params.yaml", "pyproject.toml")
+COMMAND = "dvc repro"
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What is needed to make the page again.
+
+    dirty     True when code or configuration differ from the commit; None without a repository
+    hashes    path -> first 16 digits of its SHA-256, or the folder's hash that DVC recorded
+    overrides choices on top of the defaults, as written in params.yaml
+    """
+
+    commit: str = "unknown"
+    dirty: bool | None = None
+    seed: str = "not set"
+    command: str = COMMAND
+    overrides: tuple[str, ...] = ()
+    versions: dict[str, str] = field(default_factory=dict)
+    hashes: dict[str, str] = field(default_factory=dict)
+
+
+def collect(root: Path, files: Iterable[str], config: str) -> Provenance:
+    """Look at the work tree under `root`, the files read, and the configuration's text."""
+    commit = git_commit(root)
+    return Provenance(
+        commit=commit,
+        dirty=None if commit == "unknown" else _is_dirty(root),
+        seed=_seed(yaml.safe_load(config)),
+        overrides=_overrides(root),
+        versions=versions() | _more_versions(),
+        hashes=_recorded_hashes(root) | {file: _hash(root / file) for file in files},
+    )
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+
+
+def _recorded_hashes(root: Path) -> dict[str, str]:
+    """Hashes of raw data that DVC has already computed; it writes them to dvc.lock."""
+    lock = root / "dvc.lock"
+    if not lock.exists():
+        return {}
+    stages = (yaml.safe_load(lock.read_text(encoding="utf-8")) or {}).get("stages", {})
+    entries = [entry for stage in stages.values() for entry in stage.get("outs", ())]
+    raw = {e["path"]: e["md5"] for e in entries if e["path"].startswith("data/raw") and "md5" in e}
+    return dict(sorted(raw.items()))
+
+
+def _is_dirty(root: Path) -> bool:
+    present = [name for name in SOURCE_FOLDERS if (root / name).exists()]
+    if not present:
+        return False
+    command = ["git", "-C", str(root), "status", "--porcelain", "--", *present]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return False
+    return bool(answer.stdout.strip())
+
+
+def _overrides(root: Path) -> tuple[str, ...]:
+    path = root / "params.yaml"
+    if not path.exists():
+        return ()
+    content = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+    return tuple(str(item) for item in content.get("overrides") or ())
+
+
+def _seed(config: Any) -> str:
+    """All keys called 'seed', with the path that leads to them."""
+    seeds = [f"{path} = {value}" for path, value in _walk(config) if path.split(".")[-1] == "seed"]
+    return ", ".join(seeds) or "not set"
+
+
+def _walk(node: Any, path: str = "") -> Iterable[tuple[str, Any]]:
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from _walk(value, f"{path}.{key}" if path else str(key))
+    else:
+        yield path, node
+
+
+def _more_versions() -> dict[str, str]:
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "absent"
+    return found

@@ -1,0 +1,74 @@
+"""Which effect it is: candidates, the steps from base model to noise, fitted numbers."""
+
+from typing import Any
+
+from spirob.report.data import ReportData
+from spirob.report.numbers import column, fixed, interval, is_number, percent, unit_text
+from spirob.report.sections.section import Section
+
+SPLITS = ("train", "validate", "heldout")
+
+
+class Ladder(Section):
+    """The evidence behind the verdict, and what to measure next."""
+
+    order = 40
+    title = "Ladder and candidates"
+    template = "ladder.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        diagnosis = data.diagnosis
+        chosen = {effect["name"] for effect in diagnosis["effects"]}
+        return {
+            "unit": diagnosis["unit"],
+            "explanation": diagnosis.get("explanation", ""),
+            "next_experiment": diagnosis.get("next_experiment", ""),
+            "candidates": candidates(diagnosis["candidates"], chosen),
+            "rungs": rungs(diagnosis["ladder"]),
+            "effects": [effect_entry(effect) for effect in diagnosis["effects"]],
+        }
+
+
+def candidates(found: list[dict[str, Any]], chosen: set[str]) -> list[dict[str, Any]]:
+    """Candidates as rows, most probable first."""
+    found = sorted(found, key=lambda c: -(c.get("probability") or 0))
+    errors = {key: column([c.get(f"{key}_rmse") for c in found]) for key in SPLITS}
+    return [
+        {
+            "title": candidate["title"],
+            "chosen": candidate["name"] in chosen,
+            "share": candidate["probability"] if is_number(candidate.get("probability")) else 0,
+            "probability": percent(candidate.get("probability")),
+            "errors": [errors[key][k] for key in SPLITS],
+            "gain": percent(candidate.get("screen_gain")),
+        }
+        for k, candidate in enumerate(found)
+    ]
+
+
+def rungs(ladder: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rungs as rows: RMSE of three splits, then MAE and R² on held-out trials."""
+    errors = [column([(rung.get(s) or {}).get("rmse") for rung in ladder]) for s in SPLITS]
+    errors.append(column([(rung.get("heldout") or {}).get("mae") for rung in ladder]))
+    errors.append([fixed((rung.get("heldout") or {}).get("r2"), 3) for rung in ladder])
+    return [
+        {"label": rung["label"], "cells": [texts[k] for texts in errors]}
+        for k, rung in enumerate(ladder)
+    ]
+
+
+def effect_entry(effect: dict[str, Any]) -> dict[str, Any]:
+    """A named effect with its fitted numbers and what it cannot be told from."""
+    return {
+        "title": effect["title"],
+        "probability": percent(effect.get("probability")),
+        "equivalents": effect.get("equivalents") or [],
+        "parameters": [
+            {
+                "name": name.replace("_", " "),
+                "unit": unit_text(fitted["unit"]),
+                "texts": interval(fitted["value"], fitted.get("low"), fitted.get("high")),
+            }
+            for name, fitted in effect.get("parameters", {}).items()
+        ],
+    }

@@ -1,0 +1,48 @@
+"""What a section is: a title, a template and the numbers that fill it."""
+
+import importlib
+import pkgutil
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
+
+from spirob.report.data import ReportData
+
+
+class Section(ABC):
+    """One part of the page.
+
+    order     place on the page; ties are broken by name
+    title     heading, also the entry in the list of contents
+    template  file in templates/ that prints what `get_context` returns
+    """
+
+    order: ClassVar[int]
+    title: ClassVar[str]
+    template: ClassVar[str]
+
+    @property
+    def name(self) -> str:
+        """Anchor of the section: the name of its file."""
+        return type(self).__module__.rsplit(".", 1)[-1]
+
+    @abstractmethod
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        """Everything the template prints."""
+
+
+def discover() -> list[Section]:
+    """All sections in this package, in the order of the page."""
+    package = importlib.import_module("spirob.report.sections")
+    found: list[Section] = []
+    for info in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+        module = importlib.import_module(info.name)
+        members = vars(module).values()
+        found += [
+            member()
+            for member in members
+            if isinstance(member, type)
+            and issubclass(member, Section)
+            and member.__module__ == info.name
+            and member is not Section
+        ]
+    return sorted(found, key=lambda section: (section.order, section.name))

@@ -1,0 +1,53 @@
+"""What a real, an emulated and a simulated robot have in common: frames in, frames out.
+
+A robot is driven one cycle at a time.  `exchange` sends one command frame and returns the frames
+that came back within the cycle.  Everything above (controller, log, filter) sees only this.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from spirob.can_protocol import CanFrame
+
+MOTORS = ("left", "right")  # left: the tendon on the +y side of the arm
+CYCLE_NS = 1_000_000  # 1 kHz
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A fixed object on the table, its axis parallel to the hinges.
+
+    diameter [m]; x, y of its centre [m] in the frame of the straight arm; Coulomb friction [-]
+    """
+
+    diameter: float
+    x: float
+    y: float
+    friction: float = 0.3
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What surrounds the arm in a trial."""
+
+    cylinder: Cylinder | None = None
+
+
+class Robot(Protocol):
+    """A robot behind a CAN bus."""
+
+    def prepare(self, scene: Scene) -> None:
+        """Bring the arm to rest, straight, tendons just taut, currents zero, in this scene.
+
+        A simulated robot does so at once; a real one asks the operator.
+        """
+
+    def exchange(self, command: bytes) -> list[CanFrame]:
+        """Send one command payload and return all frames received until the next cycle.
+
+        The command holds for the cycle that follows.  The first frame of the list is the command
+        itself, as sent.  Raises HardwareError when a drive stays silent, after commanding zero.
+        """
+
+    def close(self) -> None:
+        """Command zero current and release the bus; safe to call twice."""

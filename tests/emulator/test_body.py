@@ -1,0 +1,125 @@
+"""Laws of the passive arm."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from spirob.emulator.anatomy import DENSITY, FILL, THICKNESS, anatomy
+from spirob.geometry import spiral_arm
+from tests.emulator.conftest import hinge_angles, loosen, play
+
+N = 48
+
+
+def mass_matrix(machine, phi):
+    """Σ m J_cᵀJ_c + I ωωᵀ from the Jacobian of every centre of mass: nothing closed form."""
+    body, length = anatomy(spiral_arm(N)), machine.numbers["length"][0]
+    scale = machine.drawn["mass"]
+    total = np.zeros((N, N))
+    normal = np.column_stack([-np.sin(phi), np.cos(phi)])
+    for i in range(N):
+        jacobian = np.zeros((2, N))
+        jacobian[:, :i] = (length[:i, None] * normal[:i]).T
+        jacobian[:, i] = body.centre[i] * normal[i]
+        total += scale * body.mass[i] * jacobian.T @ jacobian
+        total[i, i] += scale[0] * (body.inertia[i] - body.mass[i] * body.centre[i] ** 2)
+    return total
+
+
+def energy(machine):
+    phi, rate = machine.state["phi"][0], machine.state["rate"][0]
+    kinetic = 0.5 * rate @ mass_matrix(machine, phi) @ rate
+    return kinetic + 0.5 * machine.numbers["stiffness"][0] @ hinge_angles(machine) ** 2
+
+
+def disturbed(machine, **rig):
+    made = machine(**rig)
+    loosen(made)
+    rng = np.random.default_rng(0)
+    made.state["phi"][0] = np.cumsum(rng.uniform(-0.05, 0.05, N))
+    made.state["rate"][0] = np.cumsum(rng.uniform(-0.5, 0.5, N))
+    return made
+
+
+def test_arm_weighs_what_its_volume_says():
+    arm = spiral_arm(N)
+    unit, face = 5, np.tan(arm.unit_angle / 2)
+    body = anatomy(arm)
+    length = arm.unit_length[unit]
+    ratio = arm.scale[0] / arm.scale[1]
+    start = arm.half_width[unit] * 2 * ratio / (1 + ratio)
+
+    def slice_mass(x):
+        width = start * (1 - x / length * (1 - 1 / ratio))
+        height = min(width, x / face, (length - x) / face)
+        return DENSITY * FILL * THICKNESS * 2 * width * 2 * height
+
+    expected = quad(slice_mass, 0, length, points=list(body.corner_x[unit]))[0]
+    assert body.mass[unit] == pytest.approx(expected, rel=1e-4)
+    assert body.mass.sum() == pytest.approx(0.32, abs=0.03)
+
+
+def test_system_matrix_is_the_mass_matrix_for_a_short_step_and_its_factor_is_exact(machine):
+    made = disturbed(machine)
+    phi = made.state["phi"][0].copy()
+    made.dt = 1e-13
+    made._advance(made.numbers, np.zeros(2), steps=1)
+    w = made._scratch
+    u, v, y = w["u"][0], w["v"][0], w["y"][0]
+    system = np.tril(u @ v.T, -1) + np.diag(w["sub"][0, 1:], -1)
+    system = system + system.T + np.diag(w["diagonal"][0])
+    factor = np.tril(u @ y.T, -1) + np.diag(w["y_sub"][0, :-1], -1) + np.diag(w["pivot"][0])
+    np.testing.assert_allclose(factor @ factor.T, system, rtol=1e-9, atol=1e-16)
+    expected = mass_matrix(made, phi)
+    np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-9 * expected.max())
+
+
+def test_undamped_arm_keeps_its_energy_as_the_step_shrinks(machine):
+    lost = []
+    for steps in (40, 160):
+        made = disturbed(machine, steps_per_cycle=steps)
+        made.numbers["damping"] = 0.0
+        before = energy(made)
+        play(made, (0.0, 0.0), 100)
+        lost.append(1 - energy(made) / before)
+    assert lost[0] > lost[1] > -1e-3
+    assert lost[1] < 0.5 * lost[0]
+    assert lost[1] < 0.15
+
+
+def test_damping_takes_exactly_what_the_energy_loses(machine):
+    made = disturbed(machine, steps_per_cycle=100)
+    before, dissipated = energy(made), 0.0
+    for _ in range(300):
+        old = made.state["rate"][0].copy()
+        play(made, (0.0, 0.0), 1)
+        rates = [np.diff(np.concatenate([[0.0], r])) for r in (old, made.state["rate"][0])]
+        powers = [made.numbers["damping"][0] @ r**2 for r in rates]
+        dissipated += 0.5e-3 * sum(powers)
+    assert before - energy(made) == pytest.approx(dissipated, rel=0.03)
+
+
+def test_energy_never_grows(machine):
+    made = disturbed(machine)
+    made.state["rate"][0] *= 20  # whips into the end stops
+    made.numbers["damping"] = 0.0
+    before = energy(made)
+    for _ in range(300):
+        play(made, (0.0, 0.0), 1)
+        assert energy(made) < 1.01 * before
+    assert energy(made) < 0.9 * before
+
+
+def test_gravity_along_the_arm_hangs_it_straight_and_across_bends_it_statically(machine):
+    hanging = machine(gravity=(9.81, 0.0))
+    assert np.abs(hanging.state["phi"][0]).max() < 1e-12
+    made = machine(gravity=(0.0, -1.0))
+    body, arm, phi = anatomy(spiral_arm(N)), spiral_arm(N), made.state["phi"][0]
+    ends = np.cumsum(arm.unit_length * np.cos(phi))
+    starts = np.concatenate([[0.0], ends[:-1]])
+    centres = starts + body.centre * np.cos(phi)
+    weight = made.drawn["mass"] * body.mass * 1.0
+    for i in (0, 10, 30):
+        moment = -weight[i:] @ (centres[i:] - starts[i])
+        elastic = made.numbers["stiffness"][0, i] * hinge_angles(made)[i]
+        assert elastic == pytest.approx(moment, rel=2e-3)

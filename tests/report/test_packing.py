@@ -1,0 +1,28 @@
+"""What the page draws is what was measured, to far less than a pixel."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spirob.report.packing import pack, stride, unpack
+
+
+@given(st.lists(st.floats(-1e4, 1e4), min_size=1, max_size=50))
+def test_a_signal_comes_back_within_half_a_step(values):
+    signal = np.array(values)
+    packed = pack(signal)
+    assert np.abs(unpack(packed) - signal).max() <= 0.51 * packed["step"]
+
+
+def test_missing_samples_stay_missing():
+    signal = np.array([np.nan, 1.0, 2.0, np.inf])
+    np.testing.assert_array_equal(np.isnan(unpack(pack(signal))), [True, False, False, True])
+
+
+def test_a_signal_of_nothing_is_not_packed():
+    assert pack(np.full(3, np.nan)) is None
+
+
+@given(st.integers(1, 10000), st.integers(1, 3000))
+def test_a_stride_keeps_no_more_than_asked(samples, most):
+    assert len(range(0, samples, stride(samples, most))) <= most
