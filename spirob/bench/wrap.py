@@ -1,9 +1,11 @@
 """The wrapping trial: one tendon winds the arm round a cylinder that stands beside it.
 
-The left motor winds in at constant speed, the right one is unactuated (0 A), and the trial ends
-long after the left command has reached its limit.  The cylinder stands on the left of the straight
-arm, opposite the point at `position` of its length.  There the published arm envelops every size
-from 10 to 70 mm by 170° or more; from 0.74 on, the smallest are only touched by the tip.
+The left motor winds in at constant speed until its command stays at the limit, the right one is
+unactuated (0 A): it is dragged along, and its gear makes it overrun once the arm stops.  The
+cylinder stands on the left of the straight arm, at `position` of its length.  Between 0.655 and
+0.68 the tendon's end stroke falls by at least 0.25 mm for each mm of diameter over 10..70 mm, and
+every size is enveloped by 150° or more; at 0.62 strokes of 20 and 25 mm are the same, because the
+tip finds another place; below 0.6 the largest are not enveloped.
 """
 
 from collections.abc import Mapping
@@ -31,7 +33,7 @@ class WrapSettings:
     speed_variation     relative [-];  friction_variation  absolute [-]
     """
 
-    position: float = 0.62
+    position: float = 0.67
     gap: float = 0.003
     speed: float = 0.045
     blend: float = 0.2

@@ -1,11 +1,14 @@
 """What the robot touches, told from its motors alone: the size of an object it wraps.
 
-wrap.py                a wrap as read from a trial: free motion, rise of the current, plateau
+reading.py             a wrap from a trial, or the reason why it is none
+wrap.py                a wrap in its parts: free motion, rise of the current, plateau
 feature.py             what a feature is, and the table of all of them
 temporal.py, spectral.py, electromechanical.py   the features themselves
 features.py            trials -> table of features
-base_models.py         the two regressors below, and the checks their inputs go through
+base_models.py         the two regressors below, and the preparation of their inputs
+folds.py               folds that hold whole diameters out
 size.py                stacking: train and predict diameters
 model_file.py          a trained model on disk, with the hash that is checked before loading
+trust.py               errors on held-out sizes; wraps unlike those of the training
 score.py               how far predictions are from the truth
 """

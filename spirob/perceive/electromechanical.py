@@ -1,7 +1,9 @@
 """Current over displacement: how far the tendon comes, and what it costs.
 
 Strokes are read at shares of the current's rise, and work is divided by the rise, so that neither
-friction nor the efficiency of the gear enters.
+friction nor the efficiency of the gear scales them.  Two obvious numbers are no features: the work
+of the whole wrap, and current over displacement against that of free motion.  In simulation they
+move by 0.5 and 1.8 of their range when rotor damping trebles, the strokes by 0.02.
 """
 
 import numpy as np
@@ -42,7 +44,7 @@ def end_stroke(wrap: Wrap) -> float:
 
 @feature("m")
 def rise_stroke(wrap: Wrap) -> float:
-    """Wound-in length between a tenth and three quarters of the rise; a stiff contact has little."""
+    """Wound-in length between a tenth and three quarters of the rise; little at a stiff one."""
     return wrap.stroke_at(0.75) - wrap.stroke_at(0.1)
 
 
@@ -53,15 +55,9 @@ def contact_work(wrap: Wrap) -> float:
     return float(np.trapezoid(wrap.share[part], wrap.delayed[part]))
 
 
-@feature("m")
-def winding_work(wrap: Wrap) -> float:
-    """Work ∫i dx of the whole wrap, over the mean current of free motion."""
-    return float(np.trapezoid(wrap.filtered, wrap.delayed) / np.mean(wrap.filtered[wrap.free]))
-
-
 @feature("1/m")
 def rise_slope(wrap: Wrap) -> float:
-    """Slope di/dx from a tenth to half of the rise over the whole rise, least squares dx over di."""
+    """Slope di/dx from a tenth to half of the rise over the whole rise, by least squares."""
     first, last = int(wrap.when(0.1)), int(wrap.when(0.5)) + 2
     share, stroke = wrap.share[first:last], wrap.delayed[first:last]
     # dx over di and not its inverse: a wrap that tightens without moving has no di/dx.
@@ -69,12 +65,14 @@ def rise_slope(wrap: Wrap) -> float:
     return 1.0 / max(softness, 1e-4)
 
 
+@feature("1/m")
+def current_over_stroke(wrap: Wrap) -> float:
+    """Share of the current's rise over displacement, mean of the upper half of the rise."""
+    first, last = int(wrap.when(0.5)) + 1, int(wrap.when(0.9)) + 2
+    return float(np.mean(wrap.share[first:last] / wrap.delayed[first:last]))
+
+
 @feature("1")
-def rise_ratio(wrap: Wrap) -> float:
-    """Mean of the current over displacement in the last quarter of the stroke, over free motion's."""
-    part = wrap.delayed >= 0.75 * wrap.end_stroke
-    moving = part & (wrap.share < 0.9)
-    if not moving.any():
-        return 1.0
-    late = np.mean(wrap.filtered[moving] / wrap.delayed[moving])
-    return float(late / np.mean(wrap.filtered[wrap.free] / wrap.delayed[wrap.free]))
+def relative_rise(wrap: Wrap) -> float:
+    """Wound-in length from a tenth of the rise to the end, over the whole end stroke."""
+    return 1.0 - wrap.stroke_at(0.1) / wrap.end_stroke

@@ -7,7 +7,7 @@ import pandas as pd
 from spirob.errors import ConfigError, DataError
 from spirob.perceive import electromechanical, spectral, temporal
 from spirob.perceive.feature import FEATURES, Feature, feature
-from spirob.perceive.wrap import read_wrap
+from spirob.perceive.reading import read_wrap
 from spirob.trace import Trace
 
 
@@ -26,7 +26,7 @@ def extract(
     values = {name: FEATURES[name].measure(wrap) for name in names or FEATURES}
     for name, value in values.items():
         if not abs(value) < float("inf"):
-            raise DataError(f"{trace.name}: feature '{name}' is {value}; this wrap has no such shape")
+            raise DataError(f"{trace.name}: feature '{name}' is {value}, so this is no wrap")
     return values
 
 

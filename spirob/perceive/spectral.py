@@ -1,7 +1,7 @@
-"""How the current's energy is spread over frequency in a window that all wraps share.
+"""The current over frequency, in a window that all wraps share.
 
-The window begins with the motion and is long enough for the smallest object; the straight line
-through its ends' levels is removed, and what remains is divided by its energy.
+The window begins with the motion and is long enough for the smallest object; the current's trend,
+a straight line, is removed, and what remains is divided by its energy.
 """
 
 import numpy as np
@@ -9,6 +9,7 @@ from scipy.signal import detrend
 from scipy.signal.windows import hann
 
 from spirob.perceive.feature import feature
+from spirob.perceive.temporal import NOMINAL_SPEED
 from spirob.perceive.wrap import Wrap
 
 SECONDS = 2.5  # of free motion at the nominal speed
@@ -52,3 +53,16 @@ def spectral_centroid(wrap: Wrap) -> float:
     frequency, power = _spectrum(wrap)
     low = frequency < 10.0
     return float(frequency[low] @ power[low] / power[low].sum())
+
+
+@feature("s")
+def phase_delay(wrap: Wrap) -> float:
+    """Delay of the current's rise after the start, told by the phase of its rate's lowest line."""
+    length = min(int(SECONDS / wrap.period), len(wrap.share))
+    level = np.clip(wrap.share[:length], 0.0, 1.0)
+    level[: wrap.free.start] = 0.0  # the start-up is no rise
+    rate = np.diff(level, prepend=0.0)
+    # Half a turn over the window, so that every delay within it has a phase of its own.
+    turn = np.pi * np.arange(length) / length
+    phase = np.angle(rate @ np.exp(1j * turn))
+    return float(phase / np.pi * length * wrap.period * wrap.free_speed / NOMINAL_SPEED)

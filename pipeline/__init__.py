@@ -1,0 +1,1 @@
+"""The stages of `dvc repro`: read, call the library, write."""

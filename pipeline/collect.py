@@ -1,0 +1,40 @@
+"""Stage `collect`: play all trials on the robot; one MCAP log each, and the truth apart.
+
+Real hardware is never driven from here: its logs are recorded with `python -m pipeline.record`
+and lie in data/recorded.
+"""
+
+import shutil
+from pathlib import Path
+
+from pipeline.robots import record_all
+from pipeline.stage import HIDDEN, public_config, read_yaml, run, write_json
+from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
+from spirob.errors import MissingLog
+from spirob.logs.atomic import replacing
+
+
+def stage(root: Path, with_wraps: bool = True) -> None:
+    """Record the experiment and, for object size, the wraps."""
+    config = public_config(root)
+    trials = experiment_trials(config) + (wraps(config, ROBOT_WRAPS) if with_wraps else [])
+    truth = {}
+    if config.robot.kind == "can":
+        for trial in trials:
+            _fetch(root, f"{trial['name']}.mcap")
+    else:
+        hidden = read_yaml(root / HIDDEN, "config") or {}
+        truth = record_all(root, config, hidden, trials)
+    write_json(root / "data/truth/truth.json", truth)
+
+
+def _fetch(root: Path, name: str) -> None:
+    source = root / "data/recorded" / name
+    if not source.exists():
+        raise MissingLog(f"{source} is missing; record it with `python -m pipeline.record`")
+    with replacing(root / "data/raw" / name) as temporary:
+        shutil.copyfile(source, temporary)
+
+
+if __name__ == "__main__":
+    run("collect", stage)

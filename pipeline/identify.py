@@ -1,0 +1,68 @@
+"""Stage `identify`: fit the model's numbers to the training trials."""
+
+from pathlib import Path
+from typing import Any
+
+from pipeline.model import fitted_names, plant, residual, start
+from pipeline.stage import public_config, run, tell, write_json
+from spirob.identify.fit import Fit, fit_identifiable
+from spirob.identify.identifiability import probe
+from spirob.parameter import Table
+from spirob.score import score
+
+
+def stage(root: Path) -> None:
+    """Probe, fit, and write the numbers with their intervals."""
+    config = public_config(root)
+    model = plant(config)
+    train = residual(root, config, model, "train")
+    names, begin = fitted_names(config), start(config)
+    gate = probe(train, names, begin)
+    tell(gate.sentence)
+    names = [n for n in names if n not in gate.silent]
+    settings = config.identify
+    found, vague = fit_identifiable(
+        train, names, begin, settings.scale, settings.iterations, tell
+    )
+    measured = train.measured()
+    quality = score(measured, measured + found.residual).as_dict() | {"unit": "A"}
+    sentence = gate.sentence
+    if vague:
+        sentence += f" Left at nominal, because the data do not tell: {', '.join(vague)}."
+    parameters = described(found, model.table)
+    write_json(
+        root / "data/identified/base.json",
+        {
+            "parameters": parameters,
+            "changes": found.changes,
+            "vague": vague,
+            "identifiability": sentence,
+            "condition": gate.condition,
+            "train": quality,
+        },
+    )
+    figures = {k: {f: v[f] for f in ("value", "low", "high", "unit")} for k, v in parameters.items()}
+    write_json(root / "reports/metrics/identify.json", {"train": quality, "parameters": figures})
+
+
+def described(found: Fit, table: Table) -> dict[str, Any]:
+    """Fitted numbers with what is known of them beforehand."""
+    out = {}
+    for name, estimate in found.estimates.items():
+        about = table.about[name]
+        out[name] = {
+            "value": estimate.value,
+            "low": estimate.low,
+            "high": estimate.high,
+            "unit": about.unit,
+            "nominal": about.nominal,
+            "bound_low": about.low,
+            "bound_high": about.high,
+            "at_bound": estimate.at_bound,
+            "meaning": about.meaning,
+        }
+    return out
+
+
+if __name__ == "__main__":
+    run("identify", stage)

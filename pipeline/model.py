@@ -1,0 +1,54 @@
+"""The model and the measured trials of a configuration, ready to compare."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pipeline.schema import Config
+from pipeline.stage import workers
+from spirob.effects import Effect, find_effects
+from spirob.errors import MissingLog
+from spirob.identify.measurement import Measurement
+from spirob.identify.residual import Filter, Residual
+from spirob.logs import read_parquet
+from spirob.plant import Plant, Rig
+
+
+def plant(config: Config, more: Sequence[type[Effect]] = ()) -> Plant:
+    """The configured model, with more effects at their neutral numbers."""
+    own = find_effects(config.plant.effects)
+    return Plant(Rig.from_mapping(config.rig), [*own, *(e for e in more if e not in own)])
+
+
+def start(config: Config) -> dict[str, float]:
+    """Nominal numbers of the effects that the configured model holds."""
+    own = find_effects(config.plant.effects)
+    return {f"{e.name()}.{f}": p.nominal for e in own for f, p in e.parameters().items()}
+
+
+def fitted_names(config: Config) -> list[str]:
+    """Parameters to fit: the configured ones and those of the model's own effects."""
+    return [*config.identify.parameters, *start(config)]
+
+
+def measurements(root: Path, config: Config, role: str) -> list[Measurement]:
+    """The decoded trials of the experiment with this role."""
+    chosen = [t["name"] for t in config.experiment.trials if t["role"] == role]
+    found = []
+    for name in chosen:
+        path = root / "data/traces" / f"{name}.parquet"
+        if not path.exists():
+            raise MissingLog(f"{path} is missing; the stage 'decode' writes it")
+        found.append(Measurement.from_trace(read_parquet(path)))
+    return found
+
+
+def residual(root: Path, config: Config, model: Plant, role: str) -> Residual:
+    """Model minus measurement on the trials of one role."""
+    settings = config.identify
+    return Residual(
+        model,
+        measurements(root, config, role),
+        Filter(**settings.filter.model_dump()),
+        settings.current,
+        workers(),
+    )

@@ -1,0 +1,26 @@
+"""Record the configured trials on real hardware into data/recorded (not a stage of `dvc repro`)."""
+
+import shutil
+from pathlib import Path
+
+from pipeline.robots import record_all
+from pipeline.stage import public_config, run
+from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
+from spirob.errors import ConfigError
+
+
+def stage(root: Path) -> None:
+    """Play every trial on the robot of the configuration, which must be `can`."""
+    config = public_config(root)
+    if config.robot.kind != "can":
+        raise ConfigError("recording is for hardware: set overrides: ['robot=can'] in params.yaml")
+    trials = experiment_trials(config) + wraps(config, ROBOT_WRAPS)
+    record_all(root, config, {}, trials)
+    for trial in trials:
+        name = f"{trial['name']}.mcap"
+        (root / "data/recorded").mkdir(parents=True, exist_ok=True)
+        shutil.move(root / "data/raw" / name, root / "data/recorded" / name)
+
+
+if __name__ == "__main__":
+    run("record", stage)

@@ -1,0 +1,90 @@
+"""Build the robot that a configuration names, and record trials on it."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+from joblib import Parallel, delayed
+
+from pipeline.schema import Config
+from pipeline.stage import tell, workers
+from spirob.bench import Trial, record
+from spirob.bench.simulated import SimulatedRobot
+from spirob.canbus import CanRobot, open_bus
+from spirob.effects import find_effects
+from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.emulator.robot import EmulatedRobot
+from spirob.errors import ConfigError
+from spirob.logs.provenance import git_commit, versions
+from spirob.logs.transmission import Transmission
+from spirob.plant import Plant, Rig
+from spirob.robot import Robot, Scene
+
+
+def record_all(
+    root: Path, config: Config, hidden: Mapping[str, Any], trials: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
+    """Record trials into data/raw, in parallel where no hardware is involved.
+
+    Returns what an emulated robot really is, for scoring; empty for the others.
+    """
+    jobs = [delayed(_record)(root, config.model_dump(), dict(hidden), t) for t in trials]
+    found = Parallel(n_jobs=1 if config.robot.kind == "can" else workers())(jobs)
+    return next((truth for truth in found if truth), {})
+
+
+def _record(
+    root: Path, plain: dict[str, Any], hidden: dict[str, Any], trial_plain: dict[str, Any]
+) -> dict[str, Any]:
+    config = Config.model_validate(plain)
+    trial, rig = Trial.from_plain(trial_plain), Rig.from_mapping(config.rig)
+    robot = build(config, rig, hidden)
+
+    def prepare(scene: Scene) -> None:
+        # the emulator's noise belongs to the trial, not to the order of trials
+        if isinstance(robot, EmulatedRobot):
+            robot.prepare(scene, trial.name)
+        else:
+            robot.prepare(scene)
+
+    public = config.model_dump(mode="json", exclude={"robot": {"hidden"}})
+    about = {"commit": git_commit(root), **versions()}
+    try:
+        record(
+            trial,
+            robot,
+            root / "data" / "raw" / f"{trial.name}.mcap",
+            transmission=Transmission(
+                gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
+            ),
+            gains=rig.gains,
+            rig=rig.name,
+            config=yaml.safe_dump(public, sort_keys=False).encode(),
+            about=about,
+            prepare=prepare,
+        )
+    finally:
+        robot.close()
+    tell(f"recorded {trial.name} ({trial.duration:g} s)")
+    return robot.truth() if isinstance(robot, EmulatedRobot) else {}
+
+
+def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
+    """The robot that the configuration names."""
+    robot = config.robot
+    if robot.kind == "emulated":
+        if not hidden:
+            raise ConfigError("data/config/hidden.yaml is empty, but the robot is emulated")
+        machine = EmulatedRig(
+            gear_ratio=rig.winch.gear_ratio,
+            winch_radius=rig.winch.radius,
+            gravity=(rig.arm.gravity_x, rig.arm.gravity_y),
+            current_bandwidth=rig.drive.bandwidth,
+            current_noise=robot.current_noise,
+        )
+        effect = HiddenSettings(str(hidden["effect"]), float(hidden["strength"]))
+        return EmulatedRobot(machine, effect, int(hidden["seed"]))
+    if robot.kind == "simulated":
+        return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)
+    return CanRobot(open_bus(robot.interface, robot.channel, robot.bitrate))

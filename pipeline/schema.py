@@ -1,0 +1,141 @@
+"""What a configuration may hold: every key, type and range; an unknown key is an error."""
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from spirob.errors import ConfigError
+
+
+class Strict(BaseModel):
+    """No key that is not declared, no value that is not finite."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class Hidden(Strict):
+    """What only the emulated robot knows."""
+
+    effect: str
+    strength: float = Field(ge=0, le=10)
+    seed: int = Field(ge=0)
+
+
+class Emulated(Strict):
+    """Pretend hardware behind a virtual CAN bus."""
+
+    kind: Literal["emulated"]
+    current_noise: float = Field(0.005, ge=0, le=0.2)
+    hidden: Hidden | None = None  # taken out before any other stage sees the configuration
+
+
+class Simulated(Strict):
+    """The model itself as the robot."""
+
+    kind: Literal["simulated"]
+    effects: list[str] = []
+    changes: dict[str, float] = {}
+
+
+class Can(Strict):
+    """Real hardware."""
+
+    kind: Literal["can"]
+    interface: str
+    channel: str
+    bitrate: int = Field(1_000_000, gt=0)
+
+
+class PlantConfig(Strict):
+    """The model."""
+
+    effects: list[str] = []
+
+
+class Experiment(Strict):
+    """Trials; their own keys are checked by `spirob.bench.Trial`."""
+
+    trials: list[dict[str, Any]] = Field(min_length=1)
+
+
+class FilterConfig(Strict):
+    """Filter of both sides of a residual."""
+
+    kind: Literal["butterworth", "moving_average"] = "butterworth"
+    cutoff: float = Field(30.0, gt=0.5, lt=400.0)
+    window: int = Field(100, ge=1, le=10_000)
+    every: int = Field(10, ge=1, le=1000)
+
+
+class Identify(Strict):
+    """The fit."""
+
+    parameters: list[str] = Field(min_length=1)
+    current: Literal["current", "arm_current"] = "current"
+    scale: float = Field(0.05, gt=0)
+    iterations: int = Field(20, ge=1, le=1000)
+    filter: FilterConfig = FilterConfig()
+
+
+class Diagnose(Strict):
+    """The search for missing effects."""
+
+    candidates: list[str] = []
+    finalists: int = Field(3, ge=1, le=100)
+    rounds: int = Field(2, ge=0, le=10)
+    floor: float = Field(0.025, gt=0, lt=1)
+    confidence: float = Field(0.9, gt=0.5, le=1)
+    iterations: int = Field(5, ge=1, le=1000)
+    patience: int = Field(15, ge=1, le=1000)
+    seed: int = Field(0, ge=0)
+
+
+class Perceive(Strict):
+    """Object size from wrapping."""
+
+    diameters: list[float] = Field(min_length=3)
+    repeats: int = Field(ge=1, le=1000)
+    unseen: list[float] = Field(min_length=1)
+    unseen_repeats: int = Field(ge=1, le=1000)
+    robot: list[float] = Field(min_length=1)
+    robot_repeats: int = Field(ge=1, le=1000)
+    predictor: Literal["remainder", "paper"] = "remainder"
+    seed: int = Field(0, ge=0)
+    wrap: dict[str, Any] = {}
+
+
+class Config(Strict):
+    """The whole configuration; `rig` is checked by `spirob.plant.Rig`."""
+
+    rig: dict[str, Any]
+    robot: Emulated | Simulated | Can = Field(discriminator="kind")
+    plant: PlantConfig
+    experiment: Experiment
+    identify: Identify
+    diagnose: Diagnose
+    perceive: Perceive
+
+
+def validated(plain: Any, source: str) -> Config:
+    """Check a configuration; raises ConfigError naming source, key, what was got and why not."""
+    try:
+        return Config.model_validate(plain)
+    except ValidationError as error:
+        first = error.errors()[0]
+        kinds = ("emulated", "simulated", "can")
+        key = ".".join(str(part) for part in first["loc"] if part not in kinds)
+        known = ""
+        if first["type"] == "extra_forbidden":
+            known = f"; known here: {', '.join(_siblings(first['loc']))}"
+        raise ConfigError(f"{source}: key '{key}': {first['msg']}{known}") from None
+
+
+def _siblings(location: tuple[int | str, ...]) -> list[str]:
+    model: Any = Config
+    kinds = {"emulated": Emulated, "simulated": Simulated, "can": Can}
+    for part in location[:-1]:
+        if part in kinds:
+            model = kinds[str(part)]
+        elif part in model.model_fields:
+            model = model.model_fields[str(part)].annotation
+    return list(getattr(model, "model_fields", {}))

@@ -1,0 +1,70 @@
+"""What all stages share: the public configuration, plain files, and errors as sentences."""
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pipeline.schema import Config, validated
+from spirob.errors import DataError, MissingLog, SpirobError
+from spirob.logs.atomic import write_text
+
+PUBLIC = Path("data/config/config.yaml")
+HIDDEN = Path("data/config/hidden.yaml")
+FAILED, INTERRUPTED = 2, 130
+
+
+def run(name: str, stage: Callable[[Path], None]) -> None:
+    """Run a stage in the current folder; a user's mistake becomes one sentence and code 2."""
+    try:
+        stage(Path("."))
+    except SpirobError as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        sys.exit(FAILED)
+    except KeyboardInterrupt:
+        print(f"{name}: interrupted; run `dvc repro` to go on", file=sys.stderr)
+        sys.exit(INTERRUPTED)
+
+
+def tell(text: str) -> None:
+    """One plain line of progress."""
+    print(text, flush=True)
+
+
+def workers() -> int:
+    """Threads or processes to use: the cores that this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def public_config(root: Path) -> Config:
+    """The resolved configuration, without what only the robot knows."""
+    return validated(read_yaml(root / PUBLIC, "config"), str(PUBLIC))
+
+
+def read_yaml(path: Path, stage: str) -> Any:
+    """A YAML file that an earlier stage wrote."""
+    if not path.exists():
+        raise MissingLog(f"{path} is missing; the stage '{stage}' writes it")
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise DataError(f"{path} is not YAML: {error}") from None
+
+
+def read_json(path: Path, stage: str) -> Any:
+    """A JSON file that an earlier stage wrote."""
+    if not path.exists():
+        raise MissingLog(f"{path} is missing; the stage '{stage}' writes it")
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise DataError(f"{path} is not JSON: {error}") from None
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write JSON whole or not at all."""
+    write_text(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

@@ -1,0 +1,26 @@
+"""Stage `train`: the stacked regressors that tell an object's size from its wrap."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from pipeline.stage import public_config, run, tell
+from spirob.errors import MissingLog
+from spirob.perceive.model_file import save_model
+from spirob.perceive.size import SizeSettings, train
+
+
+def stage(root: Path) -> None:
+    """Train on the simulated wraps."""
+    config = public_config(root)
+    path = root / "data/features/train.parquet"
+    if not path.exists():
+        raise MissingLog(f"{path} is missing; the stage 'features' writes it")
+    settings = SizeSettings(seed=config.perceive.seed)
+    model = train(pd.read_parquet(path), settings, config.perceive.predictor)
+    save_model(model, root / "data/models/size.joblib")
+    tell(f"trained on {len(model.out_of_fold)} wraps; ridge weighs {model.weight:.2f}")
+
+
+if __name__ == "__main__":
+    run("train", stage)

@@ -1,0 +1,89 @@
+"""The diagnosis as plain data, for the report, the metrics and other programs."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from spirob.diagnose.atlas import Regime, worst
+from spirob.diagnose.ladder import Confirmed, Rung, Search, parameters_of
+from spirob.diagnose.verdict import Verdict
+
+
+def document(
+    search: Search, verdict: Verdict, regimes: Sequence[Regime], noise_floor: float
+) -> dict[str, Any]:
+    """All of a diagnosis; errors in ampere."""
+    added = search.rungs[-1].effects if verdict.kind == "named" else []
+    last = search.rungs[-1]
+    return {
+        "verdict": verdict.kind,
+        "sentence": verdict.sentence,
+        "explanation": verdict.explanation,
+        "next_experiment": verdict.next_experiment,
+        "effects": [
+            {
+                "name": effect.name(),
+                "title": effect.title,
+                "probability": _probability(search, k, effect.name()),
+                "equivalents": verdict.rivals if k == 0 else [],
+                "parameters": _numbers(last, parameters_of(effect)),
+            }
+            for k, effect in enumerate(added)
+        ],
+        "candidates": [_candidate(c) for c in (search.rounds[0] if search.rounds else [])],
+        "ladder": [_rung(r) for r in search.rungs],
+        "noise_floor": noise_floor,
+        "atlas": [r.as_dict() for r in regimes],
+        "atlas_sentences": worst(regimes),
+        "vague": search.vague,
+        "unit": "A",
+    }
+
+
+def metrics(search: Search, verdict: Verdict) -> dict[str, Any]:
+    """The few figures that `dvc metrics` follows, with their unit."""
+    first, last = search.rungs[0].scores["heldout"], search.rungs[-1].scores["heldout"]
+    named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
+    return {
+        "verdict": verdict.kind,
+        "effect": named[0] if named else "",
+        "effects": " + ".join(named),
+        "probability": round(verdict.probability, 6),
+        "before": first.as_dict(),
+        "after": last.as_dict(),
+        "unit": "A",
+    }
+
+
+def _probability(search: Search, step: int, name: str) -> float:
+    found = {c.effect.name(): c.probability for c in search.rounds[step]}
+    return found[name]
+
+
+def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:
+    estimates = rung.fit.estimates
+    return {
+        n.split(".", 1)[1]: {
+            "value": estimates[n].value,
+            "low": estimates[n].low,
+            "high": estimates[n].high,
+            "unit": estimates[n].unit,
+        }
+        for n in names
+    }
+
+
+def _candidate(found: Confirmed) -> dict[str, Any]:
+    return {
+        "name": found.effect.name(),
+        "title": found.effect.title,
+        "probability": found.probability,
+        "train_rmse": found.scores["train"].rmse,
+        "validate_rmse": found.scores["validate"].rmse,
+        "heldout_rmse": found.scores["heldout"].rmse,
+        "screen_gain": found.screened.gain,
+    }
+
+
+def _rung(rung: Rung) -> dict[str, Any]:
+    scores = {role: s.as_dict() for role, s in rung.scores.items()}
+    return {"label": rung.label, "effects": [e.name() for e in rung.effects], **scores}

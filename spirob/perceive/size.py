@@ -1,0 +1,179 @@
+"""The diameter of a wrapped object from the features of its wrap: stacked regressors.
+
+Ridge and an RBF support vector regressor are the base models; a gradient boosting learns from
+their out-of-fold predictions (paper, "Object Size Estimation").  Folds hold whole diameters out,
+so an out-of-fold prediction is always one for a size never seen.
+
+The paper's meta-learner predicts the diameter itself.  Its trees are constant between the sizes
+they were trained on: with seven sizes, a 15 mm cylinder becomes 10 or 20 mm.  So a second
+predictor is offered and shipped: a convex blend of the base predictions, which interpolates, and
+a boosting that learns only the remainder, which shall be small.
+
+    paper      D = GB(ridge, svr)
+    remainder  D = w·ridge + (1 - w)·svr + GB(ridge, svr),   0 <= w <= 1 by least squares
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from spirob.errors import ConfigError, DataError
+from spirob.parameter import Numbers, bounded
+from spirob.perceive.folds import folds
+
+PREDICTORS = ("remainder", "paper")
+TARGET = "diameter"
+BASES = ("ridge", "svr")
+
+
+class SizeSettings(Numbers):
+    """Numbers of the stack; targets and features are scaled to deviation 1."""
+
+    owner = "size"
+
+    threshold: float = bounded(0.9, 0.0, 1.0, "1", "ρ_s", "least rank correlation of a feature")
+    ridge_alpha: float = bounded(1.0, 1e-6, 1e6, "1", "α", "penalty of the ridge", log=True)
+    svr_c: float = bounded(10.0, 1e-3, 1e4, "1", "C", "price of leaving the tube", log=True)
+    svr_epsilon: float = bounded(0.02, 0.0, 1.0, "1", "ε", "half width of the tube")
+    trees: float = bounded(100, 1, 5000, "1", "n", "boosting steps")
+    learning_rate: float = bounded(0.1, 1e-3, 1.0, "1", "ν", "share taken of each step")
+    depth: float = bounded(2, 1, 10, "1", "d", "depth of the trees")
+    remainder_trees: float = bounded(10, 0, 5000, "1", "n_r", "steps that learn the remainder")
+    remainder_depth: float = bounded(1, 1, 10, "1", "d_r", "depth of their trees")
+    folds: float = bounded(10, 2, 100, "1", "k", "at most; never more than there are diameters")
+    seed: float = bounded(0, 0, 2**31 - 1, "1", "s", "of the boosting")
+
+
+@dataclass(frozen=True)
+class SizeModel:
+    """A trained stack.
+
+    features      names of the columns, in order;  low, high  their range in training
+    predictor     what `predict` uses: one of `PREDICTORS`, or a base model's name
+    bases         fitted base models by name;  weight  w of the blend
+    meta          predictor -> fitted boosting, None where it has no trees
+    out_of_fold   (n, 2) base predictions from the folds [m], columns as `BASES`
+    """
+
+    features: tuple[str, ...]
+    low: np.ndarray
+    high: np.ndarray
+    predictor: str
+    bases: dict[str, Any]
+    weight: float
+    meta: dict[str, Any]
+    out_of_fold: np.ndarray
+    settings: SizeSettings
+
+
+def train(
+    table: pd.DataFrame, settings: SizeSettings | None = None, predictor: str = "remainder"
+) -> SizeModel:
+    """Train on features with the true `diameter` [m] as a column.
+
+    Everything is trained; `predictor` is what `predict` uses.  The same table and
+    settings give the same bits.  Raises ConfigError on an unknown predictor, DataError where
+    values are missing or there are fewer than three diameters.
+    """
+    # mypy does not see that `bounded` gives a default
+    settings = settings or SizeSettings()  # type: ignore[call-arg]
+    _require_predictor(predictor)
+    if TARGET not in table:
+        raise DataError(f"the table of features lacks the column '{TARGET}'")
+    names = tuple(name for name in table.columns if name != TARGET)
+    x, y = feature_matrix(table, names), table[TARGET].to_numpy(float)
+    if not (np.isfinite(y).all() and (y > 0).all()):
+        raise DataError("every diameter in the table must be above 0")
+    level_one, bases = _out_of_fold(x, y, settings), _bases(settings)
+    for model in bases.values():
+        model.fit(x, y)
+    # Of the ends' sizes out-of-fold predictions are extrapolations, which the finished model, that
+    # knows the ends, never makes; so they say nothing of how to blend.
+    inner = (y > y.min()) & (y < y.max())
+    weight = _best_weight(level_one[inner], y[inner])
+    remainder = y - _blend(level_one, weight)
+    trees, depth = int(settings.remainder_trees), int(settings.remainder_depth)
+    meta = {
+        "paper": _boosting(settings, int(settings.trees), int(settings.depth), level_one, y),
+        "remainder": _boosting(settings, trees, depth, level_one[inner], remainder[inner]),
+    }
+    low, high = x.min(0), x.max(0)
+    return SizeModel(names, low, high, predictor, bases, weight, meta, level_one, settings)
+
+
+def predict(model: SizeModel, table: pd.DataFrame, predictor: str | None = None) -> np.ndarray:
+    """Diameters [m] of the wraps in a table of features, (n,); other columns are ignored.
+
+    predictor  'remainder', 'paper', or the name of one base model; the model's own where None
+    Raises DataError where a feature of the model is missing or not finite.
+    """
+    chosen = predictor or model.predictor
+    _require_predictor(chosen)
+    x = feature_matrix(table, model.features)
+    level_one = np.column_stack([model.bases[name].predict(x) for name in BASES])
+    if chosen in BASES:
+        return level_one[:, BASES.index(chosen)]
+    start = _blend(level_one, model.weight) if chosen == "remainder" else np.zeros(len(x))
+    meta = model.meta[chosen]
+    return start if meta is None else start + meta.predict(level_one)
+
+
+def feature_matrix(table: pd.DataFrame, names: tuple[str, ...]) -> np.ndarray:
+    """The named columns as (n, k); raises DataError where one is missing or not finite."""
+    missing = [name for name in names if name not in table]
+    if missing:
+        raise DataError(f"the table of features lacks {', '.join(missing)}")
+    if not len(table) or not names:
+        raise DataError("the table of features is empty")
+    x = table[list(names)].to_numpy(float)
+    bad = ~np.isfinite(x)
+    if bad.any():
+        row, column = np.argwhere(bad)[0]
+        raise DataError(f"{table.index[row]}: feature '{names[column]}' is {x[row, column]}")
+    return x
+
+
+def _bases(settings: SizeSettings) -> dict[str, Any]:
+    from spirob.perceive.base_models import base_models
+
+    s = settings
+    return base_models(s.threshold, s.ridge_alpha, s.svr_c, s.svr_epsilon)
+
+
+def _out_of_fold(x: np.ndarray, y: np.ndarray, settings: SizeSettings) -> np.ndarray:
+    out = np.zeros((len(y), len(BASES)))
+    for rows, hidden in folds(y, int(settings.folds)):
+        for k, model in enumerate(_bases(settings).values()):
+            out[hidden, k] = model.fit(x[rows], y[rows]).predict(x[hidden])
+    return out
+
+
+def _boosting(settings: SizeSettings, trees: int, depth: int, x: np.ndarray, y: np.ndarray) -> Any:
+    from sklearn.ensemble import GradientBoostingRegressor
+
+    if trees == 0:
+        return None
+    return GradientBoostingRegressor(
+        n_estimators=trees,
+        learning_rate=settings.learning_rate,
+        max_depth=depth,
+        random_state=int(settings.seed),
+    ).fit(x, y)
+
+
+def _best_weight(level_one: np.ndarray, y: np.ndarray) -> float:
+    difference, rest = level_one[:, 0] - level_one[:, 1], y - level_one[:, 1]
+    squares = float(difference @ difference)
+    return float(np.clip(difference @ rest / squares, 0.0, 1.0)) if squares > 0 else 0.5
+
+
+def _blend(level_one: np.ndarray, weight: float) -> np.ndarray:
+    return weight * level_one[:, 0] + (1 - weight) * level_one[:, 1]
+
+
+def _require_predictor(name: str) -> None:
+    known = (*PREDICTORS, *BASES)
+    if name not in known:
+        raise ConfigError(f"no size predictor '{name}'; known: {', '.join(known)}")
