@@ -19,15 +19,15 @@ def stage(root: Path) -> None:
         entries += compare(residual(root, config, model, role), changes)
     write_json(root / "data/compare/compare.json", {"trials": entries})
     heldout = [t for t in entries if t["role"] == "heldout"]
-    figures = {}
+    figures: dict[str, dict[str, float | str]] = {}
     for channel, unit in CHANNELS.items():
         # a commanded current says nothing: its motor shows its load in its motion
         motors = [m for t in heldout for m in t["motors"].values()]
         scored = [m[channel] for m in motors if m["driven"] or channel != "current"]
         means = {k: float(f"{np.mean([s[k] for s in scored]):.9g}") for k in ("mae", "rmse", "r2")}
-        figures[channel] = means | {"unit": unit}
+        figures[channel] = {**means, "unit": unit}
     write_json(root / "reports/metrics/compare.json", figures)
-    tell(f"held-out current RMSE {1e3 * figures['current']['rmse']:.1f} mA")
+    tell(f"held-out current RMSE {1e3 * float(figures['current']['rmse']):.1f} mA")
 
 
 if __name__ == "__main__":

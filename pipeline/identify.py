@@ -21,9 +21,7 @@ def stage(root: Path) -> None:
     tell(gate.sentence)
     names = [n for n in names if n not in gate.silent]
     settings = config.identify
-    found, vague = fit_identifiable(
-        train, names, begin, settings.scale, settings.iterations, tell
-    )
+    found, vague = fit_identifiable(train, names, begin, settings.scale, settings.iterations, tell)
     measured = train.measured()
     quality = score(measured, measured + found.residual).as_dict() | {"unit": "A"}
     sentence = gate.sentence
@@ -41,7 +39,8 @@ def stage(root: Path) -> None:
             "train": quality,
         },
     )
-    figures = {k: {f: v[f] for f in ("value", "low", "high", "unit")} for k, v in parameters.items()}
+    shown = ("value", "low", "high", "unit")
+    figures = {k: {f: v[f] for f in shown} for k, v in parameters.items()}
     write_json(root / "reports/metrics/identify.json", {"train": quality, "parameters": figures})
 
 

@@ -78,9 +78,7 @@ def decode_command(data: bytes, motors: int = 2) -> tuple[float, ...]:
 
 def encode_feedback(feedback: Feedback) -> bytes:
     """The feedback frame's payload."""
-    return _FEEDBACK.pack(
-        feedback.angle, feedback.speed, feedback.current, feedback.temperature
-    )
+    return _FEEDBACK.pack(feedback.angle, feedback.speed, feedback.current, feedback.temperature)
 
 
 def decode_feedback(data: bytes) -> Feedback:

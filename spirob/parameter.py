@@ -8,7 +8,7 @@ the compiled loop and for the optimiser.
 import dataclasses
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -56,7 +56,6 @@ def bounded(
     return dataclasses.field(default=nominal, metadata={"parameter": about})
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(bounded,))
 class Numbers:
     """Base of every class that declares bounded numbers; subclasses become frozen dataclasses.
 
@@ -64,6 +63,10 @@ class Numbers:
     """
 
     owner: ClassVar[str] = ""
+
+    if TYPE_CHECKING:  # the declared fields by name, all with defaults; not expressible otherwise
+
+        def __init__(self, **values: float) -> None: ...
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)

@@ -34,7 +34,7 @@ PORTS = {
     "motor.torque": Port("N·m", "sum", "motor", "torque added at the rotor, friction negative"),
     "winch.efficiency": Port("1", "pipe", "motor", "transmission efficiency η"),
     "winch.radius": Port("m", "pipe", "motor", "effective radius of the drum r"),
-    "tendon.force": Port("N", "sum", "motor", "force on the winch besides the tendon's, + winds in"),
+    "tendon.force": Port("N", "sum", "motor", "force on the winch beside the tendon's, + winds in"),
     "tendon.extra_length": Port("m", "sum", "motor", "length the tendon has gained (creep, play)"),
     "tendon.tension_ratio": Port("1", "pipe", "guide", "tension behind a guide over that at winch"),
     "body.hinge_torque": Port("N·m", "sum", "hinge", "torque added at a hinge of the arm"),

@@ -42,7 +42,7 @@ def test_frequencies_between_the_nulls_pass():
 
 
 def test_a_signal_shorter_than_the_window_is_refused_by_name():
-    with pytest.raises(TooShort, match="hold_3: 99 samples.*100-sample"):
+    with pytest.raises(TooShort, match=r"hold_3: 99 samples.*100-sample"):
         moving_average(np.zeros(99), 100, "hold_3")
 
 

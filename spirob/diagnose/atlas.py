@@ -56,9 +56,7 @@ def atlas(residual: Residual, values: np.ndarray) -> list[Regime]:
             continue
         share = float(np.sum(inside**2)) / total
         rmse = float(np.sqrt(np.mean(inside**2)))
-        regimes.append(
-            Regime(name, share, len(inside) / len(values), float(np.mean(inside)), rmse)
-        )
+        regimes.append(Regime(name, share, len(inside) / len(values), float(np.mean(inside)), rmse))
     return sorted(regimes, key=lambda r: -r.share_of_error)
 
 

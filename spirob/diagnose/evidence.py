@@ -5,6 +5,7 @@ what a block bootstrap cannot tell apart is not told apart.
 """
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,7 +17,7 @@ DRAWS = 2000
 def block_errors(residual: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Mean squared residual of each block of half a second [A²], (B,)."""
     means = []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         for k in range(start, stop, BLOCK):
             means.append(np.mean(residual[k : min(k + BLOCK, stop)] ** 2))
     return np.array(means)

@@ -147,9 +147,7 @@ def _confirm(
     return Confirmed(effect, screened, found, errors, scores)
 
 
-def _polished(
-    found: Confirmed, residuals: Mapping[str, Residual], settings: Settings
-) -> Confirmed:
+def _polished(found: Confirmed, residuals: Mapping[str, Residual], settings: Settings) -> Confirmed:
     names = list(found.fit.estimates)
     final = fit(residuals["train"], names, found.fit.changes, settings.scale, settings.patience)
     scores, errors = _scores(final, residuals)
@@ -172,9 +170,7 @@ def _rung(
     return Rung(label, effects, found, scores, errors)
 
 
-def _scores(
-    found: Fit, residuals: Mapping[str, Residual]
-) -> tuple[dict[str, Score], np.ndarray]:
+def _scores(found: Fit, residuals: Mapping[str, Residual]) -> tuple[dict[str, Score], np.ndarray]:
     scores = {}
     errors = np.zeros(0)
     for role in ROLES:

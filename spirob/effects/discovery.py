@@ -31,7 +31,7 @@ def find_effects(names: list[str]) -> list[type[Effect]]:
     Raises EffectError naming what exists, when a name is unknown.
     """
     known = all_effects()
-    chosen = []
+    chosen: list[type[Effect]] = []
     for name in names:
         if name.endswith(".py"):
             chosen.extend(load_file(Path(name)).values())

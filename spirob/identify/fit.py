@@ -10,6 +10,7 @@ narrow by a factor of several.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy import optimize
@@ -69,9 +70,7 @@ class Scaling:
         """Coordinates of physical values."""
         p = np.array([values[n] for n in self.names])
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(
-                self._log, np.log(p / self._nominal), (p - self._nominal) / self._size
-            )
+            return np.where(self._log, np.log(p / self._nominal), (p - self._nominal) / self._size)
 
     def physical(self, u: np.ndarray) -> dict[str, float]:
         """Physical values of coordinates."""
@@ -184,7 +183,7 @@ def block_covariance(
     weight = 1.0 / np.sqrt(1.0 + (residual / scale) ** 2)  # of the soft-L1 loss
     hessian = jacobian.T @ (weight[:, None] * jacobian)
     scores = []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         for k in range(start, stop, BLOCK):
             rows = slice(k, min(k + BLOCK, stop))
             scores.append(jacobian[rows].T @ (weight[rows] * residual[rows]))

@@ -44,6 +44,4 @@ class Measurement:
 
         measured = {name: both(name) for name in MEASURED}
         role = str(trace.meta.get("role", "train"))
-        return cls(
-            trace.name, role, **measured, schedule=schedule_of(trace), scene=scene_of(trace)
-        )
+        return cls(trace.name, role, **measured, schedule=schedule_of(trace), scene=scene_of(trace))

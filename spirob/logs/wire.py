@@ -67,7 +67,7 @@ def double(value: int | bytes | None) -> float:
 
 
 def integer(value: int | bytes | None) -> int:
-    """A fixed-size field read as signed integer; absent or of another type means 0, as in proto3."""
+    """A fixed-size field as signed integer; absent or of another type means 0, as in proto3."""
     if isinstance(value, bytes) and len(value) in (4, 8):
         return int.from_bytes(value, "little", signed=True)
     return 0

@@ -77,8 +77,7 @@ def train(
     settings give the same bits.  Raises ConfigError on an unknown predictor, DataError where
     values are missing or there are fewer than three diameters.
     """
-    # mypy does not see that `bounded` gives a default
-    settings = settings or SizeSettings()  # type: ignore[call-arg]
+    settings = settings or SizeSettings()
     _require_predictor(predictor)
     if TARGET not in table:
         raise DataError(f"the table of features lacks the column '{TARGET}'")

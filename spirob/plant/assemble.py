@@ -114,9 +114,7 @@ def _call(
     cells = {s: f"memory[{rows[effect.name(), s]}, {slot}]" for s in effect.state}
     arguments = {"upstream": variable, "dt": "dt", **cells}
     arguments |= {a: LOCALS[signal] for a, signal in effect.reads.items()}
-    arguments |= {
-        f: f"p[{names.index(f'{effect.name()}.{f}')}]" for f in effect.parameters()
-    }
+    arguments |= {f: f"p[{names.index(f'{effect.name()}.{f}')}]" for f in effect.parameters()}
     call = f"kernel_{effect.name()}({', '.join(arguments[a] for a in effect.arguments())})"
     # an absent effect costs one comparison
     guard = " or ".join(
@@ -149,7 +147,8 @@ def _load(source: str) -> ModuleType:
         path = Path(tempfile.mkdtemp(prefix="spirob_")) / f"{name}.py"
         path.write_text(source)
     spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # numba's cache imports it by name
     spec.loader.exec_module(module)

@@ -88,12 +88,12 @@ def run(
         for m in range(motors):
             # what the drive reports
             sensed_displacement = nominal_radius * turned[m]
-            #@ port sensing.displacement -> sensed_displacement
+            # @ port sensing.displacement -> sensed_displacement
             sensed_velocity = nominal_radius * rate[m] / radius_now[m]
             sensed_current = current[m]
-            #@ port sensing.current -> sensed_current
+            # @ port sensing.current -> sensed_current
             sensed_arm_current = arm_current[m]
-            #@ repeat sensing.current -> sensed_arm_current
+            # @ repeat sensing.current -> sensed_arm_current
             out[cycle, m, 0] = sensed_current
             out[cycle, m, 1] = sensed_arm_current
             out[cycle, m, 2] = sensed_displacement
@@ -121,7 +121,7 @@ def run(
                 gains[4],
                 gains[5],
             )
-            #@ port command.current -> wanted
+            # @ port command.current -> wanted
             command[m] = wanted
             out[cycle, m, 7] = wanted
         for i in range(hinges):
@@ -155,7 +155,7 @@ def run(
                 ratio = 1.0
                 for i in range(hinges):
                     # the tendon ahead of guide i has already taken up what lies nearer the base
-                    #@ port tendon.tension_ratio -> ratio
+                    # @ port tendon.tension_ratio -> ratio
                     pull[m, i] = ratio * arm[m, i]
                     slide -= arm[m, i] * qvel[i]
                 mj_solveM(model, data, solved_address, pull_address + 8 * hinges * m, 1)
@@ -165,15 +165,15 @@ def run(
                 mobility[m] = total
             for m in range(motors):
                 radius = p[P_winch_radius]
-                #@ port winch.radius -> radius
+                # @ port winch.radius -> radius
                 radius_now[m] = radius
                 rotor_speed = gear * rate[m] / radius
                 rotor_angle = gear * turned[m]
                 load_torque = radius * tension[m] / gear
                 resistance = p[P_motor_resistance]
-                #@ port motor.resistance -> resistance
+                # @ port motor.resistance -> resistance
                 disturbance = 0.0
-                #@ port motor.voltage -> disturbance
+                # @ port motor.voltage -> disturbance
                 current[m], integral[m], mean_current[m] = drive_current(
                     current[m],
                     integral[m],
@@ -191,16 +191,16 @@ def run(
                     p[P_drive_voltage_limit],
                 )
                 drive_torque = p[P_motor_torque_constant] * mean_current[m]
-                #@ port motor.drive_torque -> drive_torque
+                # @ port motor.drive_torque -> drive_torque
                 efficiency = p[P_winch_efficiency]
-                #@ port winch.efficiency -> efficiency
+                # @ port winch.efficiency -> efficiency
                 # friction at this speed and just above it: its slope is solved implicitly
                 slope = 0.0
                 added = 0.0
                 for probe in range(1, -1, -1):
                     rotor_speed = gear * rate[m] / radius + 0.01 * probe
                     added = 0.0
-                    #@ probe motor.torque -> added
+                    # @ probe motor.torque -> added
                     slope = added if probe == 1 else (added - slope) / 0.01
                 rotor_damping = max(0.0, slope)
                 torque = efficiency * gear * drive_torque + gear * (
@@ -211,9 +211,9 @@ def run(
                     gear * gear * (p[P_motor_rotor_damping] + rotor_damping) / (radius * radius)
                 )
                 external = 0.0
-                #@ port tendon.force -> external
+                # @ port tendon.force -> external
                 extra = 0.0
-                #@ port tendon.extra_length -> extra
+                # @ port tendon.extra_length -> extra
                 free = free_rate(rate[m], torque / radius + external, inertia, damping, step)
                 if begun[0] + substep > 0:
                     seen = (shortening_rate[m] - previous_rate[m]) / step
@@ -237,10 +237,8 @@ def run(
                 turned[m] += step * rate[m] / radius
             for i in range(hinges):
                 hinge_torque = 0.0
-                #@ port body.hinge_torque -> hinge_torque
-                applied[i] = (
-                    hinge_torque + tension[0] * pull[0, i] + tension[1] * pull[1, i]
-                )
+                # @ port body.hinge_torque -> hinge_torque
+                applied[i] = hinge_torque + tension[0] * pull[0, i] + tension[1] * pull[1, i]
             mj_step2(model, data)
         for i in range(hinges):
             sine[i], cosine[i] = half_angle(qpos[i])

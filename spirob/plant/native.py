@@ -32,14 +32,14 @@ def _library() -> str:
     names = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
     found = [path for name in names for path in sorted(glob.glob(os.path.join(folder, name)))]
     if not found:
-        raise SimulationError(f"the mujoco package holds no library (looked for {', '.join(names)})")
+        raise SimulationError(f"the mujoco package holds no library ({', '.join(names)})")
     return found[0]
 
 
 def functions() -> dict[str, object]:
     """`mj_step1`, `mj_step2`, `mj_solveM` for the generated loop."""
     path = _library()
-    if numba.config.DISABLE_JIT:
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         library = ctypes.CDLL(path)
         plain = {}
         for name, (_, arguments) in _SIGNATURES.items():

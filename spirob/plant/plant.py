@@ -148,7 +148,7 @@ class Session:
         )
         if failed >= 0:
             raise SimulationError(f"the model became non-finite after {failed * CYCLE:.3f} s")
-        return Response(*(out[:, :, k] for k in range(len(COLUMNS))), angles)
+        return Response(**{c: out[:, :, k] for k, c in enumerate(COLUMNS)}, angles=angles)
 
 
 def _guides(geometry: SpiralArm) -> np.ndarray:

@@ -28,7 +28,8 @@ class Rig:
 
         Raises ConfigError naming the part and key that is unknown or out of range.
         """
-        parts: dict[str, type[Numbers]] = {c.owner: c for c in (*COMPONENTS, Gains)}
+        kinds: tuple[type[Numbers], ...] = (*COMPONENTS, Gains)
+        parts = {c.owner: c for c in kinds}
         chosen: dict[str, object] = {}
         for key, value in settings.items():
             if key in parts and isinstance(value, Mapping):
@@ -38,7 +39,8 @@ class Rig:
             elif key == "units" and isinstance(value, int):
                 chosen[key] = value
             else:
-                raise ConfigError(f"rig has no part '{key}'; it has: name, units, {', '.join(parts)}")
+                known = ", ".join(["name", "units", *parts])
+                raise ConfigError(f"rig has no part '{key}'; it has: {known}")
         return cls(**chosen)  # type: ignore[arg-type]
 
     def parts(self) -> list[tuple[str, Numbers]]:

@@ -32,6 +32,9 @@ KINDS = {
             "seed": st.integers(0, 99),
         }
     ),
+    "moves": st.fixed_dictionaries(
+        {"waypoints": st.lists(st.tuples(st.floats(0.1, 1), LEVEL).map(list), min_size=1)}
+    ),
     "shuttle": st.fixed_dictionaries(
         {
             "speeds": st.lists(st.floats(0.05, 0.3), min_size=1, max_size=3),
@@ -45,6 +48,8 @@ def highest(kind, given):
     """The largest magnitude that the profile may reach."""
     if kind == "steps":
         return max(abs(value) for _, value in given["plateaus"])
+    if kind == "moves":
+        return max(abs(target) for _, target in given["waypoints"])
     if kind == "shuttle":
         return max(given["speeds"])
     return max(
@@ -112,13 +117,15 @@ def test_a_multisine_has_no_power_outside_its_band():
 @pytest.mark.parametrize(
     ("plain", "mode", "said"),
     [
-        ({"kind": "saw"}, "force", "unknown; known: constant"),
+        ({"kind": "saw"}, "force", "unknown; known: .*constant"),
         ("sine", "force", "mapping with the key 'kind'"),
         ({"kind": "constant"}, "force", "needs 'value'"),
         ({"kind": "constant", "value": "1"}, "force", "'value' must be a finite number"),
         ({"kind": "constant", "value": float("nan")}, "force", "'value' must be a finite number"),
         ({"kind": "constant", "value": 1.0, "hue": 2}, "force", "no key 'hue'"),
         ({"kind": "ramp", "end": 1.0, "begins": 2.0, "ends": 1.0}, "force", "'ends' must come"),
+        ({"kind": "moves", "waypoints": []}, "force", "list of pairs"),
+        ({"kind": "moves", "waypoints": [[0.0, 1.0]]}, "force", "must be above"),
         ({"kind": "steps", "plateaus": []}, "force", "list of pairs"),
         ({"kind": "steps", "plateaus": [[1]]}, "force", "pairs"),
         ({"kind": "steps", "plateaus": [[0.0, 1.0]]}, "force", "must be above"),

@@ -42,7 +42,7 @@ def test_no_scene_is_an_empty_table():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"role": "test"}, "role must be train or heldout"),
+        ({"role": "test"}, "role must be train or validate or heldout"),
         ({"duration": 0}, "duration must be a number above 0"),
         ({"duration": True}, "duration must be a number above 0"),
         ({"duration": 1e-5}, "shorter than one cycle"),

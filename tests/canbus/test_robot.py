@@ -125,7 +125,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
 
 
 def test_an_unknown_interface_lists_the_known_ones():
-    with pytest.raises(HardwareError, match="no interface 'smoke'; known: .*pcan.*socketcan"):
+    with pytest.raises(HardwareError, match=r"no interface 'smoke'; known: .*pcan.*socketcan"):
         open_bus("smoke", "0")
 
 

@@ -1,5 +1,6 @@
 """However a log is damaged: either it reads as before or it is refused in a sentence."""
 
+import contextlib
 import struct
 
 import numpy as np
@@ -108,7 +109,5 @@ def test_garbage_messages_are_data_errors(messages):
     from spirob.logs.messages import unpack_commands, unpack_frames
 
     for unpack in (unpack_frames, unpack_commands):
-        try:
+        with contextlib.suppress(DataError):
             unpack(messages)
-        except DataError:
-            pass

@@ -31,7 +31,7 @@ def test_a_missing_optional_file_leaves_its_reason(sparse):
 
 def test_broken_json_is_a_sentence(copy):
     (copy / "data/compare/compare.json").write_text("{")
-    with pytest.raises(DataError, match="compare.json cannot be read.*stage 'compare'"):
+    with pytest.raises(DataError, match=r"compare.json cannot be read.*stage 'compare'"):
         load(copy)
 
 

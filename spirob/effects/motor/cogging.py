@@ -15,7 +15,7 @@ class Cogging(Effect):
     equation = "A*sin(N*angle) + B*cos(N*angle)"
     title = "cogging"
     signature = "A ripple that is periodic in the motor's angle, whatever the speed or current."
-    explanation = "Magnets prefer to stand opposite the teeth of the stator, with or without current."
+    explanation = "Magnets prefer to stand opposite the stator's teeth, with or without current."
 
     sine: float = bounded(0.001, -0.05, 0.05, "N·m", "A", "amplitude in phase")
     cosine: float = bounded(0.0, -0.05, 0.05, "N·m", "B", "amplitude in quadrature")

@@ -1,6 +1,6 @@
 """Torque that depends on the angle: magnets against slots, and an eccentric gear.
 
-Harmonics of the rotor angle: once per turn of the winch and of a planet wheel (eccentric gear), the 7
+Harmonics of the rotor angle: once per turn of the winch and of a planet (eccentric gear), the 7
 pole pairs and their double (phase unbalance), and six times that.  At G = 19 the magnets' orders
 pass at hundreds of hertz, so the slow ones carry most of what is seen: typical 1.2 mN·m at the
 rotor, a tenth of a typical current.  Source: 7 pole pairs measured by others; sizes assumed.

@@ -1,9 +1,8 @@
 """Friction of the tendons on their guides: the default, because printed arms have it.
 
-Typical μ₀ ≈ 0.05, braided line in polished printed holes: above about 0.07 the antagonist buckles
-the arm, which is a study of its own (published fits of printed arms need
-0.25-0.4 where a rough 0.1-0.2 would be expected), different on the two sides, rough or smooth from
-hole to hole, falling with load as polymers do; sticks over 0.1-0.2 mm.
+Typical μ₀ ≈ 0.05, braided line in polished holes; different on the two sides, rough or smooth from
+hole to hole, falling with load as polymers do; sticks over 0.1-0.2 mm.  Published fits of printed
+arms give 0.25-0.4, but from about 0.07 a tensioned antagonist buckles this arm, a study of its own.
 """
 
 from numpy.random import Generator

@@ -1,6 +1,6 @@
 """Dry friction of the rotor: bristles with a breakaway peak and a Stribeck fall.
 
-Typical sliding level 0.45 mN·m at the rotor, 5-10 % of a current of 0.3-0.6 A; the breakaway excess is
+Typical sliding level 0.45 mN·m at the rotor, 5-10 % of 0.3-0.6 A; the breakaway excess is
 a third to two thirds of it and is gone above a few rad/s.  Sides differ by a fifth.
 Source: Canudas de Wit, Olsson, Åström, Lischinsky 1995 (LuGre); level assumed.
 """
