@@ -1,7 +1,7 @@
 # ruff: noqa: F821
 """The coupled cycle, as a template: `plant.assemble` fills in the ports and compiles it.
 
-A comment `#@ port name -> variable` is replaced by one statement for each effect at that port.
+A comment `# @ port name -> variable` is replaced by one statement for each effect at that port.
 `P_...` are positions in the parameter vector, `COUNT_...` sizes.  What the loop does in cycle k:
 
     j_a  feedback law -> i_cmd;  drive and R-L circuit -> i*            (control.law, electrics)
