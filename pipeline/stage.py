@@ -52,7 +52,7 @@ def read_yaml(path: Path, stage: str) -> Any:
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise DataError(f"{path} is not YAML: {error}") from None
+        raise DataError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
 
 
 def read_json(path: Path, stage: str) -> Any:

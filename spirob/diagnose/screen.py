@@ -5,7 +5,7 @@ models are nested), so that every effect, in the motor, along the tendon or in t
 few columns over the measured trials, with all its consequences for motion and control in them.
 The residual is then regressed on those columns together with the columns of the fitted numbers,
 because a wrong parameter is not a missing effect.  Trial by trial is left out and predicted: only
-what carries over to another trial counts.
+what carries over to another trial counts.  A single trial is cut into thirds instead.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +19,7 @@ from spirob.identify.residual import Residual
 
 PROBE = 0.2  # of an amplitude's nominal value: small, yet far above rounding
 WIDE = 1.0  # scaled parameters may move this far to make room for an effect
+PARTS = 3  # of a single trial
 RIDGE = 1e-3  # of a column's size: keeps nearly parallel columns apart
 
 
@@ -47,15 +48,15 @@ def screen(
 
     base      residual at `changes` [A];  jacobian  its derivative by the fitted scaled parameters
     """
-    groups = _trial_of(residual)
-    reference = _left_out(jacobian, base, groups, len(residual.trials), _free(jacobian.shape[1]))
+    groups = _folds(residual)
+    reference = _left_out(jacobian, base, groups, _free(jacobian.shape[1]))
     found = []
     for effect in candidates:
         columns, low, high, sizes = _columns(residual, base, changes, effect)
         design = np.hstack([jacobian, columns])
         free = _free(jacobian.shape[1])
         bounds = (np.append(free[0], low), np.append(free[1], high))
-        error = _left_out(design, base, groups, len(residual.trials), bounds)
+        error = _left_out(design, base, groups, bounds)
         gain = 1.0 - error / reference
         whole = _solve(design, base, bounds)[jacobian.shape[1] :]
         amplitudes = {
@@ -88,7 +89,10 @@ def _columns(
     return columns, np.array(low), np.array(high), np.array(sizes)
 
 
-def _trial_of(residual: Residual) -> np.ndarray:
+def _folds(residual: Residual) -> np.ndarray:
+    if len(residual.trials) == 1:
+        samples = int(residual.edges[-1])
+        return np.arange(samples) * PARTS // samples
     return np.repeat(np.arange(len(residual.trials)), np.diff(residual.edges))
 
 
@@ -100,12 +104,11 @@ def _left_out(
     design: np.ndarray,
     base: np.ndarray,
     groups: np.ndarray,
-    trials: int,
     bounds: tuple[np.ndarray, np.ndarray],
 ) -> float:
-    """Sum of squared residuals of each trial, predicted from the other ones."""
+    """Sum of squared residuals of each fold, predicted from the other ones."""
     total = 0.0
-    for k in range(trials):
+    for k in np.unique(groups):
         inside = groups == k
         solution = _solve(design[~inside], base[~inside], bounds)
         total += float(np.sum((base[inside] + design[inside] @ solution) ** 2))

@@ -1,0 +1,79 @@
+"""A copy of the project in an empty folder, with the short presets, as a user would run it."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+SOURCE = Path(__file__).parents[2]
+SHORT = ["experiment=short", "identify=short", "diagnose=short", "perceive=short"]
+DECIDING = ("identify", "compare", "diagnose")  # stages that must not know the truth
+
+
+class Project:
+    """Runs stages and DVC in its folder with this interpreter."""
+
+    def __init__(self, root: Path, overrides: list[str]):
+        self.root = root
+        ignored = shutil.ignore_patterns("__pycache__")
+        for folder in ("conf", "pipeline", "spirob"):
+            shutil.copytree(SOURCE / folder, root / folder, ignore=ignored)
+        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", "data/sweep/README.md"):
+            (root / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(SOURCE / file, root / file)
+        self.override(overrides)
+        self.run("git", "init", "-q")
+        self.run(sys.executable, "-m", "dvc", "init", "-q")
+
+    def override(self, overrides: list[str]) -> None:
+        """Write params.yaml."""
+        (self.root / "params.yaml").write_text(f"overrides: {overrides!r}\n")
+
+    def run(self, *command: str, code: int = 0) -> str:
+        """Run to the end and return what it printed; the exit code must be as expected."""
+        done = subprocess.run(
+            command, cwd=self.root, env=self._environment(), capture_output=True, text=True
+        )
+        said = done.stdout + done.stderr
+        assert done.returncode == code, f"{command} ended with {done.returncode}:\n{said}"
+        return said
+
+    def stage(self, name: str, code: int = 0) -> str:
+        """Run one stage without DVC."""
+        return self.run(sys.executable, "-m", f"pipeline.{name}", code=code)
+
+    def repro(self) -> str:
+        """`dvc repro` to the end."""
+        return self.run(sys.executable, "-m", "dvc", "repro")
+
+    def kill_repro_at(self, stage: str, after: float) -> None:
+        """Start `dvc repro`, wait until a stage runs, kill everything `after` seconds later."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "dvc", "repro"],
+            cwd=self.root,
+            env=self._environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        assert process.stdout is not None
+        for line in process.stdout:
+            if f"pipeline.{stage}" in line:
+                break
+        else:
+            raise AssertionError(f"stage '{stage}' never ran")
+        time.sleep(after)
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+    def metrics(self) -> dict[str, bytes]:
+        """All metrics files, byte for byte."""
+        found = sorted((self.root / "reports/metrics").glob("*.json"))
+        return {path.name: path.read_bytes() for path in found}
+
+    def _environment(self) -> dict[str, str]:
+        return {**os.environ, "PYTHONPATH": str(self.root), "DVC_NO_ANALYTICS": "1"}

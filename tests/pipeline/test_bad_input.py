@@ -1,0 +1,132 @@
+"""A user's mistake is one sentence that names the file and the key, and nothing is half-written."""
+
+import subprocess
+import sys
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from pipeline.stage import run
+from spirob.logs import read_parquet, write_parquet
+from spirob.trace import Trace
+from tests.pipeline.project import SHORT, SOURCE
+
+
+class Folder:
+    """A project folder in which stages run in this process."""
+
+    def __init__(self, root, monkeypatch, capfd):
+        self.root, self.capfd = root, capfd
+        (root / "conf").symlink_to(SOURCE / "conf")
+        self.override(SHORT)
+        monkeypatch.chdir(root)
+
+    def override(self, overrides):
+        (self.root / "params.yaml").write_text(f"overrides: {overrides!r}\n")
+
+    def refused(self, name):
+        """What a stage says when it refuses: one sentence, code 2."""
+        self.capfd.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            run(name, import_module(f"pipeline.{name}").stage)
+        assert ended.value.code == 2
+        spoken = self.capfd.readouterr().err
+        assert len(spoken.strip().splitlines()) == 1
+        return spoken
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch, capfd):
+    return Folder(tmp_path, monkeypatch, capfd)
+
+
+@pytest.fixture
+def configured(project):
+    run("config", import_module("pipeline.config").stage)
+    return project
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("identify.cutof=3", "cutof"),
+        ("identify.filter.cutoff=1000", "identify.filter.cutoff"),
+        ("identify.parameters=[motor.mass]", "no parameter 'motor.mass'"),
+        ("rig.winch.radius=-1", "winch.radius"),
+        ("+rig.wings=2", "rig has no part 'wings'"),
+        ("robot=marvin", "marvin"),
+        ("robot.hidden.strength=high", "robot.hidden.strength"),
+        ("plant.effects=[magic]", "no effect 'magic'"),
+        ("diagnose.candidates=[magic]", "no effect 'magic'"),
+        ("experiment.trials.0.duration=-1", "duration"),
+        ("experiment.trials.0.motors.left.mode=fly", "fly"),
+        ("experiment.trials.0.role=heldout", "no trial has the role 'train'"),
+        ("perceive.repeats=0", "perceive.repeats"),
+        ("rig.name=x y z=", "rig.name"),
+    ],
+)
+def test_a_bad_configuration(project, override, said):
+    project.override([*SHORT, override])
+    assert said in project.refused("config")
+    assert not (project.root / "data/config").exists()
+
+
+def test_overrides_that_are_no_list(project):
+    (project.root / "params.yaml").write_text("overrides: robot=can\n")
+    assert "'overrides' must be a list" in project.refused("config")
+
+
+def test_a_params_file_that_is_not_yaml(project):
+    (project.root / "params.yaml").write_text("overrides: [")
+    assert "params.yaml is not YAML" in project.refused("config")
+
+
+@pytest.mark.parametrize("stage", ["decode", "identify", "compare", "diagnose", "train", "report"])
+def test_a_stage_before_its_turn_names_what_is_missing(configured, stage):
+    spoken = configured.refused(stage)
+    assert "data/" in spoken
+    assert "stage" in spoken
+
+
+def test_hardware_without_recorded_logs(project):
+    project.override([*SHORT, "robot=can"])
+    run("config", import_module("pipeline.config").stage)
+    assert "train_left.mcap is missing" in project.refused("collect")
+
+
+def trace(length: int) -> Trace:
+    time = np.arange(length, dtype=np.int64) * 1_000_000
+    signals = {f"left.{name}": np.zeros(length) for name in ("current", "displacement")}
+    return Trace("train_left", time, signals, dict.fromkeys(signals, ""), {})
+
+
+def test_a_log_without_a_channel(configured):
+    write_parquet(trace(400), configured.root / "data/traces/train_left.parquet")
+    spoken = configured.refused("identify")
+    assert "train_left" in spoken
+    assert "channel 'right.current' is missing" in spoken or "channel 'left.velocity'" in spoken
+
+
+def test_a_trial_shorter_than_the_filter(configured):
+    path = configured.root / "data/traces/train_left.parquet"
+    write_parquet(trace(50), path)
+    assert len(read_parquet(path)) == 50
+    spoken = configured.refused("identify")
+    assert "train_left: 50 samples" in spoken
+
+
+def test_a_damaged_trace(configured):
+    path = configured.root / "data/traces/train_left.parquet"
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"PAR1 nothing")
+    spoken = configured.refused("identify")
+    assert "train_left.parquet" in spoken
+
+
+def test_the_process_says_one_sentence_and_no_traceback(tmp_path):
+    command = [sys.executable, "-m", "pipeline.decode"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith("decode: data/raw holds no log")
+    assert "Traceback" not in done.stderr
