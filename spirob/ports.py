@@ -7,6 +7,10 @@ bends the arm to the left (+y), which shortens the left tendon.
 A port combines its effects in one of two ways.  `sum`: it starts at zero and effects add.  `pipe`:
 each effect maps the value that comes from upstream, in the order in which the effects are listed.
 If an effect cannot be written without naming it in `plant/`, a port is missing here.
+
+Effects are not bound to this arm.  Over the trace of a servo or a linear drive the same kernels
+read the same signals (its speed in place of the rotor's, in its own unit); `motor.rest_speed` then
+carries the scale, so that no kernel holds a speed of its own.
 """
 
 from dataclasses import dataclass
@@ -16,18 +20,24 @@ from dataclasses import dataclass
 class Port:
     """One place where effects act.
 
-    each  what the kernel runs for: every "motor", every "hinge", or every "guide" (each hinge of
-          each tendon, from base to tip)
+    each   what the kernel runs for: every "motor", every "hinge", every "guide" (each hinge of each
+           tendon, from base to tip), or the "arm" as a whole
+    every  when it runs: each "step" of the physics, each "cycle" of the bus (a kernel's `dt` is the
+           length of that), or "once", when the body is built
     """
 
     unit: str
     combine: str
     each: str
     meaning: str
+    every: str = "step"
 
 
 PORTS = {
-    "command.current": Port("A", "pipe", "motor", "commanded current as the drive understands it"),
+    "command.current": Port(
+        "A", "pipe", "motor", "commanded current as the drive understands it", "cycle"
+    ),
+    "motor.supply": Port("V", "pipe", "motor", "supply voltage, the limit of the drive's output"),
     "motor.resistance": Port("Ω", "pipe", "motor", "winding resistance R"),
     "motor.voltage": Port("V", "sum", "motor", "disturbance voltage d in the R-L circuit"),
     "motor.drive_torque": Port("N·m", "pipe", "motor", "torque k_t·i at the rotor"),
@@ -36,10 +46,17 @@ PORTS = {
     "winch.radius": Port("m", "pipe", "motor", "effective radius of the drum r"),
     "tendon.force": Port("N", "sum", "motor", "force on the winch beside the tendon's, + winds in"),
     "tendon.extra_length": Port("m", "sum", "motor", "length the tendon has gained (creep, play)"),
+    "tendon.compliance": Port("m/N", "sum", "motor", "compliance in series with the tendon"),
     "tendon.tension_ratio": Port("1", "pipe", "guide", "tension behind a guide over that at winch"),
     "body.hinge_torque": Port("N·m", "sum", "hinge", "torque added at a hinge of the arm"),
-    "sensing.displacement": Port("m", "pipe", "motor", "wound-in length as the encoder reports it"),
-    "sensing.current": Port("A", "pipe", "motor", "motor current as the drive reports it"),
+    "body.tip_mass": Port("kg", "sum", "arm", "mass carried at the tip", "once"),
+    "sensing.displacement": Port(
+        "m", "pipe", "motor", "wound-in length as the encoder reports it; its rate follows", "cycle"
+    ),
+    "sensing.current": Port("A", "pipe", "motor", "motor current as the drive reports it", "cycle"),
+    "sensing.frame": Port(
+        "reading", "pipe", "motor", "each reading of the feedback frame in turn", "cycle"
+    ),
 }
 
 
@@ -54,11 +71,18 @@ class Signal:
 
 SIGNALS = {
     "time": Signal("s", "trial", "time since the trial began"),
+    "motor.rest_speed": Signal(
+        "rad/s",
+        "trial",
+        "speed below which this rig counts as standing: the scale of a smooth sign",
+    ),
     "motor.command": Signal("A", "motor", "commanded current"),
     "motor.current": Signal("A", "motor", "motor current i*"),
     "motor.speed": Signal("rad/s", "motor", "rotor speed, + winds in"),
     "motor.angle": Signal("rad", "motor", "rotor angle since the start of the trial"),
     "motor.load_torque": Signal("N·m", "motor", "tendon's torque r·F/G seen by the rotor"),
+    "motor.power": Signal("W", "motor", "electrical power that the motor draws"),
+    "winch.angle": Signal("rad", "motor", "drum angle since the start of the trial"),
     "winch.displacement": Signal("m", "motor", "wound-in length x"),
     "winch.velocity": Signal("m/s", "motor", "rate of the wound-in length"),
     "tendon.tension": Signal("N", "motor", "tension at the winch"),
@@ -66,10 +90,17 @@ SIGNALS = {
     "hinge.angle": Signal("rad", "hinge", "angle of a hinge"),
     "hinge.speed": Signal("rad/s", "hinge", "angular speed of a hinge"),
     "hinge.stiffness": Signal("N·m/rad", "hinge", "linear stiffness of a hinge"),
+    "hinge.weight_x": Signal(
+        "N·m", "hinge", "torque of the weight beyond a hinge if gravity pointed along the arm, +x"
+    ),
+    "hinge.weight_y": Signal(
+        "N·m", "hinge", "torque of the weight beyond a hinge if gravity pointed to the left, +y"
+    ),
 }
 
 READABLE = {  # what a port of each kind may read
     "motor": {"trial", "motor"},
     "hinge": {"trial", "hinge"},
     "guide": {"trial", "motor", "hinge", "guide"},
+    "arm": set(),
 }

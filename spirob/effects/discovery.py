@@ -11,17 +11,20 @@ from types import ModuleType
 
 import spirob.effects
 from spirob.effects.effect import Effect
-from spirob.errors import EffectError
+from spirob.errors import EffectError, SpirobError
 
 
 @cache
 def all_effects() -> dict[str, type[Effect]]:
     """Every effect of the library and of installed plug-ins (entry points `spirob.effects`)."""
     found: dict[str, type[Effect]] = {}
-    for info in pkgutil.walk_packages(spirob.effects.__path__, "spirob.effects."):
-        found.update(_effects_in(importlib.import_module(info.name)))
-    for point in entry_points(group="spirob.effects"):
-        found.update(_effects_in(importlib.import_module(point.value)))
+    names = [i.name for i in pkgutil.walk_packages(spirob.effects.__path__, "spirob.effects.")]
+    names += [point.value for point in entry_points(group="spirob.effects")]
+    for module in names:
+        for name, effect in _effects_in(importlib.import_module(module)).items():
+            if found.setdefault(name, effect) is not effect:
+                other = found[name].__module__
+                raise EffectError(f"effect '{name}' is in two files: {other} and {module}")
     return dict(sorted(found.items()))
 
 
@@ -43,12 +46,20 @@ def find_effects(names: list[str]) -> list[type[Effect]]:
 
 
 def load_file(path: Path) -> dict[str, type[Effect]]:
-    """The effects defined in a user's own Python file."""
+    """The effects defined in a user's own Python file.
+
+    Raises EffectError when the file is absent, does not run, declares wrongly or holds no effect.
+    """
     spec = importlib.util.spec_from_file_location(path.stem, path)
     if spec is None or spec.loader is None or not path.is_file():
         raise EffectError(f"effect file '{path}' cannot be read")
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except SpirobError as wrong:
+        raise EffectError(f"effect file '{path}': {wrong}") from wrong
+    except Exception as wrong:  # whatever a user's file does must come back as a sentence
+        raise EffectError(f"effect file '{path}' fails: {type(wrong).__name__}: {wrong}") from wrong
     found = _effects_in(module)
     if not found:
         raise EffectError(f"effect file '{path}' defines no effect")
@@ -58,4 +69,8 @@ def load_file(path: Path) -> dict[str, type[Effect]]:
 def _effects_in(module: ModuleType) -> dict[str, type[Effect]]:
     classes = inspect.getmembers(module, inspect.isclass)
     own = [c for _, c in classes if issubclass(c, Effect) and c.__module__ == module.__name__]
-    return {c.name(): c for c in own if c is not Effect}
+    own = [c for c in own if c is not Effect]
+    if len(own) > 1:
+        names = " and ".join(c.__name__ for c in own)
+        raise EffectError(f"{module.__name__} defines {names}; an effect is one file")
+    return {c.name(): c for c in own}

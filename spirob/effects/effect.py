@@ -25,12 +25,14 @@ class Effect(Numbers):
     state       kernel argument -> initial value; the kernel returns (contribution, next states...)
     neutral     numbers at which the effect vanishes; setting them makes the models nested
     traits      claims on the kernel, each a test
-    equation    independent statement of the contribution (of a kernel without state) in the
-                symbols of the numbers and the names of the arguments
+    equation    independent statement of the contribution in the symbols of the numbers and the
+                names of the arguments; a state there is its next value
+    evolution   state -> its rate of change, in the same names; where the state obeys such a law
     title       what a reader calls it
     signature   how it shows in data, one sentence
     explanation what happens physically, one or two sentences
     tell_apart  rival effect -> experiment that separates the two
+    needs       what a trial must contain for the effect to show
     references  literature
 
     `kernel` is a static method; its arguments are exactly: `upstream` (for a pipe port), then
@@ -44,10 +46,12 @@ class Effect(Numbers):
     neutral: ClassVar[Mapping[str, float]] = {}
     traits: ClassVar[frozenset[str] | set[str]] = frozenset()
     equation: ClassVar[str] = ""
+    evolution: ClassVar[Mapping[str, str]] = {}
     title: ClassVar[str] = ""
     signature: ClassVar[str] = ""
     explanation: ClassVar[str] = ""
     tell_apart: ClassVar[Mapping[str, str]] = {}
+    needs: ClassVar[str] = ""
     references: ClassVar[tuple[str, ...]] = ()
     kernel: ClassVar[Callable[..., Any]]
 
@@ -69,6 +73,19 @@ class Effect(Numbers):
 
 def _check_declaration(cls: type[Effect]) -> None:
     who = f"effect '{cls.owner}' ({cls.__name__})"
+    _check_place(cls, who)
+    _check_arguments(cls, who)
+    _check_numbers(cls, who)
+    if unknown := set(cls.traits) - TRAITS:
+        raise EffectError(f"{who}: unknown traits {sorted(unknown)}; known: {sorted(TRAITS)}")
+    if unknown := set(cls.evolution) - set(cls.state):
+        raise EffectError(f"{who}: evolution of {sorted(unknown)}; states: {sorted(cls.state)}")
+    for text in ("title", "signature", "explanation"):
+        if not getattr(cls, text):
+            raise EffectError(f"{who}: '{text}' is empty")
+
+
+def _check_place(cls: type[Effect], who: str) -> None:
     if cls.port not in PORTS:
         raise EffectError(f"{who}: port '{cls.port}' is unknown; ports: {', '.join(PORTS)}")
     port = PORTS[cls.port]
@@ -77,11 +94,24 @@ def _check_declaration(cls: type[Effect]) -> None:
             raise EffectError(f"{who}: reads '{signal}'; signals: {', '.join(SIGNALS)}")
         if SIGNALS[signal].each not in READABLE[port.each]:
             raise EffectError(f"{who}: '{argument}' reads '{signal}', not seen at {cls.port}")
-    numbers = cls.parameters()
-    wanted = [*(["upstream"] if port.combine == "pipe" else []), *cls.reads, *cls.state, *numbers]
+    if port.every == "once" and cls.state:
+        raise EffectError(f"{who}: {cls.port} is asked once, so there is nothing to remember")
+
+
+def _check_arguments(cls: type[Effect], who: str) -> None:
+    if "kernel" not in vars(cls):
+        raise EffectError(f"{who}: no kernel; define it as a static method")
+    if not isinstance(inspect.getattr_static(cls, "kernel"), staticmethod):
+        raise EffectError(f"{who}: the kernel must be a static method")
+    pipe = PORTS[cls.port].combine == "pipe"
+    wanted = [*(["upstream"] if pipe else []), *cls.reads, *cls.state, *cls.parameters()]
     got = [a for a in cls.arguments() if a not in OPTIONAL]
-    if set(got) != set(wanted) or len(got) != len(set(got)):
+    if set(got) != set(wanted) or len(wanted) != len(set(wanted)):
         raise EffectError(f"{who}: kernel takes ({', '.join(got)}), declared: {', '.join(wanted)}")
+
+
+def _check_numbers(cls: type[Effect], who: str) -> None:
+    numbers = cls.parameters()
     for field, value in cls.neutral.items():
         if field not in numbers:
             raise EffectError(f"{who}: neutral names '{field}'; numbers: {', '.join(numbers)}")
@@ -89,8 +119,10 @@ def _check_declaration(cls: type[Effect]) -> None:
             raise EffectError(f"{who}: neutral {field} = {value} is outside its bounds")
     if not cls.neutral:
         raise EffectError(f"{who}: no neutral numbers, so models would not be nested")
-    if unknown := set(cls.traits) - TRAITS:
-        raise EffectError(f"{who}: unknown traits {sorted(unknown)}; known: {sorted(TRAITS)}")
-    for text in ("title", "signature", "explanation"):
-        if not getattr(cls, text):
-            raise EffectError(f"{who}: '{text}' is empty")
+    symbols = [about.symbol for about in numbers.values()]
+    taken = [s for s in symbols if symbols.count(s) > 1 or s in cls.arguments()]
+    if taken:
+        raise EffectError(f"{who}: symbol '{taken[0]}' has two meanings")
+    for field, about in numbers.items():
+        if not (about.unit and about.symbol and about.meaning):
+            raise EffectError(f"{who}: number '{field}' needs a unit, a symbol and a meaning")

@@ -41,9 +41,14 @@ def unit_inertia(arm: Arm, geometry: SpiralArm) -> tuple[np.ndarray, np.ndarray]
 
 
 def build_spec(
-    arm: Arm, scene: Scene, units: int, timestep: float, tendons: bool = False
+    arm: Arm,
+    scene: Scene,
+    units: int,
+    timestep: float,
+    tendons: bool = False,
+    tip_mass: float = 0.0,
 ) -> mujoco.MjSpec:
-    """The arm, straight along +x from the origin, in its scene.
+    """The arm, straight along +x from the origin, in its scene, with a point mass at its tip.
 
     Masses in kg, lengths in m, angles in rad; gravity from `arm.gravity_x`, `arm.gravity_y`.
     """
@@ -67,6 +72,8 @@ def build_spec(
         _add_outline(parent, i, arm, geometry)
         if tendons:
             _add_guides(parent, geometry.guide_after[i], f"after_{i}")
+    if tip_mass > 0.0:
+        _add_tip(parent, geometry.unit_length[-1], tip_mass)
     if scene.cylinder is not None:
         _add_cylinder(spec, scene, geometry)
     if tendons:
@@ -114,6 +121,13 @@ def _add_outline(body, i: int, arm: Arm, geometry: SpiralArm) -> None:
             solref=[0.004, 1.0],
             mass=0.0,
         )
+
+
+def _add_tip(parent, length: float, mass: float) -> None:
+    tip = parent.add_body(name="tip", pos=[length, 0, 0])
+    tip.explicitinertial = True
+    tip.mass = mass
+    tip.inertia = np.full(3, mass * length**2 * 1e-2)  # small: a point, but never singular
 
 
 def _add_cylinder(spec: mujoco.MjSpec, scene: Scene, geometry: SpiralArm) -> None:

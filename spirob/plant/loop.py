@@ -1,7 +1,9 @@
 # ruff: noqa: F821
 """The coupled cycle, as a template: `plant.assemble` fills in the ports and compiles it.
 
-A comment `# @ port name -> variable` is replaced by one statement for each effect at that port.
+A comment `# @ port name -> variable` is replaced by one statement for each effect at that port;
+`repeat` applies them to another signal, `probe` asks them at another speed.  `READS_...` is whether
+an effect reads a signal.
 `P_...` are positions in the parameter vector, `COUNT_...` sizes.  What the loop does in cycle k:
 
     j_a  feedback law -> i_cmd;  drive and R-L circuit -> i*            (control.law, electrics)
@@ -33,6 +35,7 @@ def run(
     limit,
     gains,
     guides,
+    units,
     stiffness,
     substeps,
     step,
@@ -49,6 +52,7 @@ def run(
     """Simulate all cycles; returns the cycle where a state became non-finite, or -1.
 
     guides (N, 4) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2, cos β/2 of each hinge (`plant.tendon`);
+    units (N + 1, 2) mass [kg] and length [m] of each unit, and the mass at the tip;
     pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension
     ratio, solved (2, N) what `mj_solveM` makes of it; C wants their addresses too.
     """
@@ -78,12 +82,14 @@ def run(
     previous_rate, previous_accel, arm_accel = state[9], state[10], state[11]
     command, arm_current, radius_now = state[12], state[13], state[14]
     begun = state[15]  # cycles played so far, in its first entry
+    reading_error = state[16]  # of the reported length [m]; its rate is that of the velocity
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
     demand = np.zeros(motors)
     free = np.zeros(motors)
+    give = np.zeros(motors)
     tendon_damping = max(p[P_tendon_damping], step * p[P_tendon_stiffness])
-    give = step * tendon_damping
+    hinge_weight = np.zeros((hinges, 2))  # N·m, by direction of gravity
     mean_current = np.zeros(motors)
     last_command = np.zeros(motors)
     if begun[0] == 0.0:
@@ -94,11 +100,19 @@ def run(
             # what the drive reports
             sensed_displacement = nominal_radius * turned[m]
             # @ port sensing.displacement -> sensed_displacement
+            # @ port sensing.frame -> sensed_displacement
+            # the drive differentiates the length that it reports
+            error = sensed_displacement - nominal_radius * turned[m]
             sensed_velocity = nominal_radius * rate[m] / radius_now[m]
+            sensed_velocity += (error - reading_error[m]) / cycle_time
+            if cycle < cycles:
+                reading_error[m] = error
             sensed_current = current[m]
             # @ port sensing.current -> sensed_current
+            # @ repeat sensing.frame -> sensed_current
             sensed_arm_current = arm_current[m]
             # @ repeat sensing.current -> sensed_arm_current
+            # @ repeat sensing.frame -> sensed_arm_current
             out[cycle, m, 0] = sensed_current
             out[cycle, m, 1] = sensed_arm_current
             out[cycle, m, 2] = sensed_displacement
@@ -175,8 +189,8 @@ def run(
                 # @ port winch.radius -> radius
                 radius_now[m] = radius
                 rotor_speed = gear * rate[m] / radius
-                rotor_angle = gear * turned[m]
-                load_torque = radius * tension[m] / gear
+                supply = p[P_drive_voltage_limit]
+                # @ port motor.supply -> supply
                 resistance = p[P_motor_resistance]
                 # @ port motor.resistance -> resistance
                 disturbance = 0.0
@@ -195,24 +209,22 @@ def run(
                     gain_p,
                     gain_i,
                     p[P_drive_emf_compensation],
-                    p[P_drive_voltage_limit],
+                    supply,
                 )
                 drive_torque = p[P_motor_torque_constant] * mean_current[m]
                 # @ port motor.drive_torque -> drive_torque
-                efficiency = p[P_winch_efficiency]
-                # @ port winch.efficiency -> efficiency
-                # friction at this speed and just above it: its slope is solved implicitly
+                # torque at this speed and just above it: its slope is solved implicitly
                 slope = 0.0
                 added = 0.0
                 for probe in range(1, -1, -1):
                     rotor_speed = gear * rate[m] / radius + 0.01 * probe
-                    added = 0.0
+                    efficiency = p[P_winch_efficiency]
+                    # @ probe winch.efficiency -> efficiency
+                    added = efficiency * drive_torque
                     # @ probe motor.torque -> added
                     slope = added if probe == 1 else (added - slope) / 0.01
                 rotor_damping = max(0.0, slope)
-                torque = efficiency * gear * drive_torque + gear * (
-                    added + rotor_damping * gear * rate[m] / radius
-                )
+                torque = gear * (added + rotor_damping * gear * rate[m] / radius)
                 inertia = gear * gear * p[P_motor_rotor_inertia] / (radius * radius)
                 damping = (
                     gear * gear * (p[P_motor_rotor_damping] + rotor_damping) / (radius * radius)
@@ -221,6 +233,10 @@ def run(
                 # @ port tendon.force -> external
                 extra = 0.0
                 # @ port tendon.extra_length -> extra
+                compliance = 0.0
+                # @ port tendon.compliance -> compliance
+                share = 1.0 / (1.0 + p[P_tendon_stiffness] * compliance)  # of the stretch
+                give[m] = step * share * tendon_damping
                 weight[m] = inertia + step * damping
                 free[m] = free_rate(rate[m], torque / radius + external, inertia, damping, step)
                 if begun[0] + substep > 0:
@@ -231,17 +247,17 @@ def run(
                     free[m],
                     shortening_rate[m],
                     arm_accel[m],
-                    p[P_tendon_stiffness],
-                    tendon_damping,
+                    share * p[P_tendon_stiffness],
+                    share * tendon_damping,
                     step,
                 )
             tension[0], tension[1] = one_sided_tensions(
                 demand[0],
                 demand[1],
-                1.0 + give * (1.0 / weight[0] + mobility[0, 0]),
-                give * mobility[0, 1],
-                give * mobility[1, 0],
-                1.0 + give * (1.0 / weight[1] + mobility[1, 1]),
+                1.0 + give[0] * (1.0 / weight[0] + mobility[0, 0]),
+                give[0] * mobility[0, 1],
+                give[1] * mobility[1, 0],
+                1.0 + give[1] * (1.0 / weight[1] + mobility[1, 1]),
             )
             for m in range(motors):
                 previous_rate[m] = shortening_rate[m]
@@ -249,6 +265,8 @@ def run(
                 rate[m] = free[m] - step * tension[m] / weight[m]
                 displacement[m] += step * rate[m]
                 turned[m] += step * rate[m] / radius_now[m]
+            if READS_hinge_weight:
+                hinge_weights(qpos, units, hinge_weight)
             for i in range(hinges):
                 hinge_torque = 0.0
                 # @ port body.hinge_torque -> hinge_torque

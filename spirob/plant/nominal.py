@@ -26,6 +26,9 @@ class Motor(Numbers):
     rotor_damping: float = bounded(
         1e-4, 1e-5, 1e-3, "N·m·s/rad", "b_m", "viscous friction of the rotor", PAPER, log=True
     )
+    rest_speed: float = bounded(
+        2.0, 1e-6, 100.0, "rad/s", "ω_0", "below it the rotor counts as standing", log=True
+    )
 
 
 class Drive(Numbers):

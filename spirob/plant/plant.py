@@ -20,7 +20,8 @@ from spirob.robot import CYCLE_NS, Scene
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
-STATE_ROWS = 16  # see `loop.run`
+STATE_ROWS = 17  # see `loop.run`
+SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
     "arm_current",
@@ -97,6 +98,13 @@ class Plant:
         names = Arm.parameters()
         return Arm(**{f: float(p[self.table.position(f"arm.{f}")]) for f in names})
 
+    def _at_tip(self, p: np.ndarray) -> float:
+        at_tip = [e for e in self.effects if e.port == "body.tip_mass"]
+        values = [
+            {f: p[self.table.position(f"{e.name()}.{f}")] for f in e.parameters()} for e in at_tip
+        ]
+        return float(sum(e.kernel(**v) for e, v in zip(at_tip, values, strict=True)))
+
 
 class Session:
     """A plant in motion: each `play` goes on where the one before it stopped."""
@@ -105,11 +113,14 @@ class Session:
         self._plant, self._p = plant, p
         hinges = plant.rig.units
         self._step = CYCLE / plant.substeps
-        model = _compiled(plant._arm(p), scene, hinges, self._step)
+        tip_mass = plant._at_tip(p)
+        model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass)
         self._model, self._data = model, mujoco.MjData(model)
         self._stiffness = np.ascontiguousarray(model.jnt_stiffness.reshape(hinges, -1)[:, 0])
+        mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
+        self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
         self._state = np.zeros((STATE_ROWS, 2))
-        self._memory = np.repeat(plant._states[:, None], 2 * hinges, axis=1)
+        self._memory = np.repeat(plant._states[:, None], max(2 * hinges, SLOTS), axis=1)
         self._pull, self._solved = np.zeros((2, hinges)), np.zeros((2, hinges))
         drive_rate = p[plant.table.position("drive.rate")]
         self._drive_steps = max(1, round(self._step * drive_rate))
@@ -133,6 +144,7 @@ class Session:
             np.asarray(schedule.current_limit, dtype=float),
             self._plant._gains(),
             self._plant._guides,
+            self._units,
             self._stiffness,
             self._plant.substeps,
             self._step,
@@ -160,8 +172,10 @@ def _guides(geometry: SpiralArm) -> np.ndarray:
 
 
 @lru_cache(maxsize=512)
-def _compiled(arm: Arm, scene: Scene, units: int, timestep: float) -> mujoco.MjModel:
-    model = build_spec(arm, scene, units, timestep).compile()
+def _compiled(
+    arm: Arm, scene: Scene, units: int, timestep: float, tip_mass: float
+) -> mujoco.MjModel:
+    model = build_spec(arm, scene, units, timestep, tip_mass=tip_mass).compile()
     # a reset in mid-run would hide that the model diverged
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return model

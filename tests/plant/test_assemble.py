@@ -18,7 +18,10 @@ def _generated(effects):
     return assemble.generate(effects, Table(owners).names)
 
 
-@pytest.mark.parametrize("name", all_effects())
+IN_THE_LOOP = [n for n, e in all_effects().items() if PORTS[e.port].every != "once"]
+
+
+@pytest.mark.parametrize("name", IN_THE_LOOP)
 def test_an_effect_is_called_in_the_loop(name):
     effect = all_effects()[name]
     body = _generated([effect]).split("def run(")[1]
@@ -27,7 +30,14 @@ def test_an_effect_is_called_in_the_loop(name):
 
 def test_the_loop_has_a_place_for_every_port():
     places = {found[3] for found in assemble.MARK.finditer(inspect.getsource(loop.run))}
-    assert places == set(PORTS)
+    assert places == {name for name, port in PORTS.items() if port.every != "once"}
+
+
+def test_what_nobody_reads_is_not_computed():
+    body = _generated([all_effects()["coulomb_friction"]]).split("def run(")[1]
+    assert "if False:\n                hinge_weights(" in body
+    body = _generated([all_effects()["mount_tilt"]]).split("def run(")[1]
+    assert "if True:\n                hinge_weights(" in body
 
 
 def test_an_effect_without_a_place_is_refused(monkeypatch):

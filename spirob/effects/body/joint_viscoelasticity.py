@@ -17,6 +17,8 @@ class JointViscoelasticity(Effect):
     state = {"relaxed": 0.0}
     neutral = {"share": 0.0}
     traits = {"dissipative"}
+    equation = "-κ*stiffness*(angle - relaxed)"
+    evolution = {"relaxed": "(angle - relaxed)/T"}
     title = "viscoelastic relaxation of the arm's material"
     signature = "Effort that decays during holds and depends on the rate of the stroke."
     explanation = (
@@ -26,7 +28,10 @@ class JointViscoelasticity(Effect):
     tell_apart = {
         "capstan_friction": "holds: friction stays put, relaxation decays",
         "stiffness_hardening": "the same stroke at two speeds, with holds",
+        "creep": "the length channel in a hold: relaxation leaves it alone",
+        "winding_heating": "a hold without load before it: heat climbs, relaxation decays",
     }
+    needs = "holds, or the same stroke at two speeds"
     references = ("Christensen, Theory of Viscoelasticity (1982)",)
 
     share: float = bounded(0.15, 0.0, 2.0, "1", "κ", "relaxing stiffness over the linear one")

@@ -15,7 +15,13 @@ class RestCurvature(Effect):
     title = "natural curvature of the unloaded arm"
     signature = "One tendon works harder than the other by an amount that stays the same."
     explanation = "Printing, storage or plastic set leave the arm with a bend of its own."
-    tell_apart = {"current_offset": "swap the pulling tendon: a bend changes sign, an offset not"}
+    tell_apart = {
+        "current_offset": "swap the pulling tendon: a bend changes sign, an offset not",
+        "mount_tilt": "turn the mount over: weight changes sides, a bend stays",
+        "constant_force": "swap the pulling tendon: a bend changes sign, a force not",
+    }
+    needs = "pulling with either tendon in turn"
+    references = ("Timoshenko, Strength of Materials: initial curvature (1930)",)
 
     rest_angle: float = bounded(0.02, -0.4, 0.4, "rad", "q_0", "rest angle of every hinge")
 

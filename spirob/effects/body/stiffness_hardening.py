@@ -10,6 +10,7 @@ class StiffnessHardening(Effect):
     port = "body.hinge_torque"
     reads = {"angle": "hinge.angle", "stiffness": "hinge.stiffness"}
     neutral = {"hardening": 0.0}
+    traits = {"rate_independent"}
     equation = "-h*stiffness*angle**3"
     title = "hardening of the arm's stiffness with bending"
     signature = "Effort that grows faster than the bend, the same in both directions of motion."
@@ -17,7 +18,10 @@ class StiffnessHardening(Effect):
     tell_apart = {
         "drum_build_up": "the length channel: hardening leaves the motion per turn alone",
         "joint_viscoelasticity": "the same stroke at two speeds, with holds",
+        "torque_constant_saturation": "a known weight: hardening follows the bend, not the current",
     }
+    needs = "bends up to a large share of the end stop"
+    references = ("Ogden, Non-Linear Elastic Deformations (1984)",)
 
     hardening: float = bounded(1.0, -2.5, 20.0, "1/rad²", "h", "relative growth of stiffness")
 

@@ -14,7 +14,13 @@ class ConstantForce(Effect):
     title = "a constant force on the transmission"
     signature = "The same effort everywhere, in either direction of motion, and in holds."
     explanation = "A spring, a weight or a tilted mount pulls on the transmission all the time."
-    tell_apart = {"current_offset": "free the load: a force on it goes, an offset stays"}
+    tell_apart = {
+        "current_offset": "free the load: a force on it goes, an offset stays",
+        "asymmetric_viscous_friction": "holds and two speeds each way: a force stays in holds",
+        "rest_curvature": "swap the pulling tendon: a force stays, a bend changes sign",
+    }
+    needs = "both directions of motion, or holds"
+    references = ("Janot, Gautier, Brunot, data set and reference models of EMPS (2019)",)
 
     force: float = bounded(0.3, -50.0, 50.0, "N", "F_0", "steady force, + winds in")
 

@@ -7,13 +7,17 @@ from spirob.parameter import bounded
 
 
 class LoadDependentFriction(Effect):
-    """τ = -μ·|τ_load|·tanh(ω/ω_0) at the rotor."""
+    """τ = -m·|τ_load|·tanh(ω/(σ·ω_0)) at the rotor; ω_0 as in `coulomb_friction`."""
 
     port = "motor.torque"
-    reads = {"speed": "motor.speed", "load": "motor.load_torque"}
+    reads = {
+        "speed": "motor.speed",
+        "rest_speed": "motor.rest_speed",
+        "load": "motor.load_torque",
+    }
     neutral = {"loss_ratio": 0.0}
     traits = {"dissipative", "odd_in_speed"}
-    equation = "-m*Abs(load)*tanh(speed/w_0)"
+    equation = "-m*Abs(load)*tanh(speed/(σ*rest_speed))"
     title = "load-dependent friction in the gear"
     signature = "A loop between winding in and paying out whose height grows with the load."
     explanation = (
@@ -23,12 +27,15 @@ class LoadDependentFriction(Effect):
     tell_apart = {
         "coulomb_friction": "a second load: the loop's height follows the load",
         "capstan_friction": "two bends at the same tension: only capstan friction follows the bend",
+        "direction_dependent_efficiency": "winding in alone: only this friction adds to it",
     }
+    needs = "two loads that differ by a factor of two, in both directions of motion"
+    references = ("Hamon, Gautier, Garrec, friction depending on load and velocity, IROS (2010)",)
 
     loss_ratio: float = bounded(0.05, 0.0, 0.6, "1", "m", "lost part of the load torque")
-    smoothing_speed: float = bounded(2.0, 0.05, 20.0, "rad/s", "w_0", "speed of the smooth sign")
+    softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")
 
     @staticmethod
-    def kernel(speed, load, loss_ratio, smoothing_speed):
+    def kernel(speed, rest_speed, load, loss_ratio, softness):
         """Friction torque on the rotor [N·m]."""
-        return -loss_ratio * abs(load) * math.tanh(speed / smoothing_speed)
+        return -loss_ratio * abs(load) * math.tanh(speed / (softness * rest_speed))

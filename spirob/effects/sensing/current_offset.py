@@ -14,7 +14,13 @@ class CurrentOffset(Effect):
     title = "offset of the current sensor"
     signature = "The same difference everywhere, at rest and in motion, in either direction."
     explanation = "The amplifier of the current sensor has a zero error."
-    tell_apart = {"constant_force": "swap or free the load: an offset stays"}
+    tell_apart = {
+        "constant_force": "swap or free the load: an offset stays",
+        "rest_curvature": "swap the pulling tendon: an offset is the same, a bend changes sign",
+        "current_gain": "two loads: an offset is the same at both",
+    }
+    needs = "rest with the motor off, or both directions of load"
+    references = ("Analog Devices, MT-037: input offset voltage",)
 
     offset: float = bounded(0.02, -1.0, 1.0, "A", "i_0", "reading at zero current")
 

@@ -7,7 +7,7 @@ from spirob.parameter import bounded
 
 
 class CapstanFriction(Effect):
-    """T_behind = T_before·exp(-μ·|q|·z), dz/ds = (1 - z·sgn(ṡ))·sgn(ṡ)/δ.
+    """T_behind = T_before·exp(-μ·|q|·z), dz/dt = (ṡ - |ṡ|·z)/δ.
 
     s is the tendon's sliding through the guide and z ∈ [-1, 1] the direction in which friction is
     mobilised: it turns round within the presliding length δ (Dahl), which keeps the force
@@ -18,7 +18,9 @@ class CapstanFriction(Effect):
     reads = {"sliding": "guide.sliding", "bend": "hinge.angle"}
     state = {"direction": 0.0}
     neutral = {"friction": 0.0}
-    traits = {"dissipative"}
+    traits = {"dissipative", "rate_independent"}
+    equation = "upstream*exp(-μ*Abs(bend)*direction)"
+    evolution = {"direction": "(sliding - Abs(sliding)*direction)/δ"}
     title = "capstan friction of the tendon along its guides"
     signature = (
         "A loop between winding in and paying out that grows with both the bend and the tension, "
@@ -32,8 +34,10 @@ class CapstanFriction(Effect):
     tell_apart = {
         "coulomb_friction": "two bends at the same tension: capstan friction follows the bend",
         "load_dependent_friction": "two bends at the same tension: capstan friction follows it",
+        "presliding_friction": "two bends at the same tension: capstan friction follows the bend",
         "joint_viscoelasticity": "the same stroke at two speeds, with holds: friction stays put",
     }
+    needs = "reversals at two bends or two loads"
     references = ("Euler-Eytelwein; Dahl, Aerospace Corp. TOR-0158 (1968)",)
 
     friction: float = bounded(0.05, 0.0, 0.6, "1", "μ", "friction coefficient at the guides")

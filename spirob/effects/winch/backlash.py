@@ -1,0 +1,45 @@
+"""Play between the motor and the drum."""
+
+import math
+
+from spirob.effects.effect import Effect
+from spirob.parameter import bounded
+
+
+class Backlash(Effect):
+    """The drum lags the motor within its play: extra length g ∈ [-b, 0].
+
+    Taut, the tendon keeps the drum on one flank (g = 0) and no play is seen.  Slack, the drum rests
+    on its own friction while the motor turns back through the play: ġ = ẋ within the bounds; then
+    the tension pulls it home, ġ = -g·F/(F_h·t_s), here exact for a constant tension.
+    """
+
+    port = "tendon.extra_length"
+    reads = {"velocity": "winch.velocity", "tension": "tendon.tension"}
+    state = {"gap": 0.0}
+    neutral = {"play": 0.0}
+    equation = "gap"
+    title = "backlash of the gear"
+    signature = "A step in length, without effort, wherever the load lets go or takes hold again."
+    explanation = (
+        "Gear teeth leave a gap: when the load changes sides the motor turns through it before the "
+        "drum follows.  While the tendon stays taut nothing of it is seen."
+    )
+    tell_apart = {
+        "presliding_friction": "stay taut: play then disappears, friction does not",
+        "stretch": "stay taut: play then disappears, elasticity does not",
+        "gear_compliance": "stay taut: play then disappears, elasticity does not",
+    }
+    needs = "a tendon that goes slack and taut again"
+    references = ("Nordin, Gutman, Automatica 38 (2002)",)
+
+    play: float = bounded(1e-3, 0.0, 0.01, "m", "b", "play at the drum's surface")
+    hold: float = bounded(0.5, 0.05, 10.0, "N", "F_h", "tension that pulls the drum home")
+    seating: float = bounded(0.01, 2e-3, 0.1, "s", "t_s", "time in which it does")
+
+    @staticmethod
+    def kernel(velocity, tension, gap, play, hold, seating, dt):
+        """Length that the tendon has gained [m], and the next gap [m]."""
+        gap = min(0.0, max(-play, gap + velocity * dt))
+        gap *= math.exp(-max(tension, 0.0) * dt / (hold * seating))
+        return gap, gap
