@@ -12,8 +12,8 @@ from tests.identify.known import NOISE, residual, spirob
 
 NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness"]
 OTHERS = {"winch.efficiency": 0.72, "motor.rotor_damping": 7e-5, "arm.base_stiffness": 0.17}
-CANDIDATES = ["capstan_friction", "coulomb_friction", "current_offset", "stiffness_hardening"]
-SETTINGS = Settings(finalists=2, rounds=1, iterations=6, patience=10)
+CANDIDATES = ["capstan_friction", "current_offset", "stiffness_hardening"]
+SETTINGS = Settings(finalists=2, rounds=1, iterations=4, patience=6)
 
 
 def diagnose(true):
@@ -24,28 +24,18 @@ def diagnose(true):
     return search, judge(search, residuals["validate"], SETTINGS), residuals
 
 
-@pytest.mark.parametrize(
-    "true",
-    [
-        {"coulomb_friction.coulomb_torque": 1.5e-3},
-        {"capstan_friction.friction": 0.06},
-        {"current_offset.offset": 0.06},
-        {"stiffness_hardening.hardening": 12.0},
-    ],
-    ids=lambda true: next(iter(true)).split(".")[0],
-)
-def test_the_missing_effect_is_named_and_the_error_falls(true):
-    search, verdict, residuals = diagnose(true)
-    hidden = next(iter(true)).split(".")[0]
+@pytest.mark.parametrize("hidden", ["capstan_friction.friction", "current_offset.offset"])
+def test_the_missing_effect_is_named_and_the_error_falls(hidden):
+    search, verdict, residuals = diagnose({hidden: 0.06})
+    name = hidden.split(".")[0]
     assert verdict.kind == "named"
-    assert [e.name() for e in search.rungs[1].effects] == [hidden]
+    assert [e.name() for e in search.rungs[1].effects] == [name]
     before, after = search.rungs[0].scores["heldout"].rmse, search.rungs[1].scores["heldout"].rmse
     assert after < 0.3 * before
+    assert search.rungs[1].fit.estimates[hidden].value == pytest.approx(0.06, rel=0.1)
     written = document(search, verdict, [], noise_floor(residuals["train"]))
-    assert written["effects"][0]["name"] == hidden
-    assert metrics(search, verdict)["effect"] == hidden
-    for name, value in true.items():
-        assert search.rungs[1].fit.estimates[name].value == pytest.approx(value, rel=0.25)
+    assert written["effects"][0]["name"] == name
+    assert metrics(search, verdict)["effect"] == name
 
 
 def test_wrong_numbers_are_not_a_missing_effect():
