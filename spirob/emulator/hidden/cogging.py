@@ -11,7 +11,7 @@ from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics.compiled import SIDES
-from spirob.emulator.physics.motor import HARMONICS
+from spirob.emulator.physics.magnets import HARMONICS
 
 REPLACED = ("cogging_order", "cogging_phase")
 SIZES = np.array([1.2e-3, 0.4e-3, 0.5e-3, 0.3e-3, 0.4e-3])  # N·m
