@@ -80,7 +80,7 @@ def test_parallel_robots_do_not_hear_each_other(robot):
 def test_truth_is_plain_data_and_holds_the_effect(robot):
     truth = json.loads(json.dumps(robot.truth()))
     assert truth["effect"] == "guide_friction"
-    friction = np.array(truth["hidden"]["guide_friction"])
+    friction = np.array(truth["hidden"][0]["numbers"]["guide_friction"])
     assert TYPICAL / 2 < friction.mean() < 2 * TYPICAL
     assert np.ptp(friction) > 0
     assert 0.6 < truth["drawn"]["efficiency"][0] <= 1.0
