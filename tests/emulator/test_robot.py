@@ -115,7 +115,7 @@ def test_a_closed_robot_says_so_and_closes_twice():
 
 
 def test_wrong_settings_are_told_in_a_sentence():
-    with pytest.raises(ConfigError, match="known: cogging"):
+    with pytest.raises(ConfigError, match="known: asymmetric_viscous"):
         EmulatedRobot(EmulatedRig(), HiddenSettings("gremlins"), seed=0)
     with pytest.raises(ConfigError, match="gear_ratio"):
         EmulatedRig(gear_ratio=0.1)

@@ -7,7 +7,9 @@ back-EMF it expects; the winding is stepped exactly for a constant voltage.  The
 what its sensor *says*, gain·i + offset, so a wrong sensor turns into a wrong current.  What it
 aims at is the command less a dead band with a soft knee, i = c - δ tanh(c/δ), δ for each sign of c.
 
-    C ϑ̇ = R i² - ϑ/R_th      R = R₀ (1 + α_R ϑ)      ϑ above the room; magnets in magnets.py
+    C ϑ̇ = R i² - ϑ/R_th (1 + (aϑ)³)      R = R₀ (1 + α_R ϑ)      ϑ above the room
+
+What heat does to the magnets stands in magnets.py; a is the heat that radiation carries off.
 """
 
 import numpy as np
@@ -29,6 +31,7 @@ NUMBERS = {
     "ambient": (),  # of the room [°C]
     "heat_resistance": (SIDES,),  # R_th [K/W]
     "heat_capacity": (SIDES,),  # C [J/K]
+    "heat_escape": (),  # a [1/K]
     "resistance_heating": (),  # α_R [1/K]
 }
 STATE = {
@@ -81,5 +84,7 @@ def drive(p, s, w, h):
             s.current[m] = settled + (s.current[m] - settled) * decay
             total += 0.5 * s.current[m]
         w.mean_current[m] = total / count
-        heat = resistance * w.mean_current[m] ** 2 - s.warmth[m] / p.heat_resistance[m]
-        s.warmth[m] += h * heat / p.heat_capacity[m]
+        lost = s.warmth[m] / p.heat_resistance[m]
+        if p.heat_escape > 0.0:
+            lost *= 1.0 + (p.heat_escape * s.warmth[m]) ** 3
+        s.warmth[m] += h * (resistance * w.mean_current[m] ** 2 - lost) / p.heat_capacity[m]

@@ -3,7 +3,7 @@
     x = twist - clip(twist, -φ, φ)       twist = θ/G - Θ
     τ_g = k_g x (1 + a x²) + c_g ẋ       nothing at all inside the play ±φ
 
-With k_g = 600 N·m/rad it is stiff against any tendon; with 3 N·m/rad, a rubber coupling, it is as
+With k_g = 600 N·m/rad it is stiff against any tendon; with 2 N·m/rad, a rubber coupling, it is as
 soft as a soft tendon.  A tendon that is never slack keeps its gear on one flank, so play is felt
 only where tension is lost.  Source: dead zone of Nordin, Gutman 2002; cubic rubber, assumed.
 """
