@@ -66,7 +66,8 @@ def _nothing_or_unknown(
         [],
         f"Something is missing that the library does not hold: {share:.1%} of the {effort.name}.",
         f"The model misses {share:.1%} of the {effort.name}'s RMS on trials that it was not "
-        f"fitted to, and no candidate explains enough of it (tried in full simulation: {tried or 'none'}). "
+        "fitted to, and no candidate explains enough of it (tried in full simulation: "
+        f"{tried or 'none'}). "
         "The regimes that hold the error say what it depends on.",
         "Repeat the trials at a second load and at half the speed, and look at the atlas again.",
     )
