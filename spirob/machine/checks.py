@@ -100,8 +100,8 @@ def position(
             return healed
     at = int(np.flatnonzero(large)[0])
     raise DataError(
-        f"{where}: '{name}' jumps by {sizes[0]:.3g} in row {at + 2}, where steps of {usual:.2g} are "
-        "usual; lost counts, a reset of the encoder, or a wrong unit"
+        f"{where}: '{name}' jumps by {sizes[0]:.3g} in row {at + 2}, where {usual:.2g} is usual: "
+        "lost counts, an encoder's reset, or a wrong unit"
     )
 
 
@@ -129,8 +129,8 @@ def _not_counts(where: str, name: str, raw: np.ndarray) -> None:
     """`raw` is the column before its factor: whole numbers only are counts without a scale."""
     if np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
         raise DataError(
-            f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: these are "
-            "counts; give their size as 'factor'"
+            f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: "
+            "these are counts; give their size as 'factor'"
         )
 
 

@@ -6,6 +6,7 @@ zero-phase Butterworth filter of 4th order; products are built from what it leav
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -64,17 +65,26 @@ class Recording:
         """
         if self.every == 1:
             return self.smooth(values)
-        sections = signal.cheby1(8, 0.05, 0.8 / self.every, output="sos")  # scipy.signal.decimate
-        return np.asarray(signal.sosfiltfilt(sections, values, padlen=min(60, len(values) - 1)))
+        padding = min(60, len(values) - 1)
+        return np.asarray(signal.sosfiltfilt(_before_thinning(self.every), values, padlen=padding))
 
 
 def smooth(values: np.ndarray, cutoff: float, period: float) -> np.ndarray:
     """Zero-phase Butterworth filter of 4th order; above half the sample rate it passes all."""
     if cutoff * period >= 0.49:
         return values
-    # each pass of a 4th-order filter
-    sections = signal.butter(4, cutoff, fs=1.0 / period, output="sos")
-    return np.asarray(signal.sosfiltfilt(sections, values, padlen=min(30, len(values) - 1)))
+    padding = min(30, len(values) - 1)
+    return np.asarray(signal.sosfiltfilt(_low_pass(cutoff, period), values, padlen=padding))
+
+
+@cache
+def _low_pass(cutoff: float, period: float) -> np.ndarray:
+    return np.asarray(signal.butter(4, cutoff, fs=1.0 / period, output="sos"))
+
+
+@cache
+def _before_thinning(every: int) -> np.ndarray:
+    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))  # scipy.signal.decimate
 
 
 def read_trial(path: Path | str, rig: RigFile, cutoff: float | None = None) -> Recording:
