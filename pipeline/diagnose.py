@@ -30,8 +30,9 @@ def stage(root: Path) -> None:
     search = climb(residuals, names, candidates, identified["changes"], settings, tell)
     verdict = judge(search, residuals["validate"], settings)
     base = search.rungs[0].fit
+    effort = residuals["train"].effort
     regimes = atlas(residuals["train"], base.residual)
-    written = document(search, verdict, regimes, noise_floor(residuals["train"]))
+    written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort)
     last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
     write_json(root / "data/diagnosis/diagnosis.json", written)
     write_json(
@@ -40,7 +41,7 @@ def stage(root: Path) -> None:
     )
     overlay(root, residuals, base.changes, last.fit.changes)
     motion(root, residuals, last.fit.changes)
-    write_json(root / "reports/metrics/diagnose.json", metrics(search, verdict))
+    write_json(root / "reports/metrics/diagnose.json", metrics(search, verdict, effort))
     tell(verdict.sentence)
 
 

@@ -109,9 +109,20 @@ class Table:
             for field, about in numbers.parameters().items():
                 self.about[f"{owner}.{field}"] = about
                 values.append(float(getattr(numbers, field)))
+        self._line_up(values)
+
+    @classmethod
+    def of(cls, about: Mapping[str, Parameter], values: Mapping[str, float]) -> "Table":
+        """A table of numbers that no class declares; `values` where they are not nominal."""
+        table = cls([])
+        table.about = dict(about)
+        table._line_up([values.get(name, number.nominal) for name, number in about.items()])
+        return table
+
+    def _line_up(self, values: list[float]) -> None:
         self.names = list(self.about)
         self.index = {name: k for k, name in enumerate(self.names)}
-        self.values = np.array(values)
+        self.values = np.array(values, dtype=float)
 
     def vector(self, changes: Mapping[str, float] | None = None) -> np.ndarray:
         """The whole vector with some values replaced; raises ConfigError on an unknown name."""

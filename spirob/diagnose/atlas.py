@@ -1,6 +1,6 @@
 """The residual atlas: which regimes hold the error.
 
-Every sample of the driven motors' residual is put into overlapping regimes (by speed, direction,
+Every sample of the residual is put into overlapping regimes (by speed, direction,
 reversal, load, bend, time); each regime gets its share of the squared error beside its share of
 the time, and its bias.
 """
@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from spirob.identify.residual import Residual
+from spirob.identify.problem import Effort, Problem, Stretch
 
 REVERSAL = 0.1  # s, on either side of a change of direction
-STILL = 1e-3  # m/s, slower is standing
 
 
 @dataclass(frozen=True)
@@ -22,7 +21,7 @@ class Regime:
     """One region of the data.
 
     share_of_error  of the summed squared residual;  share_of_time  of the samples
-    bias, rmse      of the residual inside [A]
+    bias, rmse      of the residual inside, in its unit
     """
 
     regime: str
@@ -36,18 +35,15 @@ class Regime:
         return asdict(self)
 
 
-def atlas(residual: Residual, values: np.ndarray) -> list[Regime]:
-    """Regimes of a residual (in the order of `Residual`), the largest share of error first."""
+def atlas(residual: Problem, values: np.ndarray) -> list[Regime]:
+    """Regimes of a residual (as `residual` returned it), the largest share of error first."""
+    pieces = residual.stretches()
     masks: dict[str, list[np.ndarray]] = {}
-    for trial in residual.trials:
-        for motor in residual.driven(trial):
-            thin = residual.filter.thin
-            velocity = thin(trial.velocity[:, motor], trial.name)
-            moved = thin(trial.displacement[:, motor], trial.name)
-            load = thin(trial.current[:, motor], trial.name)
-            step = residual.filter.every * 1e-3
-            for name, mask in _masks(velocity, moved, load, motor, step).items():
-                masks.setdefault(name, []).append(mask)
+    for k, piece in enumerate(pieces):
+        for name, mask in _masks(piece).items():
+            # a regime that another stretch does not know holds nothing of that stretch
+            parts = masks.setdefault(name, [np.zeros(len(p.velocity), bool) for p in pieces])
+            parts[k] = mask
     total = float(np.sum(values**2)) or 1.0
     regimes = []
     for name, parts in masks.items():
@@ -60,40 +56,37 @@ def atlas(residual: Residual, values: np.ndarray) -> list[Regime]:
     return sorted(regimes, key=lambda r: -r.share_of_error)
 
 
-def _masks(
-    velocity: np.ndarray, moved: np.ndarray, load: np.ndarray, motor: int, step: float
-) -> dict[str, np.ndarray]:
-    speed = np.abs(velocity)
-    fast = np.quantile(speed, 0.67)
-    turn = np.flatnonzero(np.diff(np.sign(velocity)) != 0)
-    near = np.zeros(len(velocity), dtype=bool)
-    reach = round(REVERSAL / step)
-    for k in turn:
-        near[max(0, k - reach) : k + reach + 1] = True
-    bend = np.abs(moved)
-    late = np.arange(len(velocity)) >= len(velocity) // 2
-    return {
-        "winding in": velocity > STILL,
-        "paying out": velocity < -STILL,
-        "standing": speed <= STILL,
-        "fastest third": speed >= fast,
+def _masks(piece: Stretch) -> dict[str, np.ndarray]:
+    velocity, load = piece.velocity, piece.effort
+    speed, bend = np.abs(velocity), np.abs(piece.position)
+    turns = piece.seconds[:-1][np.diff(np.sign(velocity)) != 0]
+    near = np.searchsorted(turns, piece.seconds + REVERSAL, "right") > np.searchsorted(
+        turns, piece.seconds - REVERSAL
+    )
+    middle = piece.seconds[0] + 0.5 * (piece.seconds[-1] - piece.seconds[0])
+    masks = {
+        piece.forward: velocity > piece.still,
+        piece.backward: velocity < -piece.still,
+        "standing": speed <= piece.still,
+        "fastest third": speed >= np.quantile(speed, 0.67),
         "0.1 s around reversals": near,
         "high load": load >= np.quantile(load, 0.67),
         "low load": load <= np.quantile(load, 0.33),
-        "most bent third": bend >= np.quantile(bend, 0.67),
-        "least bent third": bend <= np.quantile(bend, 0.33),
-        "second half of the trial": late,
-        "left motor driven": np.full(len(velocity), motor == 0),
-        "right motor driven": np.full(len(velocity), motor == 1),
+        "furthest third of the way": bend >= np.quantile(bend, 0.67),
+        "nearest third of the way": bend <= np.quantile(bend, 0.33),
+        "second half of the trial": piece.seconds >= middle,
     }
+    if piece.channel:
+        masks[f"{piece.channel} driven"] = np.ones(len(velocity), dtype=bool)
+    return masks
 
 
-def worst(regimes: Sequence[Regime], count: int = 3) -> list[str]:
+def worst(regimes: Sequence[Regime], effort: Effort, count: int = 3) -> list[str]:
     """The regimes that hold more error than their time explains, a sentence each."""
     dense = sorted(regimes, key=lambda r: -(r.share_of_error - r.share_of_time))[:count]
     return [
         f"{r.share_of_error:.0%} of the error in {r.share_of_time:.0%} of the time: {r.regime} "
-        f"(model minus robot {r.bias:+.3f} A on average)."
+        f"(model minus measurement {effort.shown(r.bias)} on average)."
         for r in dense
         if r.share_of_error > r.share_of_time
     ]

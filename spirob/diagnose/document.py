@@ -6,12 +6,17 @@ from typing import Any
 from spirob.diagnose.atlas import Regime, worst
 from spirob.diagnose.ladder import Confirmed, Rung, Search, parameters_of
 from spirob.diagnose.verdict import Verdict
+from spirob.identify.problem import Effort
 
 
 def document(
-    search: Search, verdict: Verdict, regimes: Sequence[Regime], noise_floor: float
+    search: Search,
+    verdict: Verdict,
+    regimes: Sequence[Regime],
+    noise_floor: float,
+    effort: Effort,
 ) -> dict[str, Any]:
-    """All of a diagnosis; errors in ampere."""
+    """All of a diagnosis; errors in the unit of the effort."""
     added = search.rungs[-1].effects if verdict.kind == "named" else []
     last = search.rungs[-1]
     return {
@@ -33,13 +38,13 @@ def document(
         "ladder": [_rung(r) for r in search.rungs],
         "noise_floor": noise_floor,
         "atlas": [r.as_dict() for r in regimes],
-        "atlas_sentences": worst(regimes),
+        "atlas_sentences": worst(regimes, effort),
         "vague": search.vague,
-        "unit": "A",
+        "unit": effort.unit,
     }
 
 
-def metrics(search: Search, verdict: Verdict) -> dict[str, Any]:
+def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:
     """The few figures that `dvc metrics` follows, with their unit."""
     first, last = search.rungs[0].scores["heldout"], search.rungs[-1].scores["heldout"]
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
@@ -50,7 +55,7 @@ def metrics(search: Search, verdict: Verdict) -> dict[str, Any]:
         "probability": round(verdict.probability, 6),
         "before": first.as_dict(),
         "after": last.as_dict(),
-        "unit": "A",
+        "unit": effort.unit,
     }
 
 

@@ -9,17 +9,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from spirob.identify.fit import BLOCK
-
 DRAWS = 2000
 
 
-def block_errors(residual: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Mean squared residual of each block of half a second [A²], (B,)."""
+def block_errors(residual: np.ndarray, edges: np.ndarray, block: int) -> np.ndarray:
+    """Mean squared residual of each block of that many samples, none across trials, (B,)."""
     means = []
     for start, stop in pairwise(edges):
-        for k in range(start, stop, BLOCK):
-            means.append(np.mean(residual[k : min(k + BLOCK, stop)] ** 2))
+        for k in range(start, stop, block):
+            means.append(np.mean(residual[k : min(k + block, stop)] ** 2))
     return np.array(means)
 
 

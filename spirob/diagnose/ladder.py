@@ -13,7 +13,7 @@ from spirob.diagnose.evidence import block_errors, improvement, win_rates
 from spirob.diagnose.screen import Screened, screen
 from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit, fit_identifiable
-from spirob.identify.residual import Residual
+from spirob.identify.problem import Effort, Problem
 from spirob.score import Score, score
 
 ROLES = ("train", "validate", "heldout")
@@ -25,10 +25,10 @@ CLEARLY = 0.05  # relative fall of the cost that makes such a fit the better one
 class Settings:
     """How the search decides.
 
-    scale        of the robust loss [A]
+    scale        of the robust loss, in the unit of the effort
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
-    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS current
+    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
     confidence   an effect is named when it wins this share of resampled validation errors
     iterations   of the fit of a finalist; the winner is then fitted to the end
     patience     iterations of such a last fit, and of the fit of the parameters alone
@@ -78,7 +78,7 @@ class Search:
 
 
 def climb(
-    residuals: Mapping[str, Residual],
+    residuals: Mapping[str, Problem],
     names: Sequence[str],
     candidates: Sequence[type[Effect]],
     start: Mapping[str, float],
@@ -93,7 +93,7 @@ def climb(
     base, vague = fit_identifiable(train, names, start, settings.scale, settings.patience)
     fitted = [n for n in names if n not in vague]
     search = Search([_rung("fitted parameters", [], base, residuals)], vague=vague)
-    progress(f"parameters only: {_line(search.rungs[0].scores)}")
+    progress(f"parameters only: {_line(search.rungs[0].scores, train.effort)}")
     restarts = 0
     while len(search.rungs) <= settings.rounds:
         rung = search.rungs[-1]
@@ -112,7 +112,9 @@ def climb(
             if again is not None:
                 restarts += 1
                 search.rungs[-1] = again
-                progress(f"the rung below, fitted again from there: {_line(again.scores)}")
+                progress(
+                    f"the rung below, fitted again from there: {_line(again.scores, train.effort)}"
+                )
                 continue
         search.screened.append(ranked)
         search.rounds.append(confirmed)
@@ -127,7 +129,7 @@ def climb(
 
 
 def _without(
-    found: Confirmed, rung: Rung, residuals: Mapping[str, Residual], settings: Settings
+    found: Confirmed, rung: Rung, residuals: Mapping[str, Problem], settings: Settings
 ) -> Rung | None:
     """The rung fitted again from where the candidate's fit ended, if that is clearly better.
 
@@ -142,7 +144,7 @@ def _without(
     return _rung(rung.label, rung.effects, again, residuals)
 
 
-def counts(found: Confirmed, rung: Rung, validate: Residual, settings: Settings) -> bool:
+def counts(found: Confirmed, rung: Rung, validate: Problem, settings: Settings) -> bool:
     """Whether a candidate is large enough to matter and surely better than the rung below it."""
     fall = float(rung.errors.mean() - found.errors.mean())
     size = np.sqrt(max(0.0, fall)) / float(np.sqrt(np.mean(validate.measured() ** 2)))
@@ -159,7 +161,7 @@ def _confirm(
     screened: Screened,
     rung: Rung,
     fitted: Sequence[str],
-    residuals: Mapping[str, Residual],
+    residuals: Mapping[str, Problem],
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Confirmed:
@@ -170,11 +172,11 @@ def _confirm(
     names = [*fitted, *(n for e in [*rung.effects, effect] for n in parameters_of(e))]
     found = fit(residuals["train"], names, begin, settings.scale, settings.iterations)
     scores, errors = _scores(found, residuals)
-    progress(f"{effect.name()} added and refitted: {_line(scores)}")
+    progress(f"{effect.name()} added and refitted: {_line(scores, residuals['train'].effort)}")
     return Confirmed(effect, screened, found, errors, scores)
 
 
-def _polished(found: Confirmed, residuals: Mapping[str, Residual], settings: Settings) -> Confirmed:
+def _polished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
     names = list(found.fit.estimates)
     final = fit(residuals["train"], names, found.fit.changes, settings.scale, settings.patience)
     scores, errors = _scores(final, residuals)
@@ -191,13 +193,13 @@ def _with_probability(confirmed: list[Confirmed], rung: Rung, seed: int) -> list
 
 
 def _rung(
-    label: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Residual]
+    label: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Problem]
 ) -> Rung:
     scores, errors = _scores(found, residuals)
     return Rung(label, effects, found, scores, errors)
 
 
-def _scores(found: Fit, residuals: Mapping[str, Residual]) -> tuple[dict[str, Score], np.ndarray]:
+def _scores(found: Fit, residuals: Mapping[str, Problem]) -> tuple[dict[str, Score], np.ndarray]:
     scores = {}
     errors = np.zeros(0)
     for role in ROLES:
@@ -206,9 +208,9 @@ def _scores(found: Fit, residuals: Mapping[str, Residual]) -> tuple[dict[str, Sc
         measured = residual.measured()
         scores[role] = score(measured, measured + values)
         if role == "validate":
-            errors = block_errors(values, residual.edges)
+            errors = block_errors(values, residual.edges, residual.block)
     return scores, errors
 
 
-def _line(scores: Mapping[str, Score]) -> str:
-    return ", ".join(f"{role} RMSE {1e3 * s.rmse:.1f} mA" for role, s in scores.items())
+def _line(scores: Mapping[str, Score], effort: Effort) -> str:
+    return ", ".join(f"{role} RMSE {effort.shown(s.rmse)}" for role, s in scores.items())

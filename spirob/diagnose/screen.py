@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from spirob.effects import Effect
-from spirob.identify.residual import Residual
+from spirob.identify.problem import Problem
 
 PROBE = 0.2  # of an amplitude's nominal value: small, yet far above rounding
 WIDE = 1.0  # scaled parameters may move this far to make room for an effect
@@ -37,16 +37,16 @@ class Screened:
 
 
 def screen(
-    residual: Residual,
+    residual: Problem,
     base: np.ndarray,
     jacobian: np.ndarray,
     changes: Mapping[str, float],
     candidates: Sequence[type[Effect]],
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Screened]:
-    """Rank the candidates; the plant of `residual` must hold them all, at their neutral numbers.
+    """Rank the candidates; the model of `residual` must hold them all, at their neutral numbers.
 
-    base      residual at `changes` [A];  jacobian  its derivative by the fitted scaled parameters
+    base      residual at `changes`;  jacobian  its derivative by the fitted scaled parameters
     """
     groups = _folds(residual)
     reference = _left_out(jacobian, base, groups, _free(jacobian.shape[1]))
@@ -69,7 +69,7 @@ def screen(
 
 
 def _columns(
-    residual: Residual, base: np.ndarray, changes: Mapping[str, float], effect: type[Effect]
+    residual: Problem, base: np.ndarray, changes: Mapping[str, float], effect: type[Effect]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Derivatives by the amplitudes in units of their nominal value, with bounds in that unit."""
     about = effect.parameters()
@@ -89,11 +89,12 @@ def _columns(
     return columns, np.array(low), np.array(high), np.array(sizes)
 
 
-def _folds(residual: Residual) -> np.ndarray:
-    if len(residual.trials) == 1:
+def _folds(residual: Problem) -> np.ndarray:
+    trials = len(residual.edges) - 1
+    if trials == 1:
         samples = int(residual.edges[-1])
         return np.arange(samples) * PARTS // samples
-    return np.repeat(np.arange(len(residual.trials)), np.diff(residual.edges))
+    return np.repeat(np.arange(trials), np.diff(residual.edges))
 
 
 def _free(count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,11 +1,11 @@
 """Bounded robust least squares over parameters of the model.
 
-    p* = argmin Σ ρ((i_model(p) - i_measured)/s),   ρ(z) = 2(√(1+z²) - 1),   p in its bounds
+    p* = argmin Σ ρ((e_model(p) - e_measured)/s),   ρ(z) = 2(√(1+z²) - 1),   p in its bounds
 
-(paper, eq. ident).  Parameters that span decades move on a logarithmic scale; every one is scaled
-to its own size.  Intervals come from the sandwich estimator with blocks of half a second as
-clusters, because residuals of a simulation are autocorrelated and a plain covariance would be too
-narrow by a factor of several.
+(paper, eq. ident), e being the effort in its own unit.  Parameters that span decades move
+on a logarithmic scale; every one is scaled to its own size.  Intervals come from the sandwich
+estimator with blocks of half a second as clusters, because residuals of a simulation are
+autocorrelated and a plain covariance would be too narrow by a factor of several.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,10 +16,9 @@ import numpy as np
 from scipy import optimize
 from scipy.stats import qmc
 
-from spirob.identify.residual import Residual
+from spirob.identify.problem import Problem
 from spirob.parameter import Table
 
-BLOCK = 50  # residual samples in a block: 0.5 s at 100 Hz
 # Steps of the differences, of the scaled parameter: first wide, which looks over the ripple that
 # slack and contact put on the error (from a stiffness half the true one, a step of 0.003 or 0.01
 # stays there, 0.03 finds the truth in 9 evaluations), then narrow.
@@ -45,7 +44,7 @@ class Fit:
 
     changes    all parameters that differ from the table's values, for `Plant.simulate`
     estimates  the fitted ones with their intervals
-    residual   model minus measurement at the optimum [A];  jacobian  by scaled parameter
+    residual   model minus measurement at the optimum;  jacobian  by scaled parameter
     cost       Σρ·s²/2
     """
 
@@ -84,7 +83,7 @@ class Scaling:
 
 
 def fit(
-    residual: Residual,
+    residual: Problem,
     names: Sequence[str],
     start: Mapping[str, float],
     scale: float,
@@ -93,9 +92,9 @@ def fit(
 ) -> Fit:
     """Fit the named parameters, starting from `start` (which may hold other changes too).
 
-    scale  s of the robust loss [A]: residuals beyond it count linearly
+    scale  s of the robust loss, in the unit of the residual: residuals beyond it count linearly
     """
-    table = residual.plant.table
+    table = residual.table
     scaling = Scaling(table, names)
     fixed = {k: v for k, v in start.items() if k not in names}
     complete = {n: start.get(n, float(table.values[table.position(n)])) for n in names}
@@ -108,7 +107,8 @@ def fit(
             return done
         out = residual({**fixed, **scaling.physical(u)})
         known[u.tobytes()] = out
-        progress(f"evaluation {len(known)}: RMS residual {np.sqrt(np.mean(out**2)):.4f} A")
+        size = float(np.sqrt(np.mean(out**2)))
+        progress(f"evaluation {len(known)}: RMS residual {residual.effort.shown(size)}")
         return out
 
     def search(u: np.ndarray, step: float) -> optimize.OptimizeResult:
@@ -136,7 +136,7 @@ def fit(
 
 
 def best_start(
-    residual: Residual,
+    residual: Problem,
     names: Sequence[str],
     start: Mapping[str, float],
     scale: float,
@@ -149,7 +149,7 @@ def best_start(
     fit from one start is not to be trusted.  Points are a scrambled Sobol set over a factor of
     three (half the range for numbers that are not logarithmic), cut to the bounds.
     """
-    table = residual.plant.table
+    table = residual.table
     scaling = Scaling(table, names)
     values = dict(zip(table.names, table.values, strict=True)) | dict(start)
     middle = scaling.scaled(values)
@@ -162,7 +162,7 @@ def best_start(
 
 
 def fit_identifiable(
-    residual: Residual,
+    residual: Problem,
     names: Sequence[str],
     start: Mapping[str, float],
     scale: float,
@@ -178,19 +178,19 @@ def fit_identifiable(
     vague = [
         n
         for n, e in first.estimates.items()
-        if e.low > 0 and e.high / e.low > DECADE and residual.plant.table.about[n].log
+        if e.low > 0 and e.high / e.low > DECADE and residual.table.about[n].log
     ]
     if not vague or len(vague) == len(names):
         return first, []
     kept = [n for n in names if n not in vague]
-    values = residual.plant.table
+    values = residual.table
     back = {n: start.get(n, float(values.values[values.position(n)])) for n in vague}
     second = fit(residual, kept, {**first.changes, **back}, scale, iterations, progress)
     return second, vague
 
 
 def differences(
-    residual: Residual,
+    residual: Problem,
     scaling: Scaling,
     u: np.ndarray,
     fixed: Mapping[str, float],
@@ -214,7 +214,7 @@ def differences(
 
 
 def block_covariance(
-    jacobian: np.ndarray, residual: np.ndarray, edges: np.ndarray, scale: float
+    jacobian: np.ndarray, residual: np.ndarray, edges: np.ndarray, scale: float, block: int
 ) -> np.ndarray:
     """Sandwich covariance of the scaled parameters with blocks within trials as clusters.
 
@@ -224,8 +224,8 @@ def block_covariance(
     hessian = jacobian.T @ (weight[:, None] * jacobian)
     scores = []
     for start, stop in pairwise(edges):
-        for k in range(start, stop, BLOCK):
-            rows = slice(k, min(k + BLOCK, stop))
+        for k in range(start, stop, block):
+            rows = slice(k, min(k + block, stop))
             scores.append(jacobian[rows].T @ (weight[rows] * residual[rows]))
     stacked = np.array(scores)
     inverse = np.linalg.pinv(hessian, rcond=1e-12)
@@ -235,7 +235,7 @@ def block_covariance(
 
 
 def _result(
-    residual: Residual,
+    residual: Problem,
     scaling: Scaling,
     found: optimize.OptimizeResult,
     fixed: Mapping[str, float],
@@ -245,14 +245,14 @@ def _result(
     u = np.asarray(found.x)
     at_optimum = residual({**fixed, **scaling.physical(u)})
     jacobian = differences(residual, scaling, u, fixed, at_optimum)
-    covariance = block_covariance(jacobian, at_optimum, residual.edges, scale)
+    covariance = block_covariance(jacobian, at_optimum, residual.edges, scale, residual.block)
     deviation = 1.96 * np.sqrt(np.maximum(0.0, np.diag(covariance)))
     values = scaling.physical(u)
     low = scaling.physical(np.maximum(u - deviation, scaling.low))
     high = scaling.physical(np.minimum(u + deviation, scaling.high))
     near = 1e-3 * (scaling.high - scaling.low)
     bound = (u <= scaling.low + near) | (u >= scaling.high - near)
-    about = residual.plant.table.about
+    about = residual.table.about
     estimates = {
         n: Estimate(values[n], low[n], high[n], about[n].unit, bool(bound[k]))
         for k, n in enumerate(scaling.names)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.identify.fit import Scaling, differences
-from spirob.identify.residual import Residual
+from spirob.identify.problem import Problem
 
-SILENT = 1e-6  # A per relative change: far below one count of the drive (1.2 mA)
+SILENT = 2e-6  # of the effort's RMS per relative change: far below the resolution of any drive
 WEAK = 1e-2  # a direction this much weaker than the strongest is called weak
 
 
@@ -28,26 +28,31 @@ class Identifiability:
     sentence: str
 
 
-def probe(residual: Residual, names: Sequence[str], start: Mapping[str, float]) -> Identifiability:
+def probe(residual: Problem, names: Sequence[str], start: Mapping[str, float]) -> Identifiability:
     """Differentiate the residual at `start` by each named parameter and look at the directions."""
-    table = residual.plant.table
+    table = residual.table
     scaling = Scaling(table, names)
     values = {n: start.get(n, float(table.values[table.position(n)])) for n in names}
     fixed = {k: v for k, v in start.items() if k not in names}
     jacobian = differences(residual, scaling, scaling.scaled(values), fixed)
     strength = np.sqrt(np.mean(jacobian**2, axis=0))
-    silent = [n for n, s in zip(names, strength, strict=True) if s < SILENT]
+    least = SILENT * float(np.sqrt(np.mean(residual.measured() ** 2)))
+    silent = [n for n, s in zip(names, strength, strict=True) if s < least]
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=False)
     weakest = {n: float(c) for n, c in zip(names, rows[-1], strict=True)}
     condition = float(singular[0] / max(singular[-1], 1e-300))
-    return Identifiability(silent, condition, weakest, _sentence(silent, condition, weakest))
+    return Identifiability(
+        silent, condition, weakest, _sentence(silent, condition, weakest, residual.effort.name)
+    )
 
 
-def _sentence(silent: list[str], condition: float, weakest: Mapping[str, float]) -> str:
+def _sentence(
+    silent: list[str], condition: float, weakest: Mapping[str, float], effort: str
+) -> str:
     if silent:
         return f"These parameters move no signal and cannot be fitted: {', '.join(silent)}."
     if condition * WEAK < 1.0:
-        return "Every fitted parameter, and every combination of them, moves the current clearly."
+        return f"Every fitted parameter, and every combination of them, moves the {effort} clearly."
     strong = sorted(weakest, key=lambda n: -abs(weakest[n]))
     named = [f"{n} {'up' if weakest[n] > 0 else 'down'}" for n in strong if abs(weakest[n]) > 0.3]
     return (

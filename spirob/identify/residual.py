@@ -15,8 +15,14 @@ from scipy import signal
 
 from spirob.control.law import CURRENT
 from spirob.identify.measurement import Measurement
+from spirob.identify.problem import Effort, Stretch
+from spirob.parameter import Table
 from spirob.plant import Plant, Response
+from spirob.robot import MOTORS
 from spirob.trace import moving_average
+
+STILL = 1e-3  # m/s, slower is standing
+BLOCK = 0.5  # s, over which a residual is correlated at most
 
 
 @dataclass(frozen=True)
@@ -70,6 +76,29 @@ class Residual:
         sizes = [len(m) for m in self._measured]
         self.edges = np.concatenate([[0], np.cumsum(sizes)])
 
+    @property
+    def table(self) -> Table:
+        """All numbers of the plant."""
+        return self.plant.table
+
+    @property
+    def block(self) -> int:
+        """Samples of the residual in half a second."""
+        return max(1, round(1e3 * BLOCK / self.filter.every))
+
+    @property
+    def effort(self) -> Effort:
+        """The residual is in ampere of motor current."""
+        return Effort("motor current", "A")
+
+    def stretches(self) -> list[Stretch]:
+        """One stretch for each driven motor of each trial."""
+        return [self._stretch(t, m) for t in self.trials for m in self.driven(t)]
+
+    def raw(self) -> list[np.ndarray]:
+        """Unfiltered current of each driven motor of each trial [A]."""
+        return [t.current[:, m] for t in self.trials for m in self.driven(t)]
+
     def driven(self, trial: Measurement) -> list[int]:
         """Motors whose current is not commanded."""
         return [m for m, mode in enumerate(trial.schedule.mode) if mode != CURRENT]
@@ -100,6 +129,23 @@ class Residual:
         """The model's full response in one trial."""
         trial = self.trials[index]
         return self.plant.simulate(trial.schedule, trial.scene, changes)
+
+    def _stretch(self, trial: Measurement, motor: int) -> Stretch:
+        position, velocity, current = (
+            self.filter.thin(values[:, motor], trial.name)
+            for values in (trial.displacement, trial.velocity, trial.current)
+        )
+        return Stretch(
+            trial.name,
+            f"{MOTORS[motor]} motor",
+            trial.seconds[:: self.filter.every],
+            position,
+            velocity,
+            current,
+            STILL,
+            "winding in",
+            "paying out",
+        )
 
     def _effort(self, trial: Measurement, current: np.ndarray) -> np.ndarray:
         parts = [self.filter.thin(current[:, m], trial.name) for m in self.driven(trial)]

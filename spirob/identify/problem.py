@@ -1,0 +1,104 @@
+"""What fitting, searching and judging need of a machine: its model against its measurement.
+
+The coupled model of the arm is one such problem, the inverse model of any motor rig another; the
+search for a missing effect knows only this.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from spirob.parameter import Table
+
+LARGE, SMALL = 0.2, 2e-4  # below, milli and micro read better
+PREFIXES = {"A", "V", "N", "N·m"}  # units that take one in everyday use
+
+
+@dataclass(frozen=True)
+class Effort:
+    """The signal in which model and measurement are compared.
+
+    name  what it is called in a sentence, "motor current";  unit  of the residual, SI
+    """
+
+    name: str
+    unit: str
+
+    def shown(self, *values: float) -> str:
+        """Values as a reader wants them, "12.3 to 4.5 mA"; one unit for all, set by the largest."""
+        largest = max((abs(v) for v in values), default=0.0)
+        factor, prefix = 1.0, ""
+        if self.unit in PREFIXES and 0.0 < largest < LARGE:
+            factor, prefix = (1e3, "m") if largest >= SMALL else (1e6, "µ")
+        # four digits where the number is large, never fewer than three
+        texts = [
+            f"{factor * v:.4g}" if factor * largest >= 1e3 else f"{factor * v:.3g}" for v in values
+        ]
+        return f"{' to '.join(texts)} {prefix}{self.unit}"
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """What was going on along one uninterrupted piece of the residual, in its order, each (N,).
+
+    trial     name;  channel  which of several motors, "" where there is one
+    seconds   time since the trial began [s]
+    position, velocity   of the driven axis, in `units`
+    effort    as measured
+    still     speed below which the axis counts as standing, in the unit of velocity
+    forward, backward    what the two directions are called
+    """
+
+    trial: str
+    channel: str
+    seconds: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    effort: np.ndarray
+    still: float
+    forward: str
+    backward: str
+
+
+class Problem(Protocol):
+    """Model minus measurement on a set of trials, as a function of the model's numbers.
+
+    table    all numbers of the model, effects at their neutral ones
+    edges    (trials + 1,) where each trial begins and ends in the residual
+    block    samples over which the residual is correlated at most: the block of resampling
+    effort   name and unit of the residual
+    """
+
+    edges: np.ndarray
+
+    @property
+    def table(self) -> Table:
+        """All numbers of the model."""
+
+    @property
+    def block(self) -> int:
+        """Samples of the residual in half a second."""
+
+    @property
+    def effort(self) -> Effort:
+        """Name and unit of what is compared."""
+
+    def measured(self) -> np.ndarray:
+        """The measured effort in the order of the residual, (N,)."""
+
+    def __call__(self, changes: Mapping[str, float]) -> np.ndarray:
+        """Model minus measurement with some numbers changed, (N,)."""
+
+    def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
+        """Residuals at several points."""
+
+    def stretches(self) -> list[Stretch]:
+        """What was going on along the residual; the stretches follow one another as it does."""
+
+    def raw(self) -> list[np.ndarray]:
+        """The measured effort before any filter, one array for each stretch."""
+
+    def filter(self, values: np.ndarray) -> np.ndarray:
+        """What the residual's filter leaves of an unfiltered signal, same length."""

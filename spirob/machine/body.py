@@ -1,0 +1,267 @@
+"""The body behind the motor: none, or a MuJoCo model with a driven joint or tendon.
+
+What the body asks of the drive at a measured motion does not depend on any number that is fitted,
+except a payload's mass, in which it is linear: so it is computed once, by inverse dynamics.
+A model file is data: its size is bounded, it may not reach outside its folder, and elements that
+multiply themselves or load code are refused.
+"""
+
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from spirob.errors import ConfigError, MissingLog
+from spirob.machine.recording import Piece
+from spirob.machine.rig import Body
+
+LARGEST = 2**20  # bytes of a model file
+MOST_JOINTS = 64
+REFUSED = ("plugin", "extension", "composite", "flexcomp", "replicate", "attach", "include", "size")
+PATH = re.compile(
+    r"""\b(file|meshdir|texturedir|assetdir|fileright|fileleft|fileup|filedown|
+    filefront|fileback)\s*=\s*["']([^"']*)["']""",
+    re.VERBOSE,
+)
+
+
+class RigidBody:
+    """Inverse dynamics of a model in which one joint or tendon is driven.
+
+    Contacts and joint limits are switched off: a measured motion that grazes them would ask for
+    forces that no motor gave.
+    """
+
+    def __init__(self, body: Body, folder: Path, angular: bool):
+        self.body = body
+        self.model = _load(body.mjcf, folder)
+        self.data = mujoco.MjData(self.model)
+        self._angular = angular
+        self._columns = self._place()
+        self.mass = float(self.model.body_mass.sum())
+        self.stiffness = self._stiffness()
+
+    def needs(self, piece: Piece, unit_mass: float) -> dict[str, np.ndarray]:
+        """What the drive has to give along a piece, each (n,).
+
+        load      effort at the driven axis [N·m or N]
+        payload   what one `unit_mass` [kg] at the tip adds, 0 without a tip
+        along, across   torque of the weight if gravity pointed along +x or +y
+        """
+        motion = [self._motion(piece, k) for k in range(3)]
+        found = {name: np.zeros(len(piece.q)) for name in ("load", "payload", "along", "across")}
+        gravity = self.model.opt.gravity.copy()
+        size = float(np.linalg.norm(gravity))
+        found["load"] = self._inverse(*motion)
+        if self.body.tip is not None:
+            found["payload"] = self._with_payload(unit_mass, *motion) - found["load"]
+        if size > 0.0:
+            rest = [motion[0], np.zeros_like(motion[1]), np.zeros_like(motion[2])]
+            self.model.opt.gravity[:] = 0.0
+            nothing = self._inverse(*rest)
+            for name, axis in (("along", 0), ("across", 1)):
+                self.model.opt.gravity[:] = 0.0
+                self.model.opt.gravity[axis] = size
+                # the torque that the weight exerts is what the drive need not give
+                found[name] = nothing - self._inverse(*rest)
+            self.model.opt.gravity[:] = gravity
+        return found
+
+    def _place(self) -> dict[int, str]:
+        """Which degree of freedom each measured joint moves; "" is the driven one."""
+        model, body = self.model, self.body
+        found: dict[int, str] = {}
+        for name in [*([body.joint] if body.joint else []), *body.joints]:
+            joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+            if joint < 0:
+                known = ", ".join(model.joint(k).name or f"#{k}" for k in range(model.njnt))
+                raise ConfigError(f"{body.mjcf}: no joint '{name}'; it has: {known}")
+            found[int(model.jnt_dofadr[joint])] = "" if name == body.joint else name
+        if body.tendon is not None:
+            if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, body.tendon) < 0:
+                raise ConfigError(f"{body.mjcf}: no tendon '{body.tendon}'")
+            free = [k for k in range(model.nv) if k not in found]
+            if len(free) != 1:
+                raise ConfigError(
+                    f"{body.mjcf}: a tendon's length gives one joint; {len(free)} are left without "
+                    "a column in body.joints"
+                )
+            found[free[0]] = ""
+        if len(found) != model.nv or model.nq != model.nv:
+            raise ConfigError(
+                f"{body.mjcf}: {model.nv} degrees of freedom, but only {len(found)} are measured; "
+                "give the others a column in body.joints"
+            )
+        if body.tip is not None:
+            _tip(model, body)
+        return found
+
+    def _motion(self, piece: Piece, order: int) -> np.ndarray:
+        own = (piece.q, piece.v, piece.a)[order]
+        columns = []
+        for dof in range(self.model.nv):
+            name = self._columns[dof]
+            columns.append(own if name == "" else piece.others[name][:, order])
+        motion = np.column_stack(columns)
+        if self.body.tendon is not None:
+            motion[:, self._driven] = self._from_tendon(piece, order)
+        return motion
+
+    @property
+    def _driven(self) -> int:
+        return next(dof for dof, name in self._columns.items() if name == "")
+
+    def _from_tendon(self, piece: Piece, order: int) -> np.ndarray:
+        """The one free joint from the tendon's length, speed or acceleration.
+
+        Only for a joint that alone moves the tendon: its length is tabulated over the joint's range
+        and inverted, which needs it to be monotone there.
+        """
+        model, data, dof = self.model, self.data, self._driven
+        tendon = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, self.body.tendon)
+        low, high = model.jnt_range[dof] if model.jnt_limited[dof] else (-np.pi, np.pi)
+        angles = np.linspace(low, high, 2001)
+        lengths = np.empty_like(angles)
+        data.qpos[:] = 0.0
+        for k, angle in enumerate(angles):
+            data.qpos[dof] = angle
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_tendon(model, data)
+            lengths[k] = data.ten_length[tendon]
+        steps = np.diff(lengths)
+        if not (np.all(steps > 0) or np.all(steps < 0)):
+            raise ConfigError(
+                f"{self.body.mjcf}: the length of '{self.body.tendon}' is no monotone function of "
+                "its joint, so the pose does not follow from it; give the joint a range"
+            )
+        turn = slice(None, None, 1 if steps[0] > 0 else -1)
+        arm = np.gradient(lengths, angles)
+        angle = np.interp(piece.q, lengths[turn], angles[turn])
+        if order == 0:
+            return angle
+        lever = np.interp(angle, angles, arm)
+        if order == 1:
+            return piece.v / lever
+        bend = np.interp(angle, angles, np.gradient(arm, angles))
+        return (piece.a - bend * (piece.v / lever) ** 2) / lever
+
+    def _inverse(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        model, data, dof = self.model, self.data, self._driven
+        tendon = (
+            mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, self.body.tendon)
+            if self.body.tendon
+            else -1
+        )
+        out = np.empty(len(q))
+        for k in range(len(q)):
+            data.qpos[:], data.qvel[:], data.qacc[:] = q[k], v[k], a[k]
+            mujoco.mj_inverse(model, data)
+            out[k] = data.qfrc_inverse[dof]
+            if tendon >= 0:
+                out[k] /= _lever(model, data, tendon, dof)
+        return out
+
+    def _with_payload(self, mass: float, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        body, place = _tip(self.model, self.body)
+        kept = (
+            float(self.model.body_mass[body]),
+            self.model.body_ipos[body].copy(),
+            self.model.body_inertia[body].copy(),
+            self.model.body_iquat[body].copy(),
+        )
+        try:
+            _add_point(self.model, body, place, mass)
+            mujoco.mj_setConst(self.model, self.data)
+            return self._inverse(q, v, a)
+        finally:
+            self.model.body_mass[body] = kept[0]
+            self.model.body_ipos[body], self.model.body_inertia[body] = kept[1], kept[2]
+            self.model.body_iquat[body] = kept[3]
+            mujoco.mj_setConst(self.model, self.data)
+
+    def _stiffness(self) -> float:
+        joint = int(self.model.dof_jntid[self._driven])
+        return float(np.atleast_1d(self.model.jnt_stiffness[joint])[0])
+
+
+def _lever(model: mujoco.MjModel, data: mujoco.MjData, tendon: int, dof: int) -> float:
+    dense = np.zeros((model.ntendon, model.nv))
+    if data.ten_J.size == dense.size:
+        dense = data.ten_J.reshape(dense.shape)
+    else:
+        mujoco.mju_sparse2dense(
+            dense, data.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind
+        )
+    return float(dense[tendon, dof])
+
+
+def _tip(model: mujoco.MjModel, body: Body) -> tuple[int, np.ndarray]:
+    """The body that carries a payload, and where in its frame."""
+    site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, body.tip or "")
+    if site >= 0:
+        return int(model.site_bodyid[site]), model.site_pos[site].copy()
+    found = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body.tip or "")
+    if found < 0:
+        raise ConfigError(f"{body.mjcf}: no site or body '{body.tip}' to carry a payload")
+    return found, np.zeros(3)
+
+
+def _add_point(model: mujoco.MjModel, body: int, place: np.ndarray, mass: float) -> None:
+    """Merge a point mass into a body's inertia."""
+    own, centre = float(model.body_mass[body]), model.body_ipos[body].copy()
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[body])
+    frame = turn.reshape(3, 3)
+    inertia = frame @ np.diag(model.body_inertia[body]) @ frame.T
+    whole = own + mass
+    middle = (own * centre + mass * place) / whole
+    for weight, point in ((own, centre), (mass, place)):
+        d = point - middle
+        inertia += weight * (np.dot(d, d) * np.eye(3) - np.outer(d, d))
+    values, vectors = np.linalg.eigh(inertia)
+    if np.linalg.det(vectors) < 0:
+        vectors[:, 0] *= -1
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, vectors.ravel())
+    model.body_mass[body], model.body_ipos[body] = whole, middle
+    model.body_inertia[body], model.body_iquat[body] = values, quaternion
+
+
+def _load(name: str, folder: Path) -> mujoco.MjModel:
+    path = _inside(name, folder, "body.mjcf")
+    if not path.is_file():
+        raise MissingLog(f"{path}: there is no such model")
+    if path.stat().st_size > LARGEST:
+        raise ConfigError(f"{path}: {path.stat().st_size} bytes, more than {LARGEST}")
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise ConfigError(f"{path}: document types and entities are not read")
+    bare = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    for element in REFUSED:
+        if re.search(rf"<\s*{element}\b", bare):
+            raise ConfigError(f"{path}: the element <{element}> is not read from a rig's model")
+    for attribute, value in PATH.findall(bare):
+        found = _inside(value, path.parent, attribute)
+        if found.is_file() and found.stat().st_size > 32 * LARGEST:
+            raise ConfigError(f"{found}: {found.stat().st_size} bytes are too many for a mesh")
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        said = " ".join(str(error).split())
+        raise ConfigError(f"{path}: MuJoCo cannot read this model: {said[:200]}") from error
+    if model.nv == 0 or model.nv > MOST_JOINTS:
+        raise ConfigError(f"{path}: {model.nv} degrees of freedom; 1 to {MOST_JOINTS} can be used")
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    return model
+
+
+def _inside(name: str, folder: Path, what: str) -> Path:
+    """`name` under `folder`; raises ConfigError where it leads out of it, by links too."""
+    root = folder.resolve()
+    path = (root / name).resolve()
+    if Path(name).is_absolute() or not path.is_relative_to(root):
+        raise ConfigError(f"{what}: '{name}' leads out of {folder}")
+    return path

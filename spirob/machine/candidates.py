@@ -1,0 +1,71 @@
+"""Which effects can act on a rig at all, and why the others cannot."""
+
+from collections.abc import Sequence
+
+from spirob.effects import Effect
+from spirob.machine.rig import RigFile
+
+DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
+    "motor.drive_torque": "the motor's torque per ampere",
+    "winch.efficiency": "the gear's efficiency",
+    "sensing.current": "the drive's current reading",
+}
+ALWAYS = {"motor.torque", "tendon.force", "sensing.displacement"}
+SIGNALS = {
+    "time",
+    "motor.rest_speed",
+    "motor.current",
+    "motor.speed",
+    "motor.angle",
+    "motor.load_torque",
+}
+HINGE = {
+    "hinge.angle",
+    "hinge.speed",
+    "hinge.stiffness",
+    "hinge.weight_x",
+    "hinge.weight_y",
+}
+
+
+def applicable(
+    effects: Sequence[type[Effect]], rig: RigFile, has_tip: bool, stiffness: float, angular: bool
+) -> tuple[list[type[Effect]], dict[str, str]]:
+    """The effects that this rig can show, and name -> reason for those that it cannot."""
+    possible, excluded = [], {}
+    for effect in effects:
+        reason = _reason(effect, rig, has_tip, stiffness, angular)
+        if reason:
+            excluded[effect.name()] = reason
+        else:
+            possible.append(effect)
+    return possible, excluded
+
+
+def _reason(
+    effect: type[Effect], rig: RigFile, has_tip: bool, stiffness: float, angular: bool
+) -> str:
+    port, reads = effect.port, set(effect.reads.values())
+    hinged = not isinstance(rig.body, str)
+    if port == "command.current" and rig.effort.origin != "command":
+        return "the log holds no commanded effort to compare with"
+    if port == "sensing.frame" and rig.effort.origin != "command":
+        return "effort and motion come in the same frame, so a delay of both shows nowhere"
+    if port in DRIVE and rig.effort.origin == "sensor":
+        return f"{DRIVE[port]} lies before the sensor that measures this effort"
+    if port == "body.tip_mass":
+        return "" if has_tip else "the rig's body has no tip that carries anything"
+    if port == "body.hinge_torque":
+        if not hinged or not angular:
+            return "the rig has no hinged body"
+        if "hinge.stiffness" in reads and stiffness <= 0.0:
+            return "the driven joint has no spring"
+        return _unread(reads - SIGNALS - HINGE)
+    if port not in ALWAYS | set(DRIVE) | {"command.current", "sensing.frame"}:
+        return f"the rig has no {port.replace('.', ' ')}"
+    missing = reads - SIGNALS - ({"motor.command"} if rig.effort.origin == "command" else set())
+    return _unread(missing)
+
+
+def _unread(missing: set[str]) -> str:
+    return f"the log has no {', '.join(sorted(missing))}" if missing else ""

@@ -1,0 +1,139 @@
+"""A rig's diagnosis as plain data: what `diagnosis.json` holds."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from spirob.diagnose.atlas import Regime, worst
+from spirob.diagnose.noise import noise_floor
+from spirob.machine.flexible import Ceiling
+from spirob.machine.judgement import Judgement
+from spirob.machine.rig import RigFile
+from spirob.machine.search import Found, Model, Search, scores
+from spirob.score import score
+
+
+def document(
+    rig: RigFile,
+    search: Search,
+    found: Found,
+    judgement: Judgement,
+    rest: Ceiling,
+    regimes: Sequence[Regime],
+    repairs: Sequence[str],
+    excluded: dict[str, str],
+) -> dict[str, Any]:
+    """All of a diagnosis, in SI; a number that is not finite becomes null."""
+    effort = search.train.effort
+    named = judgement.kind in ("named", "undecided")
+    written = {
+        "rig": rig.name,
+        "predict": rig.predict,
+        "verdict": judgement.kind,
+        "sentence": judgement.sentence,
+        "explanation": judgement.explanation,
+        "next_experiment": judgement.next_experiment,
+        "effects": [
+            {
+                "name": e.name(),
+                "title": e.title,
+                "probability": judgement.probability[e.name()],
+                "equivalents": judgement.equivalents[e.name()],
+                "rivals": judgement.rivals[e.name()],
+                "parameters": _numbers(found.chosen, e.name()),
+            }
+            for e in (found.chosen.effects if named else ())
+        ],
+        "candidates": _candidates(search, found, judgement),
+        "ladder": [*_ladder(search, found), _flexible(search, rest)],
+        "noise_floor": noise_floor(search.train),
+        "atlas": [r.as_dict() for r in regimes],
+        "atlas_sentences": worst(regimes, effort),
+        "unit": effort.unit,
+        "effort": effort.name,
+        "effort_rms": {"train": search.size, "test": _rms(search.heldout.measured())},
+        "repairs": list(repairs),
+        "excluded": excluded,
+        "numbers": _numbers(found.chosen, "rig"),
+        "left": {"share": rest.share, "alone": rest.alone},
+    }
+    return _plain(written)  # type: ignore[no-any-return]
+
+
+def _numbers(model: Model, owner: str) -> dict[str, Any]:
+    return {
+        name.split(".", 1)[1]: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+        for name, e in model.fit.estimates.items()
+        if name.split(".", 1)[0] == owner
+    }
+
+
+def _candidates(search: Search, found: Found, judgement: Judgement) -> list[dict[str, Any]]:
+    """Every effect that was considered: those fitted alone or in the chosen set, then the rest.
+
+    heldout_rmse  of the best fitted model that holds it; null where screening ended it
+    """
+    entries = []
+    for offer in found.offers:
+        name = offer.effect.name()
+        models = [m for m in search.tried.values() if name in m.names]
+        best = min(models, key=lambda m: m.mean_square) if models else None
+        single = search.tried.get(frozenset({name}))
+        probability = judgement.probability.get(name, 0.0)
+        for chosen, rivals in judgement.rivals.items():
+            if name in rivals:
+                probability = max(probability, (1 - judgement.probability[chosen]) / len(rivals))
+        gain = 1.0 - offer.error / found.rungs[0].mean_square
+        entries.append(
+            {
+                "name": name,
+                "title": offer.effect.title,
+                "probability": probability,
+                "heldout_rmse": None if best is None else float(np.sqrt(best.heldout_square)),
+                "with": [] if best is None else sorted(best.names - {name}),
+                "train_rmse": None if best is None else _rms(best.fit.residual),
+                "alone_heldout_rmse": None
+                if single is None
+                else float(np.sqrt(single.heldout_square)),
+                "screen_gain": gain,
+            }
+        )
+    return sorted(entries, key=lambda e: -e["probability"])
+
+
+def _ladder(search: Search, found: Found) -> list[dict[str, Any]]:
+    rungs = []
+    for model in found.rungs:
+        names = [e.name() for e in model.effects]
+        label = " + ".join(["fitted numbers", *(n.replace("_", " ") for n in names)])
+        both = {role: s.as_dict() for role, s in scores(search, model).items()}
+        rungs.append({"label": label, "effects": names, **both})
+    return rungs
+
+
+def _flexible(search: Search, rest: Ceiling) -> dict[str, Any]:
+    """The ceiling: what a flexible residual on top of the chosen model would reach."""
+    measured, held = search.train.measured(), search.heldout.measured()
+    return {
+        "label": "flexible residual on top (ceiling)",
+        "effects": [],
+        "train": score(measured, measured + rest.left).as_dict(),
+        "test": score(held, held + rest.heldout).as_dict(),
+        "ceiling": True,
+    }
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _plain(node: Any) -> Any:
+    if isinstance(node, dict):
+        return {str(key): _plain(value) for key, value in node.items()}
+    if isinstance(node, list | tuple):
+        return [_plain(value) for value in node]
+    if isinstance(node, float | np.floating):
+        return float(f"{node:.9g}") if math.isfinite(node) else None
+    return node

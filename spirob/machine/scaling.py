@@ -1,0 +1,142 @@
+"""The library's numbers, meant for a small rotor, brought to the size and unit of another machine.
+
+A kernel is homogeneous in its dimensions: with speeds in m/s and its amplitude in N it gives the
+force that it would give in N·m for a rotor in rad/s.  So only nominal values and bounds have to be
+moved, each by the ratio of the two machines' sizes in the dimension of its unit: a tenth of the
+small rotor's torque becomes a tenth of the rig's effort.
+"""
+
+import re
+from collections import Counter
+from dataclasses import dataclass, replace
+
+from spirob.effects import Effect
+from spirob.parameter import Parameter
+
+REFERENCE = {  # the small rotor for which the library's nominal numbers and bounds are given
+    "torque": 0.02,  # N·m
+    "speed": 50.0,  # rad/s
+    "angle": 1.0,  # rad
+    "force": 10.0,  # N, at its winch
+    "length": 0.1,  # m, of its stroke
+    "current": 1.0,  # A
+    "mass": 0.1,  # kg
+}
+SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+TOKEN = re.compile(r"([A-Za-zΩµ]+)([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
+RAISED = {2: "²", 3: "³"}
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How large a rig is, and what its quantities are measured in.
+
+    torque    RMS of the effort at the axis, in `torque_unit` (N for a linear drive)
+    speed     usual speed;  angle  what stands for one radian;  both in `axis_unit`, m or rad
+    current   RMS of the effort as read, in `effort_unit`
+    mass      that the axis carries [kg]
+    """
+
+    torque: float
+    speed: float
+    angle: float
+    stroke: float
+    current: float
+    mass: float
+    torque_unit: str
+    effort_unit: str
+    axis_unit: str
+
+    def ratio(self, unit: str) -> float:
+        """This rig's size over the small rotor's, in the dimension of `unit`."""
+        own = {
+            "torque": self.torque,
+            "speed": self.speed,
+            "angle": self.angle,
+            "force": self.torque,
+            "length": self.stroke,
+            "current": self.current,
+            "mass": self.mass,
+        }
+        out = 1.0
+        for dimension, power in dimensions(unit).items():
+            if dimension in REFERENCE:
+                out *= (own[dimension] / REFERENCE[dimension]) ** power
+        return out
+
+    def unit(self, unit: str) -> str:
+        """What a number in `unit` is given in on this rig."""
+        names = {
+            "torque": self.torque_unit,
+            "speed": f"{self.axis_unit}/s",
+            "angle": self.axis_unit,
+            "force": self.torque_unit,
+            "length": self.axis_unit,
+            "current": self.effort_unit,
+            "mass": "kg",
+            "time": "s",
+        }
+        over: list[str] = []
+        under: list[str] = []
+        for dimension, power in dimensions(unit).items():
+            name = names.get(dimension, dimension)
+            for _ in range(abs(power)):
+                (over if power > 0 else under).append(name)
+        # a speed below the line is seconds above it
+        for _ in range(under.count(f"{self.axis_unit}/s")):
+            under[under.index(f"{self.axis_unit}/s")] = self.axis_unit
+            over.append("s")
+        above = _product(over) or "1"
+        below = _product(under)
+        below = f"({below})" if "·" in below else below
+        return f"{above}/{below}" if below else above
+
+    def parameter(self, about: Parameter) -> Parameter:
+        """A declared number for this rig: nominal and bounds moved to its size."""
+        ratio = self.ratio(about.unit)
+        return replace(
+            about,
+            nominal=about.nominal * ratio,
+            low=about.low * ratio,
+            high=about.high * ratio,
+            unit=self.unit(about.unit),
+        )
+
+
+def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
+    """The numbers of an effect for a rig of this size."""
+    return {name: sizes.parameter(about) for name, about in effect.parameters().items()}
+
+
+def dimensions(unit: str) -> dict[str, int]:
+    """Dimensions of a unit: N·m is torque, rad/s speed, what is left force, length, angle, time."""
+    powers: Counter[str] = Counter()
+    above, _, below = unit.partition("/")
+    for text, sign in ((above, 1), (below, -1)):
+        for name, raised in TOKEN.findall(text):
+            powers[name] += sign * int(raised.translate(SUPERSCRIPT) or 1)
+    found: Counter[str] = Counter()
+    torque = powers["N"] if powers["N"] * powers["m"] > 0 else 0
+    if torque:
+        found["torque"] = torque
+        powers["N"] -= torque
+        powers["m"] -= torque
+    if powers["rad"] * powers["s"] < 0:
+        speed = min(abs(powers["rad"]), abs(powers["s"])) * (1 if powers["rad"] > 0 else -1)
+        found["speed"] = speed
+        powers["rad"] -= speed
+        powers["s"] += speed
+    named = {"N": "force", "m": "length", "rad": "angle", "A": "current", "s": "time", "kg": "mass"}
+    for name, power in powers.items():
+        if power and name != "1":
+            found[named.get(name, name)] += power
+    return dict(found)
+
+
+def _product(names: list[str]) -> str:
+    counted = Counter(names)
+    parts = []
+    for name, power in counted.items():
+        base = f"({name})" if power > 1 and ("·" in name or "/" in name) else name
+        parts.append(base + (RAISED.get(power, f"^{power}") if power > 1 else ""))
+    return "·".join(parts)

@@ -1,0 +1,113 @@
+"""Where to start an effect's shape numbers: those that do not make it vanish.
+
+An amplitude can be found by regression from anywhere, a shape cannot: a ripple's order fitted from
+a wrong start stays wrong.  So shapes start from a grid, and numbers that count periods of an angle
+from the peaks of the residual's spectrum over that angle.
+"""
+
+from collections.abc import Mapping
+from itertools import product
+
+import numpy as np
+
+from spirob.effects import Effect
+from spirob.machine.kernel_loop import is_pipe
+from spirob.parameter import Parameter
+from spirob.ports import SIGNALS
+
+MOST = 12  # combinations of one effect
+PEAKS = 4
+MOST_BINS = 2**20  # of the angle; beyond, the highest orders are not looked at
+WIDE = 30.0  # bounds further apart than this factor are walked by ratio
+
+
+def starts(
+    effect: type[Effect], about: Mapping[str, Parameter], residual: np.ndarray, angle: np.ndarray
+) -> list[dict[str, float]]:
+    """Shape numbers to try, field -> value; one empty entry where there is no shape.
+
+    residual, angle  (N,) along the trials
+    """
+    fields = [f for f in about if f not in effect.neutral]
+    grids = []
+    for field in fields:
+        if counts_periods(effect, field):
+            grids.append(peaks(residual, angle, about[field].low, about[field].high))
+        else:
+            grids.append(grid(about[field], 5 if len(fields) == 1 else 3))
+    combined = [dict(zip(fields, values, strict=True)) for values in product(*grids)]
+    return combined[:: max(1, -(-len(combined) // MOST))]
+
+
+def grid(about: Parameter, count: int) -> list[float]:
+    """Values from bound to bound, the nominal one among them, by ratio where they span decades."""
+    if about.low > 0 and about.high / about.low > WIDE:
+        values = np.geomspace(about.low, about.high, count + 2)[1:-1]
+    else:
+        values = np.linspace(about.low, about.high, count + 2)[1:-1]
+    return sorted({about.nominal, *(float(v) for v in values)})
+
+
+def counts_periods(effect: type[Effect], field: str) -> bool:
+    """Whether this number is an order N: the kernel repeats when the angle it reads grows by 2π/N.
+
+    Asked of the kernel itself, so that it holds for effects that nobody here has seen.
+    """
+    angles = [a for a, signal in effect.reads.items() if SIGNALS[signal].unit == "rad"]
+    if not angles or effect.state:
+        return False
+    rng = np.random.default_rng(0)
+    values = {f: rng.uniform(0.2, 0.8) * (p.high - p.low) + p.low for f, p in _bounds(effect)}
+    values |= {argument: rng.uniform(0.5, 1.5) for argument in effect.reads}
+    values |= {"upstream": 1.0} if is_pipe(effect) else {}
+    values |= {"dt": 1e-3} if "dt" in effect.arguments() else {}
+    order = values[field]
+    turned = {**values, angles[0]: values[angles[0]] + 2 * np.pi / order}
+    half = {**values, angles[0]: values[angles[0]] + 2 * np.pi / (2.7 * order)}
+    here = effect.kernel(**values)
+    scale = abs(here) + 1e-12
+    repeats = abs(effect.kernel(**turned) - here) < 1e-9 * scale
+    return bool(repeats and abs(effect.kernel(**half) - here) > 1e-6 * scale)
+
+
+def peaks(residual: np.ndarray, angle: np.ndarray, low: float, high: float) -> list[float]:
+    """The orders in which the residual is most periodic over the angle, strongest first."""
+    orders, power = spectrum(residual, angle, low, high)
+    if len(orders) < 3:
+        return [float(np.sqrt(low * high))]
+    found: list[float] = []
+    apart = 2 * np.pi / max(np.ptp(angle), 1e-9)
+    for k in np.argsort(-power):
+        if all(abs(orders[k] - other) > apart for other in found):
+            found.append(float(orders[k]))
+        if len(found) == PEAKS:
+            break
+    return found
+
+
+def spectrum(
+    residual: np.ndarray, angle: np.ndarray, low: float, high: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Share of the squared residual that a wave of each order explains, (M,) and (M,).
+
+    Orders from one period over the travelled angle, a quarter of a period apart.  The residual is
+    summed into bins of the angle, an eighth of the shortest period wide, and transformed at once:
+    a sample in the middle of its bin then loses at most 3 % of the shortest wave.
+    """
+    travel = max(float(np.ptp(angle)), 1e-9)
+    width = 2 * np.pi / (8.0 * high)
+    count = int(travel / width) + 1
+    if count > MOST_BINS:
+        width, count = travel / (MOST_BINS - 1), MOST_BINS
+    cells = np.minimum(((angle - angle.min()) / width).astype(int), count - 1)
+    sums = np.bincount(cells, weights=residual - residual.mean(), minlength=count)
+    padded = 4 * count
+    power = np.abs(np.fft.rfft(sums, padded)) ** 2
+    orders = 2 * np.pi * np.arange(len(power)) / (padded * width)
+    inside = (orders >= max(low, 2 * np.pi / travel)) & (orders <= high)
+    total = float(np.sum((residual - residual.mean()) ** 2)) * len(residual) / 2.0
+    return orders[inside], power[inside] / max(total, 1e-300)
+
+
+def _bounds(effect: type[Effect]) -> list[tuple[str, Parameter]]:
+    return list(effect.parameters().items())
