@@ -30,7 +30,8 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     tendon.half_angle,
     tendon.guide_length,
     winch.free_rate,
-    winch.implicit_tension,
+    winch.demanded_tension,
+    winch.one_sided_tensions,
 )
 LOCALS = {  # signal -> expression in the loop
     "time": "time",

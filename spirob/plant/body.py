@@ -90,6 +90,8 @@ def _add_hinge(body, i: int, arm: Arm, geometry: SpiralArm, stiffness: float) ->
         range=[-limit, limit],
         armature=arm.armature * geometry.scale[i] ** 2,
         solref_limit=[0.004, 1.0],
+        # the default gives way by 10° at 70 N, past the angle where the guides meet
+        solimp_limit=[0.99, 0.9999, 0.01, 0.5, 2.0],
     )
     joint.stiffness = np.array([stiffness, 0.0, 0.0])
     joint.damping = np.array([arm.damping_time * stiffness, 0.0, 0.0])

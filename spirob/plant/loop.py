@@ -50,7 +50,7 @@ def run(
 
     guides (N, 4) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2, cos β/2 of each hinge (`plant.tendon`);
     pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension
-    ratio, solved (N,) what `mj_solveM` makes of it; C wants their addresses too.
+    ratio, solved (2, N) what `mj_solveM` makes of it; C wants their addresses too.
     """
     cycles = reference.shape[0]
     motors = 2
@@ -78,7 +78,12 @@ def run(
     previous_rate, previous_accel, arm_accel = state[9], state[10], state[11]
     command, arm_current, radius_now = state[12], state[13], state[14]
     begun = state[15]  # cycles played so far, in its first entry
-    mobility = np.zeros(motors)
+    mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
+    weight = np.zeros(motors)  # m + h b [kg]
+    demand = np.zeros(motors)
+    free = np.zeros(motors)
+    tendon_damping = max(p[P_tendon_damping], step * p[P_tendon_stiffness])
+    give = step * tendon_damping
     mean_current = np.zeros(motors)
     last_command = np.zeros(motors)
     if begun[0] == 0.0:
@@ -158,11 +163,13 @@ def run(
                     # @ port tendon.tension_ratio -> ratio
                     pull[m, i] = ratio * arm[m, i]
                     slide -= arm[m, i] * qvel[i]
-                mj_solveM(model, data, solved_address, pull_address + 8 * hinges * m, 1)
-                total = 0.0
-                for i in range(hinges):
-                    total += arm[m, i] * solved[i]
-                mobility[m] = total
+            mj_solveM(model, data, solved_address, pull_address, motors)
+            for m in range(motors):
+                for n in range(motors):
+                    total = 0.0
+                    for i in range(hinges):
+                        total += arm[n, i] * solved[m, i]
+                    mobility[n, m] = total
             for m in range(motors):
                 radius = p[P_winch_radius]
                 # @ port winch.radius -> radius
@@ -214,27 +221,34 @@ def run(
                 # @ port tendon.force -> external
                 extra = 0.0
                 # @ port tendon.extra_length -> extra
-                free = free_rate(rate[m], torque / radius + external, inertia, damping, step)
+                weight[m] = inertia + step * damping
+                free[m] = free_rate(rate[m], torque / radius + external, inertia, damping, step)
                 if begun[0] + substep > 0:
                     seen = (shortening_rate[m] - previous_rate[m]) / step
                     arm_accel[m] += 0.3 * (seen - previous_accel[m] - arm_accel[m])
-                tension[m] = implicit_tension(
+                demand[m] = demanded_tension(
                     displacement[m] - shortening[m] - extra,
-                    free,
+                    free[m],
                     shortening_rate[m],
                     arm_accel[m],
-                    inertia,
-                    damping,
-                    mobility[m],
                     p[P_tendon_stiffness],
-                    p[P_tendon_damping],
+                    tendon_damping,
                     step,
                 )
+            tension[0], tension[1] = one_sided_tensions(
+                demand[0],
+                demand[1],
+                1.0 + give * (1.0 / weight[0] + mobility[0, 0]),
+                give * mobility[0, 1],
+                give * mobility[1, 0],
+                1.0 + give * (1.0 / weight[1] + mobility[1, 1]),
+            )
+            for m in range(motors):
                 previous_rate[m] = shortening_rate[m]
-                previous_accel[m] = mobility[m] * tension[m]
-                rate[m] = free - step * tension[m] / (inertia + step * damping)
+                previous_accel[m] = mobility[m, 0] * tension[0] + mobility[m, 1] * tension[1]
+                rate[m] = free[m] - step * tension[m] / weight[m]
                 displacement[m] += step * rate[m]
-                turned[m] += step * rate[m] / radius
+                turned[m] += step * rate[m] / radius_now[m]
             for i in range(hinges):
                 hinge_torque = 0.0
                 # @ port body.hinge_torque -> hinge_torque

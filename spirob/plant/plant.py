@@ -110,7 +110,7 @@ class Session:
         self._stiffness = np.ascontiguousarray(model.jnt_stiffness.reshape(hinges, -1)[:, 0])
         self._state = np.zeros((STATE_ROWS, 2))
         self._memory = np.repeat(plant._states[:, None], 2 * hinges, axis=1)
-        self._pull, self._solved = np.zeros((2, hinges)), np.zeros(hinges)
+        self._pull, self._solved = np.zeros((2, hinges)), np.zeros((2, hinges))
         drive_rate = p[plant.table.position("drive.rate")]
         self._drive_steps = max(1, round(self._step * drive_rate))
 

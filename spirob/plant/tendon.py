@@ -25,9 +25,10 @@ def guide_length(side, sine, cosine, product, gap_squared, sine_open, cosine_ope
     sine_open, cosine_open  of β/2
 
     With h = (β - σq)/2, ℓ² = (ρ_b - ρ_a)² + 4ρ_bρ_a sin²h, which keeps its digits where the guides
-    nearly meet.  Valid for σq < β: beyond it they have met.
+    nearly meet.  Beyond σq = β they have met: the length stays, and the tendon turns the hinge no
+    further (an impact may carry it there for a step).
     """
-    sine_half = sine_open * cosine - side * cosine_open * sine
+    sine_half = max(0.0, sine_open * cosine - side * cosine_open * sine)
     cosine_half = cosine_open * cosine + side * sine_open * sine
     length = math.sqrt(gap_squared + 4.0 * product * sine_half * sine_half)
     return length, 2.0 * product * sine_half * cosine_half / length
