@@ -19,7 +19,7 @@ from spirob.identify.residual import Residual
 from spirob.parameter import Table
 
 BLOCK = 50  # residual samples in a block: 0.5 s at 100 Hz
-STEP = 1e-3  # of the scaled parameter, for differences
+STEP = 1e-4  # of the scaled parameter; 1e-3 halves the interval along weak directions
 DECADE = 10.0  # an interval that wide says nothing
 
 
