@@ -1,5 +1,6 @@
 """Puts the sections on one page; knows none of them by name."""
 
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from spirob.logs.atomic import write_text
 from spirob.report.data import ReportData
 from spirob.report.embed import json_script
 from spirob.report.plotly_script import plotly_script
-from spirob.report.sections import discover
+from spirob.report.sections import Section, discover
 
 SCRIPTS = ("packing.js", "theme.js", "plots.js", "overlay.js", "arm.js", "start.js")
 
@@ -22,10 +23,10 @@ def build(data: ReportData, out: Path | str) -> Path:
     return out
 
 
-def render(data: ReportData) -> str:
-    """The page as text."""
+def render(data: ReportData, sections: Sequence[Section] | None = None) -> str:
+    """The page as text; without a choice it has all sections in `sections/`."""
     environment = _environment()
-    sections = discover()
+    sections = discover() if sections is None else sections
     bodies = [
         Markup(environment.get_template(section.template).render(section.get_context(data)))
         for section in sections

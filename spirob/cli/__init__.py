@@ -1,0 +1,1 @@
+"""The command `spirob`; each file in `commands/` is one subcommand."""

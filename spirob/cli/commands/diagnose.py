@@ -1,0 +1,68 @@
+"""Name the physical effect that the model of a machine misses, from its logs and a description.
+
+Writes OUT/diagnosis.json and OUT/index.html.
+"""
+
+import argparse
+import sys
+
+HELP = "name the missing effect of any motor rig from its logs"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `spirob diagnose`."""
+    parser.add_argument("--rig", required=True, metavar="RIG.yaml", help="description of the rig")
+    parser.add_argument(
+        "--train", required=True, nargs="+", action="extend", metavar="LOG", help="logs to fit"
+    )
+    parser.add_argument(
+        "--test", nargs="+", action="extend", default=[], metavar="LOG", help="logs held out"
+    )
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument("--quiet", action="store_true", help="print the verdict only")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose and write."""
+    import json
+    from pathlib import Path
+
+    from spirob.logs.atomic import write_text
+    from spirob.machine.diagnosis import diagnose
+    from spirob.report.rig import build_rig_page
+
+    def tell(text: str) -> None:
+        if not arguments.quiet:
+            print(text, file=sys.stderr)
+
+    out = Path(arguments.out)
+    if out.exists() and not out.is_dir():
+        raise NotADirectoryError(20, "is a file, not a folder", str(out))
+    found = diagnose(arguments.rig, arguments.train, arguments.test, progress=tell)
+    out.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
+    write_text(out / "diagnosis.json", text + "\n")
+    logs = [*arguments.train, *arguments.test]
+    command = _command(arguments)
+    build_rig_page(
+        found.document,
+        found.overlay,
+        found.parameters,
+        found.identifiability,
+        Path(arguments.rig),
+        [Path(log) for log in logs],
+        command,
+        out / "index.html",
+    )
+    for repair in found.document["repairs"]:
+        tell(f"note: {repair}")
+    print(found.document["sentence"])
+    return 0
+
+
+def _command(arguments: argparse.Namespace) -> str:
+    import shlex
+
+    parts = ["spirob", "diagnose", "--rig", arguments.rig, "--train", *arguments.train]
+    parts += ["--test", *arguments.test] if arguments.test else []
+    return shlex.join([*parts, "--out", arguments.out])

@@ -1,0 +1,120 @@
+"""List the library of physical effects, show one, begin a new one, check a file of your own."""
+
+import argparse
+
+HELP = "list, show, begin or check physical effects"
+TEMPLATE = '''"""One line: what happens, as a reader would say it."""
+
+import math
+
+from spirob.effects.effect import Effect
+from spirob.parameter import bounded
+
+
+class {name}(Effect):
+    """τ = -T·tanh(ω/ω_0): replace this law, its numbers and its words by yours."""
+
+    port = "motor.torque"  # where it acts; spirob/ports.py lists the places
+    reads = {{"speed": "motor.speed", "rest_speed": "motor.rest_speed"}}  # argument -> signal
+    neutral = {{"level": 0.0}}  # the numbers at which the effect vanishes
+    traits = {{"dissipative", "odd_in_speed"}}  # claims; each becomes a test
+    equation = "-T*tanh(speed/rest_speed)"  # the law again, for a test against the kernel
+    title = "{title}"
+    signature = "How it shows in data, in one sentence."
+    explanation = "What happens physically, in one or two sentences."
+    tell_apart = {{"coulomb_friction": "the experiment that separates the two"}}
+    needs = "what a trial must contain for it to show"
+    references = ("Author, title (year)",)
+
+    level: float = bounded(0.002, 0.0, 0.05, "N·m", "T", "meaning of the number")
+
+    @staticmethod
+    def kernel(speed, rest_speed, level):
+        """Torque on the rotor [N·m]; only arithmetic and `math`."""
+        return -level * math.tanh(speed / rest_speed)
+'''
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `spirob effects`."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    actions.add_parser("list", help="all effects, one to a line")
+    one = actions.add_parser("show", help="everything about one effect")
+    one.add_argument("effect", help="its name, or a file of your own")
+    new = actions.add_parser("new", help="write a template for an effect of your own")
+    new.add_argument("file", help="file to write, such as brush_bounce.py")
+    check = actions.add_parser("check", help="run the tests that every effect has to pass")
+    check.add_argument("file", help="file of your own effect, or the name of one of the library")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what was asked."""
+    actions = {"list": _list, "show": _show, "new": _new, "check": _check}
+    return actions[arguments.action](arguments)
+
+
+def _list(arguments: argparse.Namespace) -> int:
+    from spirob.effects import all_effects
+
+    found = all_effects()
+    width = max(len(name) for name in found)
+    for name, effect in found.items():
+        print(f"{name:{width}}  {effect.port:22}  {effect.title}")
+    return 0
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    from spirob.effects import find_effects
+
+    for effect in find_effects([arguments.effect]):
+        print(f"{effect.name()}: {effect.title}")
+        print(f"\n{effect.explanation}\n{effect.signature}\n")
+        print(f"acts at    {effect.port}")
+        print(f"reads      {', '.join(effect.reads.values()) or 'nothing'}")
+        print(f"law        {effect.equation or (effect.__doc__ or '').strip().splitlines()[0]}")
+        print(f"needs      {effect.needs or 'nothing special'}")
+        for name, about in effect.parameters().items():
+            value = f"{about.nominal:g} [{about.low:g}, {about.high:g}] {about.unit}"
+            print(f"number     {name} ({about.symbol}) = {value}: {about.meaning}")
+        for rival, experiment in effect.tell_apart.items():
+            print(f"not        {rival}: {experiment}")
+        for reference in effect.references:
+            print(f"source     {reference}")
+    return 0
+
+
+def _new(arguments: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from spirob.errors import ConfigError
+    from spirob.logs.atomic import write_text
+
+    path = Path(arguments.file)
+    if path.suffix != ".py" or not path.stem.isidentifier():
+        raise ConfigError(f"'{path}': an effect's file is named like it, such as brush_bounce.py")
+    if path.exists():
+        raise ConfigError(f"'{path}' exists already and is left as it is")
+    name = "".join(part.capitalize() for part in path.stem.split("_"))
+    write_text(path, TEMPLATE.format(name=name, title=path.stem.replace("_", " ")))
+    print(f"{path} written; fill it in, then: spirob effects check {path}")
+    return 0
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    from spirob.effects import find_effects
+
+    effects = find_effects([arguments.file])
+    try:
+        from spirob.effects.check import check
+    except ImportError:
+        check = None
+    broken = 0
+    for effect in effects:
+        # being loaded means that the declaration holds: port, reads, arguments, numbers, neutral
+        findings = check(effect) if check is not None else []
+        for finding in findings:
+            print(f"{effect.name()}: {finding.law}: {finding.sentence}")
+        broken += len(findings)
+        if not findings:
+            print(f"{effect.name()}: declared well" + (", keeps every law" if check else ""))
+    return 2 if broken else 0

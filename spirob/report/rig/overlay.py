@@ -1,0 +1,67 @@
+"""Measured and modelled effort of each trial, and under it what each model leaves."""
+
+from typing import Any
+
+import pandas as pd
+import plotly.graph_objects as go
+
+from spirob.report.data import ReportData
+from spirob.report.figures import Plot, blank
+from spirob.report.overlay import LOOKS
+from spirob.report.sections.section import Section
+
+MOST_TRIALS = 6  # held-out ones first
+MOST_SAMPLES = 2000
+HEIGHT = 420  # pixels
+
+
+class RigOverlay(Section):
+    """One figure for each trial."""
+
+    order = 20
+    title = "Comparison"
+    template = "rig_overlay.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        diagnosis = data.diagnosis
+        groups = list(data.overlay.groupby(["role", "trial"], sort=False))
+        named = " + ".join(e["name"].replace("_", " ") for e in diagnosis["effects"])
+        plots = []
+        for k, ((role, trial), rows) in enumerate(groups[:MOST_TRIALS]):
+            label = f"{trial}, {'held out' if role == 'test' else 'fitted'}"
+            figure = trial_figure(rows, named, diagnosis["effort"], diagnosis["unit"])
+            plots.append((label, Plot(f"trial-{k}", f"Measured and modelled: {label}", figure)))
+        return {"plots": plots, "more": max(0, len(groups) - MOST_TRIALS)}
+
+
+def trial_figure(rows: pd.DataFrame, named: str, effort: str, unit: str) -> go.Figure:
+    """Effort above, residuals below; `named` is empty where no effect was named."""
+    kept = rows.iloc[:: max(1, -(-len(rows) // MOST_SAMPLES))]
+    time = [round(float(t), 4) for t in kept["time"]]
+    names = {"measured": "measured", "base": "fitted numbers", "named": f"with {named}"}
+    figure = blank(HEIGHT, hovermode="x", dragmode="zoom")
+    for origin, look in LOOKS.items():
+        if origin == "named" and not named:
+            continue
+        values = kept[origin].to_numpy(float)
+        left = values - kept["measured"].to_numpy(float)
+        for axis, drawn in (("y", values), ("y2", left)):
+            if axis == "y2" and origin == "measured":
+                continue
+            figure.add_scatter(
+                x=time,
+                y=[float(f"{v:.5g}") for v in drawn],
+                name=names[origin],
+                legendgroup=origin,
+                showlegend=axis == "y",
+                line=look,
+                mode="lines",
+                yaxis=axis,
+                hovertemplate=f"%{{y:.4g}} {unit}",
+            )
+    figure.update_layout(
+        xaxis={"title": {"text": "time [s]"}, "anchor": "y2"},
+        yaxis={"domain": [0.42, 1.0], "title": {"text": f"{effort} [{unit}]"}},
+        yaxis2={"domain": [0.0, 0.34], "title": {"text": f"model − measured [{unit}]"}},
+    )
+    return figure

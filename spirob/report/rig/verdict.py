@@ -1,0 +1,33 @@
+"""The first screen: the verdict in a sentence, what it gains, and the ladder of errors."""
+
+from typing import Any
+
+from spirob.report import figures
+from spirob.report.data import ReportData
+from spirob.report.sections.section import Section
+from spirob.report.sections.verdict import KINDS, gain_sentence
+
+
+class RigVerdict(Section):
+    """Verdict of a rig's diagnosis; there is no arm to be shown."""
+
+    order = 10
+    title = "Verdict"
+    template = "rig_verdict.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        diagnosis = data.diagnosis
+        unit, rungs = diagnosis["unit"], diagnosis["ladder"]
+        noise_floor = diagnosis.get("noise_floor")
+        return {
+            "kind": KINDS[diagnosis["verdict"]],
+            "sentence": diagnosis["sentence"],
+            "explanation": diagnosis["explanation"],
+            "gain": gain_sentence(rungs, noise_floor, unit),
+            "ladder": figures.Plot(
+                "ladder",
+                "Bars of the held-out error of each model; the table of section Ladder has them",
+                figures.ladder(rungs, noise_floor, unit),
+            ),
+            "repairs": diagnosis["repairs"],
+        }
