@@ -11,6 +11,7 @@ from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.hidden import effects
 from spirob.emulator.machine import Machine
 from spirob.errors import ConfigError
+from tests.emulator.conftest import hinge_angles, play
 from tests.emulator.visibility import (
     Recorded,
     in_current,
@@ -67,6 +68,14 @@ def test_the_stronger_the_more_is_seen(effect):
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_effect_is_seen_from_the_other_side_too(effect):
     assert seen(effect, 1.0, "right") > NOTICED
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_driven_hard_it_stays_finite_and_within_its_stops(machine, effect):
+    made = machine(effect, strength=3.0, clean=False)
+    for currents in ((5.0, 0.0), (5.0, 5.0), (-5.0, 5.0), (0.0, 0.0)):
+        play(made, currents, 120)
+        assert np.rad2deg(np.abs(hinge_angles(made))).max() < 16.0
 
 
 @pytest.mark.parametrize("effect", EFFECTS)

@@ -1,7 +1,8 @@
 """How much of a hidden effect the logs show: the machine with it against its twin without.
 
-Both play the same trial with the same seed and controller, noise and counts included, and nothing
-is fitted.  `python -m tests.emulator.visibility` measures the table of docs/emulator.md.
+Both play the same trial with the same seed and controller, noise and counts included.  What the
+wrong parameters could explain is judged by the twin's own sensitivity to them, to first order.
+`python -m tests.emulator.visibility` measures the table of docs/emulator.md.
 """
 
 import functools
@@ -32,6 +33,17 @@ from spirob.emulator.machine import Machine
 from spirob.logs.transmission import Transmission
 
 EXPERIMENT = Path(__file__).parents[2] / "conf/experiment/excitation.yaml"
+SHOWN = ("train_fast_left", "train_deep_right")
+SEEDS = (1, 2, 3)
+STEP = 0.03
+PARAMETERS = (  # what a fit without the effect would adjust
+    ("efficiency",),
+    ("rotor_inertia",),
+    ("rotor_damping",),
+    ("stiffness", "damping"),
+    ("damping",),
+    ("first_moment", "inertia"),
+)
 LOW_PASS = butter(4, 30.0, fs=1000.0, output="sos")
 
 
@@ -83,9 +95,13 @@ class Memory:
         self.rows.append([*self._before, *positions, *velocities, *currents, fastest])
 
 
-def record(trial: Trial, effect: str, strength: float = 1.0, seed: int = 1) -> Recorded:
-    """Play a trial on a machine with an effect, without the bus."""
+def record(
+    trial: Trial, effect: str, strength: float = 1.0, seed: int = 1, larger: Sequence[str] = ()
+) -> Recorded:
+    """Play a trial without the bus, with some of the machine's numbers larger by `STEP`."""
     machine = Machine(EmulatedRig(), HiddenSettings(effect, strength), seed)
+    for field in larger:
+        machine.numbers[field] *= 1 + STEP
     machine.start(trial.scene, trial.name)
     return _recorded(trial, Wired(machine))
 
@@ -135,44 +151,88 @@ def trials(names: Sequence[str]) -> list[Trial]:
     return [Trial.from_plain(one) for one in plain if one["name"] in names]
 
 
-@functools.cache
-def twin(name: str, seed: int) -> Recorded:
-    """The machine without any hidden effect in one of these trials."""
-    (trial,) = trials([name])
-    return record(trial, "none", seed=seed)
-
-
 def driven(trial: Trial) -> int:
     """The motor that follows a displacement."""
     return [trial.motors[m].mode for m in ("left", "right")].index("displacement")
 
 
-def row(effect: str, shown: Sequence[Trial], seeds: Sequence[int]) -> list[float]:
-    """Mean share of the driven and of the other current, length of the other tendon [mm],
-    current above 30 Hz [mA] and ratio of fastest rates; least and most share, largest ratio."""
-    rows = []
-    for trial in shown:
-        m = driven(trial)
-        for seed in seeds:
+@functools.cache
+def twin(name: str, seed: int, larger: Sequence[str] = ()) -> Recorded:
+    """The machine without any hidden effect in one of these trials."""
+    (trial,) = trials([name])
+    return record(trial, "none", seed=seed, larger=larger)
+
+
+def unexplained(differences: Sequence[np.ndarray], seed: int) -> float:
+    """Share of the driven currents that no change of `PARAMETERS` makes up for, all trials."""
+    shown = trials(SHOWN)
+    plain = [smooth(twin(trial.name, seed).current)[:, driven(trial)] for trial in shown]
+    columns = [
+        np.concatenate(
+            [
+                smooth(twin(trial.name, seed, larger).current)[:, driven(trial)] - before
+                for trial, before in zip(shown, plain, strict=True)
+            ]
+        )
+        for larger in PARAMETERS
+    ]
+    sensitivity, wanted = np.column_stack(columns), np.concatenate(differences)
+    fitted, *_ = np.linalg.lstsq(sensitivity, wanted, rcond=None)
+    return rms(wanted - sensitivity @ fitted) / rms(np.concatenate(plain))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table, over `SHOWN` and `SEEDS`.
+
+    share     of the driven current, one for each trial and seed [-]
+    left      of it after the parameters are fitted, one for each seed [-]
+    other     share of the other motor's current, mean [-]
+    length    difference of the other tendon's displacement, mean RMS [m]
+    rough     driven current above 30 Hz, mean increase of its RMS [A]
+    rate      fastest unit over that of the twin, largest [-]
+    """
+
+    share: list[float]
+    left: list[float]
+    other: float
+    length: float
+    rough: float
+    rate: float
+
+
+def row(effect: str) -> Row:
+    """Measure one line of the table."""
+    share, left, rest = [], [], []
+    for seed in SEEDS:
+        differences = []
+        for trial in trials(SHOWN):
+            m = driven(trial)
             one, plain = record(trial, effect, seed=seed), twin(trial.name, seed)
-            share, length = in_current(one, plain), 1e3 * in_displacement(one, plain)
-            rough = [1e3 * rms((r.current - smooth(r.current))[:, m]) for r in (one, plain)]
+            shares = in_current(one, plain)
+            share.append(shares[m])
+            differences.append((smooth(one.current) - smooth(plain.current))[:, m])
+            rough = [rms((r.current - smooth(r.current))[:, m]) for r in (one, plain)]
             rate = one.fastest.max() / plain.fastest.max()
-            rows.append([share[m], share[1 - m], length[1 - m], rough[0] - rough[1], rate])
-    table = np.array(rows)
-    return [*table.mean(axis=0), table[:, 0].min(), table[:, 0].max(), table[:, 4].max()]
+            length = in_displacement(one, plain)[1 - m]
+            rest.append([shares[1 - m], length, rough[0] - rough[1], rate])
+        left.append(unexplained(differences, seed))
+    table = np.array(rest)
+    other, length, rough = table[:, :3].mean(axis=0)
+    return Row(share, left, other, length, rough, table[:, 3].max())
 
 
 def main() -> None:
     """Print the table; kinds (or kind:strength, or pairs) may be named on the command line."""
     kinds = sys.argv[1:] or [name for name in effects() if name != "none"]
-    shown = trials(["train_fast_left", "train_deep_right"])
-    print("kind | driven current % (least-most) | other % | length mm | rough mA | rate (most)")
+    print("| kind | current % | after a fit % | other current % | length mm | rough mA | rate |")
     for kind in kinds:
-        r = row(kind, shown, (1, 2, 3))
+        r = row(kind)
+        share, left = 100 * np.array(r.share), 100 * np.array(r.left)
         print(
-            f"{kind} | {100 * r[0]:.1f} ({100 * r[5]:.1f}-{100 * r[6]:.1f}) | {100 * r[1]:.1f} | "
-            f"{r[2]:.2f} | {r[3]:.1f} | {r[4]:.2f} ({r[7]:.2f})",
+            f"| {kind} | {share.mean():.1f} ({share.min():.1f}-{share.max():.1f}) | "
+            f"{left.mean():.1f} ({left.min():.1f}-{left.max():.1f}) | {100 * r.other:.1f} | "
+            f"{1e3 * r.length:.2f} | {1e3 * r.rough:.1f} | {r.rate:.2f} |",
             flush=True,
         )
 

@@ -1,7 +1,7 @@
 """Drag that grows faster than speed: a fan on the shaft, or a gear that churns its oil.
 
-Typical D = 0.25 µN·m at 1 rad/s with an exponent from 1.7 to 2.2, so that 40 rad/s cost 0.4 mN·m,
-a tenth of a typical torque; sides differ.  Source: churning losses, exponents of 1.5-2.5.
+Typical D = 0.4 µN·m at 1 rad/s with an exponent from 1.7 to 2.2, so that 40 rad/s cost 0.6 mN·m,
+an eighth of a typical torque; sides differ.  Source: churning losses, exponents of 1.5-2.5.
 """
 
 from numpy.random import Generator
@@ -11,7 +11,7 @@ from spirob.emulator.physics.compiled import SIDES
 
 REPLACED = ("fan_power",)
 SPEED = 40.0  # rad/s, where the drag is as large as TYPICAL says, whatever the exponent
-TYPICAL = 0.4e-3  # N·m at the rotor
+TYPICAL = 0.6e-3  # N·m at the rotor
 
 
 def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:

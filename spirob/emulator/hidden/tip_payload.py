@@ -1,6 +1,6 @@
 """A weight at the tip that nobody mentioned.
 
-Typical 45 g on an arm of 320 g, at the end of the last unit, with some size of its own.  On a level
+Typical 35 g on an arm of 320 g, at the end of the last unit, with some size of its own.  On a level
 table only its inertia is felt; with more than 60 g the tip swings about its path.
 """
 
@@ -8,7 +8,7 @@ from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
 
-TYPICAL = 0.045  # kg
+TYPICAL = 0.035  # kg
 RADIUS = 0.012  # m, of gyration
 
 
