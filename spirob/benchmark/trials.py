@@ -18,11 +18,10 @@ def winding(seconds: float) -> Schedule:
 
 
 def moving(name: str, pulling: str, seconds: float) -> Trial:
-    """There and back twice, quick and slow, for identification and decoding."""
-    part = seconds / 4.0
-    stroke = 0.03 * part  # the same speeds however short the trial
-    shares = ((1.0, 1.0), (1.0, 0.33), (0.5, 0.83), (1.5, 0.17))
-    waypoints = [[time * part, share * stroke] for time, share in shares]
+    """Out, back and out again, slow enough that the other tendon stays taut."""
+    stroke = 0.007 * seconds  # the same speeds however short the trial
+    shares = ((0.4, 1.0), (0.1, 1.0), (0.35, 0.3), (0.15, 0.6))
+    waypoints = [[time * seconds, share * stroke] for time, share in shares]
     moves = {
         "mode": "displacement",
         "current_limit": 5.0,
