@@ -18,6 +18,12 @@ from tests.physics.playing import DIRECT, RIGS, currents
 NEWTON = 0.2
 
 
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    # MuJoCo writes its warnings to a file where it runs
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize(("ratio", "within"), [("geared", 0.01), ("direct", 0.1)])
 def test_coded_literally_the_cycle_diverges_within_milliseconds(ratio, within):
     rig = RIGS[ratio]
