@@ -130,8 +130,9 @@ def fit(
             gtol=1e-10,
         )
 
-    found = search(u0, STEPS[0])
-    found = search(np.asarray(found.x), STEPS[1])
+    for step in STEPS:
+        found = search(u0, step)
+        u0 = np.asarray(found.x)
     return _result(residual, scaling, found, fixed, scale, len(known))
 
 
