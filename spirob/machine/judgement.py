@@ -19,6 +19,7 @@ from spirob.machine.search import Found, Model, Search, scores
 
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
 REST = 0.5  # of what the named effects took away: so much may be left for the flexible residual
+MOST_KEPT = 0.4  # of the squared held-out error; more left, and structured: the name is a guess
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 
 
@@ -92,7 +93,8 @@ def _kind(
         return "unknown"
     if not found.chosen.effects:
         return "unknown" if large else "nothing_missing"
-    if large and left > REST * (before - after):
+    kept = found.chosen.heldout_square / max(found.rungs[0].heldout_square, 1e-300)
+    if large and (left > REST * (before - after) or kept > MOST_KEPT):
         return "unknown"
     return "undecided" if any(rivals.values()) else "named"
 
