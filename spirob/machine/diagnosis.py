@@ -75,6 +75,11 @@ def diagnose_recordings(
     """Diagnose a machine from trials that are read already."""
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
+    if rig.body == "arm":
+        raise ConfigError(
+            "body: arm has two motors on one body, which no inverse model of one axis describes; "
+            "diagnose the arm's own logs with the pipeline (dvc repro)"
+        )
     settings = settings or Settings()
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
