@@ -18,7 +18,7 @@ from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.search import Found, Model, Search, scores
 
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
-REST = 0.5  # of what the named effects took away: so much may be left for the flexible residual
+REST = 0.1  # of what the named effects took away: so much may be left for the flexible residual
 MOST_KEPT = 0.4  # of the squared held-out error; more left, and structured: the name is a guess
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 

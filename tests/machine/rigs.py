@@ -260,6 +260,99 @@ def magnets(seed: int) -> Case:
     return Case(description(), trials[:2], trials[2], {"unknown"})
 
 
+def coloured(seed: int) -> Case:
+    """Nothing is missing, but the effort carries slow noise as large as an effect."""
+    rng = np.random.default_rng(seed)
+    inertia, viscous = rng.uniform(0.005, 0.03), rng.uniform(0.05, 0.2)
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        follow = reference(rng, 1.5, 1.0)
+        made = driven(lambda q, v, t, u: -viscous * v, follow, inertia, (4.0, 0.8))
+        size = 0.05 * np.std(made["u"])
+        drift = np.zeros(len(made["u"]))
+        for k in range(1, len(drift)):
+            drift[k] = 0.98 * drift[k - 1] + 0.2 * size * rng.standard_normal()
+        return {**made, "u": made["u"] + drift}
+
+    trials = _trials(make, rng, 0.002)
+    return Case(description(), trials[:2], trials[2], {"nothing_missing"})
+
+
+def saturating(seed: int) -> Case:
+    """A motor whose iron saturates: torque is level in the end, by a tanh of the current."""
+    rng = np.random.default_rng(seed)
+    inertia, viscous, constant = rng.uniform(0.02, 0.06), 0.05, rng.uniform(0.1, 0.3)
+    knee: list[float] = []
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        follow = reference(rng, 2.0, 1.2)
+        made = driven(lambda q, v, t, u: -viscous * v, follow, inertia, (6.0, 1.0))
+        if not knee:  # one motor, whatever the trial: its iron suits the first one
+            knee.append(rng.uniform(1.2, 1.8) * float(np.max(np.abs(made["u"][500:]))))
+        inner = np.clip(made["u"] / knee[0], -0.95, 0.95)
+        return {**made, "u": knee[0] * np.arctanh(inner) / constant}
+
+    trials = _trials(make, rng, 0.02)
+    rig = description(
+        effort={"column": "u", "unit": "A", "kind": "current"},
+        fit={
+            "inertia": {"nominal": 0.1, "low": 1e-3, "high": 10.0},
+            "viscous": {"nominal": 0.5, "low": 0.0, "high": 50.0},
+        },
+    )
+    for trial in trials:  # the start of a trial, where the reference jumps, is no part of a log
+        for name in trial:
+            trial[name] = trial[name][500:]
+    return Case(rig, trials[:2], trials[2], {"named"}, [{"torque_constant_saturation"}])
+
+
+def smoothed(seed: int) -> Case:
+    """A drive that reports its current through two stages of smoothing."""
+    rng = np.random.default_rng(seed)
+    inertia, viscous, delay = rng.uniform(0.02, 0.05), 0.1, rng.uniform(0.01, 0.03)
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        follow = reference(rng, 1.5, 1.5)
+        made = driven(lambda q, v, t, u: -viscous * v, follow, inertia, (5.0, 0.8))
+        seen = made["u"].copy()
+        for share in (0.7, 0.3):
+            keep = np.exp(-1 / (RATE * share * delay))
+            for k in range(1, len(seen)):
+                seen[k] = keep * seen[k - 1] + (1 - keep) * seen[k]
+        return {**made, "u": seen}
+
+    trials = _trials(make, rng, 0.004)
+    return Case(description(), trials[:2], trials[2], {"named"}, [{"current_lag"}])
+
+
+def spring(seed: int) -> Case:
+    """A progressive spring on a bare axis: the library has springs for hinged bodies only."""
+    rng = np.random.default_rng(seed)
+    viscous, stiff, cubic = 0.05, rng.uniform(0.1, 0.3), rng.uniform(0.05, 0.2)
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        def torque(q: float, v: float, t: float, u: float) -> float:
+            return -viscous * v - stiff * q - cubic * q**3
+
+        return driven(torque, reference(rng, 1.5, 0.8), 0.01, (8.0, 0.8))
+
+    trials = _trials(make, rng, 0.01)
+    return Case(description(), trials[:2], trials[2], {"unknown"})
+
+
 CASES = {
-    f.__name__: f for f in (nothing_missing, servo, direct_drive, damper, pendulum, crane, magnets)
+    f.__name__: f
+    for f in (
+        nothing_missing,
+        coloured,
+        servo,
+        direct_drive,
+        damper,
+        pendulum,
+        crane,
+        saturating,
+        smoothed,
+        magnets,
+        spring,
+    )
 }
