@@ -75,10 +75,17 @@ def moving(where: str, name: str, values: np.ndarray) -> None:
 
 
 def position(
-    where: str, name: str, values: np.ndarray, raw: np.ndarray, said: list[str]
+    where: str,
+    name: str,
+    values: np.ndarray,
+    raw: np.ndarray,
+    seconds: np.ndarray,
+    said: list[str],
 ) -> np.ndarray:
-    """A position without wraps, and in the unit that it claims."""
+    """A position without wraps, and in the unit that it claims; raw is as logged."""
     steps = np.diff(values)
+    apart = np.diff(seconds)
+    steps[apart > GAP * np.median(apart)] = 0.0  # across a gap anything may have happened
     usual = np.quantile(np.abs(steps), 0.98)
     span = float(np.ptp(values))
     large = np.abs(steps) > max(8.0 * usual, 0.02 * span)
@@ -86,18 +93,19 @@ def position(
         _not_counts(where, name, raw)
         return values
     sizes = np.abs(steps[large])
-    wrap = float(np.median(sizes))
-    if np.all(np.abs(sizes - wrap) < 0.05 * wrap + 4 * usual) and wrap > 0.8 * span:
-        said.append(
-            f"{where}: '{name}' wraps round by {wrap:.4g}; it was unwrapped at {len(sizes)} places."
-        )
-        turns = np.concatenate([[0], np.cumsum(np.where(large, -np.sign(steps), 0.0))])
-        return position(where, name, values + turns * _period(steps, large, wrap), raw, said)
     if len(sizes) <= FEW * len(values):
         healed = _without_spikes(values, large)
         if healed is not None:
             said.append(f"{where}: {int(large.sum())} jumps of '{name}' out and back were bridged.")
             return healed
+    wrap = float(np.median(sizes))
+    if np.all(np.abs(sizes - wrap) < 0.05 * wrap + 4 * usual) and wrap > 0.8 * span:
+        period = _period(steps, large)
+        said.append(
+            f"{where}: '{name}' wraps round by {period:.4g}; unwrapped at {len(sizes)} places."
+        )
+        turns = np.concatenate([[0], np.cumsum(np.where(large, -np.sign(steps), 0.0))])
+        return position(where, name, values + turns * period, raw, seconds, said)
     at = int(np.flatnonzero(large)[0])
     raise DataError(
         f"{where}: '{name}' jumps by {sizes[0]:.3g} in row {at + 2}, where {usual:.2g} is usual: "
@@ -105,7 +113,7 @@ def position(
     )
 
 
-def _period(steps: np.ndarray, large: np.ndarray, wrap: float) -> float:
+def _period(steps: np.ndarray, large: np.ndarray) -> float:
     # a wrap is a whole period less the way travelled in that sample; taken from the steps beside
     usual = np.interp(np.arange(len(steps)), np.flatnonzero(~large), steps[~large])
     return float(np.median(np.abs((steps - usual)[large])))

@@ -18,6 +18,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.document import document
 from spirob.machine.flexible import Ceiling, ceiling
+from spirob.machine.forward import closed_loop, open_loop, possible
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge, senseless
 from spirob.machine.recording import Recording, read_trial
@@ -75,6 +76,11 @@ def diagnose_recordings(
     """Diagnose a machine from trials that are read already."""
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
+    if rig.body == "arm":
+        raise ConfigError(
+            "body: arm has two motors on one body, which no inverse model of one axis describes; "
+            "diagnose the arm's own logs with the pipeline (dvc repro)"
+        )
     settings = settings or Settings()
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
@@ -123,12 +129,28 @@ def _finish(
     judgement = judge(search, found, low, rest, warnings)
     regimes = atlas(search.train, bare.fit.residual)
     written = document(rig, search, found, judgement, rest, regimes, repairs, excluded)
+    if rig.predict != "effort":
+        written["motion"] = _forward(search, found)
     return Diagnosis(
         written,
         _overlay(search, bare.fit, chosen.fit),
         _parameters(search, bare.fit),
         gate.sentence,
     )
+
+
+def _forward(search: Search, found: Found) -> dict[str, Any]:
+    """What the models predict of the motion, rung by rung, or why they cannot."""
+    problem = search.heldout
+    play = closed_loop if problem.rig.predict == "closed_loop" else open_loop
+    rungs = []
+    for model in found.rungs:
+        if reason := possible(problem, model.fit.changes):
+            return {"absent": reason}
+        errors = play(problem, model.fit.changes).as_dict()
+        rungs.append({"effects": [e.name() for e in model.effects], **errors})
+    unit = problem.sizes.axis_unit
+    return {"unit": unit, "effort_unit": problem.effort.unit, "rungs": rungs}
 
 
 def _warnings(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -> list[str]:

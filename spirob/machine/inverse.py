@@ -25,7 +25,7 @@ from spirob.machine.scaling import Sizes, parameters
 from spirob.parameter import Parameter, Table
 
 SYMBOLS = {"inertia": "J", "viscous": "b", "stiffness": "k", "scale": "k_e"}
-PASSES = 5  # of the solution for the effort before the drive's pipes
+PASSES = 8  # of the solution for the effort before the drive's pipes
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 KEPT = 24  # torques of effects, as arrays along all trials
 BLOCK = 0.5  # s, over which a residual is correlated at most
@@ -152,18 +152,18 @@ class InverseProblem:
         motion = self._seen(p)
         own = {name: p[get(f"rig.{name}")] for name in NUMBERS}
         load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
-        tip = sum(e.kernel(**self._values(e, p)) for e in self._at("body.tip_mass"))
+        tip = sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass"))
         if tip:
             load = load + tip / self._tip_mass * motion.body["payload"]
         needed = load + own["viscous"] * motion.v
         signals = self._signals(motion, load)
         for port in ("motor.torque", "tendon.force", "body.hinge_torque"):
-            for effect in self._present(port, p):
+            for effect in self.present(port, p):
                 needed = needed - self._sum(effect, p, motion, signals, tip)
         effort = self._solved(needed / own["scale"], p, motion, signals)
-        for effect in self._present("sensing.current", p):
+        for effect in self.present("sensing.current", p):
             effort = self._run(effect, p, motion, signals | {"motor.current": effort}, effort)
-        for effect in self._present("sensing.frame", p):
+        for effect in self.present("sensing.frame", p):
             # the motion in the frame is late: compare with the command of that time
             late = self._run(effect, p, motion, signals, motion.effort)
             effort = effort + motion.effort - late
@@ -180,7 +180,7 @@ class InverseProblem:
         """An effect's torque; kept, because a derivative moves one number and leaves the others."""
         if motion is not self._motion:
             return self._run(effect, p, motion, signals, None)
-        key: tuple[object, ...] = (effect.name(), *self._values(effect, p).values())
+        key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
         if "motor.load_torque" in effect.reads.values():
             own = (p[self.table.position(f"rig.{n}")] for n in ("inertia", "stiffness"))
             key = (*key, *own, tip)
@@ -194,8 +194,8 @@ class InverseProblem:
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
         """e with P(e) = wanted, by fixed-point iteration from e = wanted."""
-        pipes = [e for port in BEFORE for e in self._present(port, p)]
-        shares = self._present("winch.efficiency", p)
+        pipes = [e for port in BEFORE for e in self.present(port, p)]
+        shares = self.present("winch.efficiency", p)
         effort = wanted
         if not pipes and not shares:
             return effort
@@ -213,7 +213,7 @@ class InverseProblem:
     def _seen(self, p: np.ndarray) -> Motion:
         """The motion with errors of its sensor taken out."""
         motion = self._motion
-        wrong = self._present("sensing.displacement", p)
+        wrong = self.present("sensing.displacement", p)
         if not wrong:
             return motion
         signals = self._signals(motion, np.zeros_like(motion.q))
@@ -264,21 +264,22 @@ class InverseProblem:
         reads = np.array([signals[name] for name in effect.reads.values()])
         n = len(motion.q)
         out = np.empty(n)
-        values = np.array(list(self._values(effect, p).values()))
+        values = np.array(list(self.values(effect, p).values()))
         above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
         self._runs[effect.name()](
             out, motion.starts, motion.steps, above, reads.reshape(len(effect.reads), n), values
         )
         return out
 
-    def _values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
+    def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
+        """An effect's numbers, by field, in a vector of the table."""
         name = effect.name()
         return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
 
     def _at(self, port: str) -> list[type[Effect]]:
         return [e for e in self.effects if e.port == port]
 
-    def _present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
+    def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
         """The effects at a port that are not neutral."""
         neutral = self.table.values
         found = []

@@ -18,7 +18,9 @@ from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.search import Found, Model, Search, scores
 
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
-REST = 0.5  # of what the named effects took away: so much may be left for the flexible residual
+REST = 0.1  # of what the named effects took away: so much may be left for the flexible residual
+MOST_KEPT = 0.4  # of the squared held-out error: where more is left,
+SOME_SHARE = 0.1  # and so much of it follows from the motion, the name is a guess
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 
 
@@ -87,12 +89,16 @@ def _kind(
 ) -> str:
     before, after = found.rungs[0].mean_square, found.chosen.mean_square
     left = rest.share * after
-    large = np.sqrt(left) >= 2.0 * search.settings.floor * search.size and rest.share > LEAST_SHARE
+    large = bool(np.sqrt(left) >= 2.0 * search.settings.floor * search.size)
+    structured = large and rest.share > LEAST_SHARE
     if doubtful:
         return "unknown"
     if not found.chosen.effects:
-        return "unknown" if large else "nothing_missing"
-    if large and left > REST * (before - after):
+        return "unknown" if structured else "nothing_missing"
+    kept = found.chosen.heldout_square / max(found.rungs[0].heldout_square, 1e-300)
+    if structured and left > REST * (before - after):
+        return "unknown"
+    if large and rest.share > SOME_SHARE and kept > MOST_KEPT:
         return "unknown"
     return "undecided" if any(rivals.values()) else "named"
 

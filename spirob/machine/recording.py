@@ -122,7 +122,7 @@ def prepare(
     for key in ("position", "effort"):
         checks.moving(name, wanted[key].column, values[key])
     values["position"] = checks.position(
-        name, rig.position.column, values["position"], raw_position, said
+        name, rig.position.column, values["position"], raw_position, seconds, said
     )
     values = {key: _si(rig, key) * value for key, value in values.items()}
     period, grids = checks.regular_grid(name, seconds, values, said)

@@ -146,7 +146,8 @@ def left_out(
 
 def _solve(gram: np.ndarray, side: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """argmin |r + A·x|² within bounds, from AᵀA and Aᵀr."""
-    size = np.sqrt(np.diag(gram)) + 1e-300
+    size = np.sqrt(np.diag(gram))
+    size = np.where(size > 0.0, size, 1.0)  # a column of zeros gets a coefficient of zero
     scaled = gram / np.outer(size, size) + RIDGE * np.eye(len(size))
     free = np.linalg.solve(scaled, -side / size) / size
     if np.all(free >= low) and np.all(free <= high):

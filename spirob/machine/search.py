@@ -219,10 +219,19 @@ class Search:
         return self._simplest(passed) if passed else None
 
     def _simplest(self, models: Sequence[Model]) -> Model:
-        """The poorest model to which no other is clearly preferable."""
+        """The poorest model to which no other is clearly preferable.
+
+        A richer model has to be better by the least size of an effect: the edges of a smooth sign
+        never fit quite, and a richer law always takes some of that.
+        """
         best = min(models, key=lambda m: m.mean_square)
-        equal = [m for m in models if m is best or not self.clearly(m, best)]
+        equal = [m for m in models if m is best or not self._beaten(m, best)]
         return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
+
+    def _beaten(self, model: Model, best: Model) -> bool:
+        if model.numbers < best.numbers:
+            return self.matters(model, best)
+        return self.clearly(model, best)
 
     def _without(self, model: Model, effect: type[Effect]) -> Model:
         rest = tuple(e for e in model.effects if e is not effect)

@@ -1,0 +1,31 @@
+"""Diagnoses a simulated rig and says whether the verdict is right."""
+
+from pathlib import Path
+from typing import Any
+
+from spirob.machine.diagnosis import diagnose_recordings
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from tests.machine.rigs import Case
+
+
+def diagnosed(case: Case, folder: Path) -> dict[str, Any]:
+    """The document of a case's diagnosis."""
+    for name, text in case.files.items():
+        (folder / name).write_text(text)
+    rig = RigFile.model_validate(case.rig)
+    train = [prepare(f"train_{k}", trial, rig) for k, trial in enumerate(case.train)]
+    return diagnose_recordings(rig, folder, train, [prepare("test", case.test, rig)]).document
+
+
+def is_right(case: Case, document: dict[str, Any]) -> bool:
+    """Right verdict, every hidden effect named (or a declared equivalent), and nothing besides.
+
+    A hidden effect that is richer than the library's may be named by several of its group: bristle
+    friction with a Stribeck curve is presliding friction and Stribeck friction.
+    """
+    named = [{e["name"], *e["equivalents"]} for e in document["effects"]]
+    if document["verdict"] not in case.verdicts:
+        return False
+    found = all(any(names & wanted for names in named) for wanted in case.must)
+    return found and all(any(names & wanted for wanted in case.must) for names in named)

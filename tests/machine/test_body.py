@@ -1,0 +1,100 @@
+"""A body from a model file: its torque is right, and the file is only data."""
+
+import numpy as np
+import pytest
+
+from spirob.errors import ConfigError, MissingLog
+from spirob.machine.body import RigidBody
+from spirob.machine.recording import Piece
+from spirob.machine.rig import Body
+from tests.machine.rigs import PENDULUM
+
+
+def piece(n=50):
+    t = np.linspace(0, 1, n)
+    q, v, a = np.sin(3 * t), 3 * np.cos(3 * t), -9 * np.sin(3 * t)
+    return Piece(t, q, v, a, np.zeros(n), np.zeros(n), np.ones(n, bool))
+
+
+def body(tmp_path, text=PENDULUM, **changes):
+    (tmp_path / "link.xml").write_text(text)
+    given = {"mjcf": "link.xml", "joint": "shoulder", "tip": "hand", **changes}
+    return RigidBody(Body.model_validate(given), tmp_path, True)
+
+
+def test_a_pendulum_needs_what_its_equation_says(tmp_path):
+    made, trial = body(tmp_path), piece()
+    needs = made.needs(trial, 0.2)
+    inertia, weight = 0.003 + 0.4 * 0.15**2, 9.81 * 0.4 * 0.15
+    np.testing.assert_allclose(
+        needs["load"], inertia * trial.a + weight * np.sin(trial.q), atol=1e-9
+    )
+    payload = 0.2 * 0.3**2 * trial.a + 9.81 * 0.2 * 0.3 * np.sin(trial.q)
+    np.testing.assert_allclose(needs["payload"], payload, atol=1e-9)
+
+
+def test_the_model_is_as_before_after_a_payload_was_tried(tmp_path):
+    made, trial = body(tmp_path), piece()
+    first = made.needs(trial, 0.2)
+    second = made.needs(trial, 0.2)
+    for name in first:
+        np.testing.assert_allclose(first[name], second[name], atol=1e-12)
+
+
+def test_a_tendon_drives_through_its_lever(tmp_path):
+    radius = 0.02
+    text = PENDULUM.replace('name="shoulder"', 'name="shoulder" range="-90 90"').replace(
+        "</worldbody>",
+        '</worldbody><tendon><fixed name="belt"><joint joint="shoulder" coef="0.02"/>'
+        "</fixed></tendon>",
+    )
+    made = body(tmp_path, text, joint=None, tendon="belt")
+    swing, belt = piece(), piece()
+    belt.q, belt.v, belt.a = (radius * x for x in (swing.q, swing.v, swing.a))
+    along = made.needs(belt, 0.1)["load"]
+    np.testing.assert_allclose(
+        along, body(tmp_path).needs(swing, 0.1)["load"] / radius, rtol=1e-3, atol=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<!DOCTYPE a [<!ENTITY b 'c'>]>" + PENDULUM,
+        PENDULUM.replace("<worldbody>", '<include file="other.xml"/><worldbody>'),
+        PENDULUM.replace(
+            "<worldbody>", '<asset><mesh name="m" file="/etc/hostname"/></asset><worldbody>'
+        ),
+        PENDULUM.replace(
+            "<worldbody>", '<asset><mesh name="m" file="../secret.stl"/></asset><worldbody>'
+        ),
+        PENDULUM.replace("<worldbody>", '<compiler meshdir="/etc"/><worldbody>'),
+        PENDULUM.replace("<worldbody>", '<extension><plugin plugin="x"/></extension><worldbody>'),
+        PENDULUM.replace("<worldbody>", '<worldbody><replicate count="1000000000"/>'),
+        PENDULUM.replace("mass=", "weight="),
+        PENDULUM + " " * 2**21,
+        "no xml",
+    ],
+)
+def test_a_model_that_reaches_out_or_makes_no_sense_is_refused(tmp_path, text):
+    with pytest.raises(ConfigError):
+        body(tmp_path, text)
+
+
+def test_paths_stay_inside_the_folder(tmp_path):
+    (tmp_path / "outside.xml").write_text(PENDULUM)
+    inside = tmp_path / "rig"
+    inside.mkdir()
+    (inside / "link.xml").symlink_to(tmp_path / "outside.xml")
+    for name in ("../outside.xml", str(tmp_path / "outside.xml"), "link.xml"):
+        with pytest.raises(ConfigError, match="leads out of"):
+            RigidBody(Body(mjcf=name, joint="shoulder"), inside, True)
+    with pytest.raises(MissingLog):
+        RigidBody(Body(mjcf="absent.xml", joint="shoulder"), inside, True)
+
+
+def test_an_unknown_joint_or_tip_lists_what_exists(tmp_path):
+    with pytest.raises(ConfigError, match="no joint 'elbow'; it has: shoulder"):
+        body(tmp_path, joint="elbow")
+    with pytest.raises(ConfigError, match="no site or body 'foot'"):
+        body(tmp_path, tip="foot")

@@ -1,0 +1,93 @@
+"""Bad logs are refused in a sentence or repaired and said; good ones pass untouched."""
+
+import numpy as np
+import pytest
+
+from spirob.errors import DataError, MissingChannel, TooShort
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from tests.machine.rigs import description
+
+RIG = RigFile.model_validate(description())
+
+
+def good(seconds=4.0, rate=500):
+    t = np.arange(0, seconds, 1 / rate)
+    q = 2 * np.sin(2 * np.pi * 0.7 * t) + 0.3 * np.sin(2 * np.pi * 1.9 * t)
+    return {"t": t, "q": q, "u": 0.4 * np.cos(2 * np.pi * 0.7 * t) + 0.01 * np.sin(40 * t)}
+
+
+def test_a_good_log_is_left_alone():
+    assert prepare("log", good(), RIG).said == []
+
+
+@pytest.mark.parametrize(
+    ("column", "rows", "value", "sentence"),
+    [
+        ("u", slice(10, 20), np.nan, "10 missing values of 'u' were bridged"),
+        ("q", slice(10, 13), np.inf, "3 missing values of 'q' were bridged"),
+        ("t", slice(500, 501), 0.0, "1 rows whose time does not increase were dropped"),
+        ("q", slice(700, 701), 90.0, "jumps of 'q' out and back were bridged"),
+    ],
+)
+def test_small_damage_is_repaired_and_said(column, rows, value, sentence):
+    log = good()
+    log[column][rows] = value
+    assert any(sentence in said for said in prepare("log", log, RIG).said)
+
+
+def test_a_wrapped_encoder_is_unwrapped():
+    log = good()
+    wrapped = {**log, "q": np.mod(log["q"] + np.pi / 2, np.pi) - np.pi / 2}
+    made = prepare("log", wrapped, RIG)
+    assert any("wraps round by 3.1" in said for said in made.said)
+    np.testing.assert_allclose(made.pieces[0].v, prepare("log", log, RIG).pieces[0].v, atol=0.05)
+
+
+def test_a_gap_cuts_the_log_and_is_said():
+    log = {name: np.delete(values, slice(900, 1100)) for name, values in good().items()}
+    made = prepare("log", log, RIG)
+    assert len(made.pieces) == 2
+    assert any("1 gaps, the longest 0.402 s" in said for said in made.said)
+
+
+def changed(**columns):
+    return {**good(), **columns}
+
+
+@pytest.mark.parametrize(
+    ("log", "sentence"),
+    [
+        (changed(u=np.where(np.arange(2000) % 3 == 0, np.nan, 1.0)), "no number in 667 of 2000"),
+        (changed(t=good()["t"][::-1].copy()), "time does not increase"),
+        (changed(t=1e3 * good()["t"]), "is the unit of time right"),
+        (changed(t=1e-3 * good()["t"]), "is the unit of time right"),
+        (changed(q=np.round(1e4 * good()["q"])), "these are counts"),
+        (changed(q=np.full(2000, 1.0)), "'q' is constant"),
+        (changed(u=np.zeros(2000)), "'u' is constant"),
+        (changed(q=good()["q"] + 3.0 * (good()["t"] > 2)), "'q' jumps by"),
+    ],
+)
+def test_what_cannot_be_repaired_is_refused_in_a_sentence(log, sentence):
+    with pytest.raises(DataError, match=sentence):
+        prepare("log", log, RIG)
+
+
+def test_too_short_and_missing_columns_are_named():
+    with pytest.raises(DataError, match=r"0\.798 s long"):
+        prepare("log", good(0.8), RIG)
+    with pytest.raises(TooShort):
+        prepare("log", good(0.05), RIG)
+    log = good()
+    del log["u"]
+    with pytest.raises(MissingChannel, match="'u' is missing; present: q, t"):
+        prepare("log", log, RIG)
+
+
+def test_a_velocity_in_another_unit_is_refused():
+    rig = RigFile.model_validate(description(velocity={"column": "v", "unit": "rad/s"}))
+    log = good()
+    rate = np.gradient(log["q"], log["t"])
+    assert prepare("log", {**log, "v": rate}, rig).said == []
+    with pytest.raises(DataError, match=r"is 57\.\d times the derivative"):
+        prepare("log", {**log, "v": np.degrees(rate)}, rig)

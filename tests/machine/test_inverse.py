@@ -1,0 +1,141 @@
+"""The inverse model: the library's kernels over measured signals, in the rig's size and unit."""
+
+import numpy as np
+import pytest
+
+from spirob.effects import all_effects
+from spirob.machine.candidates import applicable
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.kernel_loop import loop_of
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes, dimensions
+from spirob.machine.shapes import counts_periods, peaks
+from tests.machine.rigs import description
+
+SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
+LIBRARY = all_effects()
+
+
+def log():
+    t = np.arange(0, 6, 2e-3)
+    q = np.sin(2 * np.pi * 0.7 * t) + 0.4 * np.sin(2 * np.pi * 1.3 * t + 1)
+    return {"t": t, "q": q, "u": np.cos(t) + 0.1 * np.sin(20 * t)}
+
+
+def problem(*names, **changes):
+    rig = RigFile.model_validate(description(**changes))
+    effects = [LIBRARY[name] for name in names]
+    return InverseProblem(rig, None, [prepare("log", log(), rig)], effects, SIZES, 0.02)
+
+
+def test_the_bare_model_is_inertia_and_friction():
+    made = problem()
+    signals = made.signals()
+    effort = made({"rig.inertia": 0.03, "rig.viscous": 0.2}) + made.measured()
+    expected = 0.03 * signals["acceleration"] + 0.2 * signals["speed"]
+    np.testing.assert_allclose(effort, expected, atol=2e-3 * np.abs(expected).max())
+
+
+def test_effects_at_their_neutral_numbers_change_nothing():
+    rig = RigFile.model_validate(description())
+    possible, _ = applicable(list(LIBRARY.values()), rig, False, 0.0, True)
+    names = [e.name() for e in possible]
+    at = {"rig.inertia": 0.03, "rig.viscous": 0.2}
+    np.testing.assert_array_equal(problem(*names)(at), problem()(at))
+
+
+def test_a_torque_of_the_library_is_what_the_drive_has_to_add():
+    made = problem("quadratic_drag")
+    speed = made.signals()["speed"]
+    bare = made({"rig.inertia": 0.0, "rig.viscous": 0.0})
+    added = made({"rig.inertia": 0.0, "rig.viscous": 0.0, "quadratic_drag.drag": 0.05}) - bare
+    np.testing.assert_allclose(added, 0.05 * speed * np.abs(speed), atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "value"),
+    [
+        ("torque_constant_saturation", "saturation", 0.02),
+        ("torque_ripple", "sine", 0.2),
+        ("direction_dependent_efficiency", "back_excess", 0.3),
+    ],
+)
+def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
+    """The effort found, sent forward through the kernel, gives the torque that was asked for."""
+    made = problem(name)
+    p = made.table.vector({f"{name}.{number}": value})
+    motion = made._motion
+    wanted = 0.5 * motion.v
+    signals = made._signals(motion, wanted)
+    effort = made._solved(wanted, p, motion, signals)
+    effect = LIBRARY[name]
+    share = effect.port == "winch.efficiency"
+    above = np.ones_like(effort) if share else effort
+    out = made._run(effect, p, motion, {**signals, "motor.current": effort}, above)
+    reached = out * effort if share else out
+    np.testing.assert_allclose(reached, wanted, atol=0.01 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "presliding_friction", "current_lag"])
+def test_the_compiled_loop_is_the_kernel(name):
+    effect = LIBRARY[name]
+    rng = np.random.default_rng(1)
+    n, dt = 50, 1e-3
+    reads = np.abs(rng.standard_normal((len(effect.reads), n))) + 0.1
+    upstream = rng.standard_normal(n)
+    numbers = [p.nominal for p in effect.parameters().values()]
+    out = np.empty(n)
+    starts, steps = np.array([0, 20, n]), np.array([dt, dt])
+    loop_of(effect)(out, starts, steps, upstream, reads, np.array(numbers))
+    expected = []
+    for k in range(n):
+        if k in (0, 20):
+            memory = dict(effect.state)
+        given = {a: reads[j, k] for j, a in enumerate(effect.reads)}
+        given |= dict(zip(effect.parameters(), numbers, strict=True)) | memory
+        given |= {"upstream": upstream[k], "dt": dt}
+        got = effect.kernel(**{a: given[a] for a in effect.arguments()})
+        if effect.state:
+            memory = dict(zip(effect.state, got[1:], strict=True))
+            got = got[0]
+        expected.append(got)
+    np.testing.assert_allclose(out, expected, rtol=1e-12)
+
+
+def test_units_follow_the_rig():
+    linear = Sizes(50.0, 0.1, 0.04, 0.2, 50.0, 0.1, "N", "N", "m")
+    assert dimensions("N·m·s²/rad²") == {"torque": 1, "speed": -2}
+    assert linear.unit("N·m·s/rad") == "N·s/m"
+    assert linear.unit("N·m·s²/rad²") == "N·s²/m²"
+    assert linear.unit("1/A²") == "1/N²"
+    coulomb = linear.parameter(LIBRARY["coulomb_friction"].parameters()["coulomb_torque"])
+    assert (coulomb.unit, coulomb.low) == ("N", 0.0)
+    assert 0.02 < coulomb.nominal / linear.torque < 0.5  # a share of this rig's effort
+
+
+def test_numbers_that_count_periods_are_recognised_by_the_kernel_itself():
+    assert counts_periods(LIBRARY["cogging"], "order")
+    assert counts_periods(LIBRARY["torque_ripple"], "order")
+    assert not counts_periods(LIBRARY["coulomb_friction"], "softness")
+    assert not counts_periods(LIBRARY["stiffness_hardening"], "hardening")
+
+
+def test_the_order_of_a_ripple_is_found_before_any_fit():
+    rng = np.random.default_rng(0)
+    angle = np.cumsum(rng.uniform(0, 0.02, 4000))
+    ripple = np.sin(7.3 * angle + 1) + 0.5 * rng.standard_normal(4000)
+    assert peaks(ripple, angle, 0.01, 100.0)[0] == pytest.approx(7.3, abs=0.05)
+
+
+def test_effects_without_a_place_are_left_out_with_a_reason():
+    rig = RigFile.model_validate(description())
+    possible, excluded = applicable(list(LIBRARY.values()), rig, False, 0.0, True)
+    assert {e.name() for e in possible} | set(excluded) == set(LIBRARY)
+    assert "capstan_friction" in excluded
+    assert "commanded effort" in excluded["driver_dead_band"]
+    sensor = {"column": "u", "unit": "N·m", "kind": "torque", "origin": "sensor"}
+    other = RigFile.model_validate(description(effort=sensor))
+    assert (
+        "sensor" in applicable(list(LIBRARY.values()), other, False, 0.0, True)[1]["torque_ripple"]
+    )
