@@ -12,7 +12,7 @@ import numpy as np
 from spirob.diagnose.evidence import block_errors, improvement, win_rates
 from spirob.diagnose.screen import Screened, screen
 from spirob.effects import Effect
-from spirob.identify.fit import Fit, fit, fit_identifiable
+from spirob.identify.fit import STEPS, Fit, fit, fit_identifiable
 from spirob.identify.problem import Effort, Problem
 from spirob.score import Score, score
 
@@ -138,10 +138,12 @@ def _without(
     own = parameters_of(found.effect)
     begin = {k: v for k, v in found.fit.changes.items() if k not in own}
     names = list(rung.fit.estimates)
-    again = fit(residuals["train"], names, begin, settings.scale, settings.patience)
+    again = fit(residuals["train"], names, begin, settings.scale, settings.patience, exact=False)
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None
-    return _rung(rung.label, rung.effects, again, residuals)
+    limit = settings.patience
+    final = fit(residuals["train"], names, again.changes, settings.scale, limit, steps=STEPS[-1:])
+    return _rung(rung.label, rung.effects, final, residuals)
 
 
 def counts(found: Confirmed, rung: Rung, validate: Problem, settings: Settings) -> bool:
@@ -170,7 +172,15 @@ def _confirm(
     for name, about in effect.parameters().items():
         begin[f"{effect.name()}.{name}"] = screened.amplitudes.get(name, about.nominal)
     names = [*fitted, *(n for e in [*rung.effects, effect] for n in parameters_of(e))]
-    found = fit(residuals["train"], names, begin, settings.scale, settings.iterations)
+    found = fit(
+        residuals["train"],
+        names,
+        begin,
+        settings.scale,
+        settings.iterations,
+        steps=STEPS[:1],
+        exact=False,
+    )
     scores, errors = _scores(found, residuals)
     progress(f"{effect.name()} added and refitted: {_line(scores, residuals['train'].effort)}")
     return Confirmed(effect, screened, found, errors, scores)
@@ -178,7 +188,8 @@ def _confirm(
 
 def _polished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
     names = list(found.fit.estimates)
-    final = fit(residuals["train"], names, found.fit.changes, settings.scale, settings.patience)
+    begin, limit = found.fit.changes, settings.patience
+    final = fit(residuals["train"], names, begin, settings.scale, limit, steps=STEPS[-1:])
     scores, errors = _scores(final, residuals)
     return replace(found, fit=final, scores=scores, errors=errors)
 

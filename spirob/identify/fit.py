@@ -89,10 +89,16 @@ def fit(
     scale: float,
     iterations: int = 20,
     progress: Callable[[str], None] = lambda text: None,
+    steps: Sequence[float] = STEPS,
+    exact: bool = True,
 ) -> Fit:
     """Fit the named parameters, starting from `start` (which may hold other changes too).
 
-    scale  s of the robust loss, in the unit of the residual: residuals beyond it count linearly
+    scale       s of the robust loss, in the unit of the residual: beyond it, errors count linearly
+    iterations  at most, for each of the steps
+    steps       of the differences, one search with each;  exact  intervals from central
+                differences at the optimum; otherwise from the last slopes of the search, for a fit
+                that only has to be compared
     """
     table = residual.table
     scaling = Scaling(table, names)
@@ -101,6 +107,7 @@ def fit(
     margin = 1e-3 * (scaling.high - scaling.low)
     u0 = np.clip(scaling.scaled(complete), scaling.low + margin, scaling.high - margin)
     known: dict[bytes, np.ndarray] = {}
+    slopes = np.zeros((0, 0))
 
     def value(u: np.ndarray) -> np.ndarray:
         if (done := known.get(u.tobytes())) is not None:
@@ -113,7 +120,9 @@ def fit(
 
     def search(u: np.ndarray, step: float) -> optimize.OptimizeResult:
         def jacobian(at: np.ndarray) -> np.ndarray:
-            return _slopes(residual, scaling, at, fixed, value(at), step)
+            nonlocal slopes
+            slopes = _slopes(residual, scaling, at, fixed, value(at), step)
+            return slopes
 
         return optimize.least_squares(
             value,
@@ -130,10 +139,15 @@ def fit(
             gtol=1e-10,
         )
 
-    for step in STEPS:
+    for step in steps:
         found = search(u0, step)
         u0 = np.asarray(found.x)
-    return _result(residual, scaling, found, fixed, scale, len(known))
+    at_optimum = value(u0)
+    jacobian = differences(residual, scaling, u0, fixed) if exact else slopes
+    covariance = block_covariance(jacobian, at_optimum, residual.edges, scale, residual.block)
+    estimates = _estimates(scaling, u0, covariance, table)
+    changes = {**fixed, **scaling.physical(u0)}
+    return Fit(changes, estimates, at_optimum, jacobian, float(found.cost), len(known))
 
 
 def best_start(
@@ -169,13 +183,14 @@ def fit_identifiable(
     scale: float,
     iterations: int = 20,
     progress: Callable[[str], None] = lambda text: None,
+    steps: Sequence[float] = STEPS,
 ) -> tuple[Fit, list[str]]:
     """Fit, then fit again without the parameters that the data cannot tell.
 
     A parameter whose interval spans a decade goes back to its starting value: left free it would
     drift to a bound and take the others along.  Returns the fit and the names left out.
     """
-    first = fit(residual, names, start, scale, iterations, progress)
+    first = fit(residual, names, start, scale, iterations, progress, steps)
     vague = [
         n
         for n, e in first.estimates.items()
@@ -186,7 +201,8 @@ def fit_identifiable(
     kept = [n for n in names if n not in vague]
     values = residual.table
     back = {n: start.get(n, float(values.values[values.position(n)])) for n in vague}
-    second = fit(residual, kept, {**first.changes, **back}, scale, iterations, progress)
+    begin = {**first.changes, **back}
+    second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:])
     return second, vague
 
 
@@ -251,28 +267,16 @@ def block_covariance(
     return correction * inverse @ (stacked.T @ stacked) @ inverse
 
 
-def _result(
-    residual: Problem,
-    scaling: Scaling,
-    found: optimize.OptimizeResult,
-    fixed: Mapping[str, float],
-    scale: float,
-    evaluations: int,
-) -> Fit:
-    u = np.asarray(found.x)
-    at_optimum = residual({**fixed, **scaling.physical(u)})
-    jacobian = differences(residual, scaling, u, fixed)
-    covariance = block_covariance(jacobian, at_optimum, residual.edges, scale, residual.block)
+def _estimates(
+    scaling: Scaling, u: np.ndarray, covariance: np.ndarray, table: Table
+) -> dict[str, Estimate]:
     deviation = 1.96 * np.sqrt(np.maximum(0.0, np.diag(covariance)))
     values = scaling.physical(u)
     low = scaling.physical(np.maximum(u - deviation, scaling.low))
     high = scaling.physical(np.minimum(u + deviation, scaling.high))
     near = 1e-3 * (scaling.high - scaling.low)
     bound = (u <= scaling.low + near) | (u >= scaling.high - near)
-    about = residual.table.about
-    estimates = {
-        n: Estimate(values[n], low[n], high[n], about[n].unit, bool(bound[k]))
+    return {
+        n: Estimate(values[n], low[n], high[n], table.about[n].unit, bool(bound[k]))
         for k, n in enumerate(scaling.names)
     }
-    changes = {**fixed, **values}
-    return Fit(changes, estimates, at_optimum, jacobian, float(found.cost), evaluations)
