@@ -71,14 +71,17 @@ def _numbers(model: Model, owner: str) -> dict[str, Any]:
 
 
 def _candidates(search: Search, found: Found, judgement: Judgement) -> list[dict[str, Any]]:
-    """Every effect that was considered: those fitted alone or in the chosen set, then the rest.
+    """Every effect that was considered, the most probable first.
 
-    heldout_rmse  of the best fitted model that holds it; null where screening ended it
+    heldout_rmse  of the best fitted model that holds it and is no larger than the chosen one, which
+                  for a chosen effect is the chosen one; null where screening ended it
     """
     entries = []
+    most = max(1, len(found.chosen.effects))
     for offer in found.offers:
         name = offer.effect.name()
-        models = [m for m in search.tried.values() if name in m.names]
+        models = [m for m in search.tried.values() if name in m.names and len(m.effects) <= most]
+        models = [found.chosen] if name in found.chosen.names else models
         best = min(models, key=lambda m: m.mean_square) if models else None
         single = search.tried.get(frozenset({name}))
         probability = judgement.probability.get(name, 0.0)

@@ -25,3 +25,13 @@ def test_effort_that_ignores_the_motion_names_nothing(tmp_path):
     document = diagnosed(case, tmp_path)
     assert document["verdict"] in ("unknown", "nothing_missing")
     assert document["effects"] == []
+
+
+def test_a_number_at_its_bound_names_nothing(tmp_path):
+    """Effort in the wrong unit: the inertia that it asks for is far outside its bounds."""
+    case = CASES["crane"](1004)
+    case.rig["fit"]["inertia"] = {"nominal": 1e-3, "low": 1e-4, "high": 1e-2}
+    document = diagnosed(case, tmp_path)
+    assert document["verdict"] == "unknown"
+    assert "ended at its bound" in document["explanation"]
+    assert document["effects"] == []

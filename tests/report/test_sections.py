@@ -6,6 +6,7 @@ from importlib import resources
 import pytest
 
 from spirob.report import builder
+from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
 from tests.report.synthetic import TRIALS
 
@@ -34,7 +35,8 @@ def test_sections_stand_in_the_order_of_the_page():
 
 def test_every_template_belongs_to_a_section_or_the_page():
     files = {f.name for f in resources.files("spirob.report").joinpath("templates").iterdir()}
-    assert files == {s.template for s in SECTIONS.values()} | {"page.html.j2", "parts.html.j2"}
+    used = {s.template for s in [*SECTIONS.values(), *RIG_SECTIONS]}
+    assert files == used | {"page.html.j2", "parts.html.j2"}
 
 
 @BY_NAME
