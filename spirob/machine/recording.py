@@ -155,9 +155,9 @@ def _si(rig: RigFile, key: str) -> float:
     if key == "effort":
         return EFFORTS[rig.effort.kind][rig.effort.unit]
     if key.startswith("joint ") and not isinstance(rig.body, str):
-        return units.get(rig.body.joints[key.removeprefix("joint ")].unit, 1.0)
-    if key == "velocity" and rig.velocity is not None and rig.velocity.unit:
-        return units.get(rig.velocity.unit.removesuffix("/s"), 1.0)
+        return units[rig.body.joints[key.removeprefix("joint ")].unit]
+    if key == "velocity" and rig.velocity is not None:
+        return units[rig.velocity.unit.removesuffix("/s")]
     return units[rig.position.unit]
 
 
@@ -216,12 +216,13 @@ def _usable(
     if full.any():
         use &= ~_widened(full, reach)
         said.append(f"{name}: {full.mean():.1%} of the rows left out, where the drive saturates.")
+    unit = _si(rig, "position")
     if rig.rows.minimum_speed is not None:
-        slow = np.abs(v) < rig.rows.minimum_speed
+        slow = np.abs(v) < unit * rig.rows.minimum_speed
         use &= ~slow
         said.append(f"{name}: {slow.mean():.1%} of the rows left out as too slow.")
     if rig.rows.maximum_speed is not None:
-        use &= np.abs(v) <= rig.rows.maximum_speed
+        use &= np.abs(v) <= unit * rig.rows.maximum_speed
     return use
 
 

@@ -192,6 +192,13 @@ class RigFile(Entry):
         if self.position.unit not in LENGTHS | ANGLES:
             known = ", ".join(LENGTHS | ANGLES)
             raise ValueError(f"position.unit '{self.position.unit}'; known: {known}")
+        rates = [f"{unit}/s" for unit in LENGTHS | ANGLES]
+        if self.velocity is not None and self.velocity.unit not in rates:
+            raise ValueError(f"velocity.unit '{self.velocity.unit}'; known: {', '.join(rates)}")
+        others = {} if isinstance(self.body, str) else self.body.joints
+        for name, column in others.items():
+            if column.unit not in LENGTHS | ANGLES:
+                raise ValueError(f"body.joints.{name}.unit '{column.unit}' is no length or angle")
         units = EFFORTS[self.effort.kind]
         if self.effort.unit not in units:
             raise ValueError(

@@ -91,3 +91,23 @@ def test_a_velocity_in_another_unit_is_refused():
     assert prepare("log", {**log, "v": rate}, rig).said == []
     with pytest.raises(DataError, match=r"is 57\.\d times the derivative"):
         prepare("log", {**log, "v": np.degrees(rate)}, rig)
+
+
+def test_slow_rows_are_left_out_in_the_unit_of_the_rig():
+    degrees = {"column": "q", "unit": "deg"}
+    rig = RigFile.model_validate(description(position=degrees, rows={"minimum_speed": 120.0}))
+    log = good()
+    made = prepare("log", {**log, "q": np.degrees(log["q"])}, rig)
+    piece = made.pieces[0]
+    assert np.abs(piece.v[piece.use]).min() >= np.radians(120.0)
+    assert any("left out as too slow" in said for said in made.said)
+
+
+def test_rows_at_the_limit_of_the_drive_are_left_out():
+    effort = {"column": "u", "unit": "N·m", "kind": "torque", "limit": 0.35}
+    rig = RigFile.model_validate(description(effort=effort))
+    piece = prepare("log", good(), rig).pieces[0]
+    assert np.abs(piece.raw[piece.use]).max() < 0.98 * 0.35
+    log = good()
+    clipped = prepare("log", {**log, "u": np.clip(log["u"], -0.3, 0.3)}, RIG)
+    assert any("where the drive saturates" in said for said in clipped.said)

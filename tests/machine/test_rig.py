@@ -30,6 +30,7 @@ def test_a_description_is_read(tmp_path):
         ({"position": {"column": "q", "unit": "inch"}}, "position.unit 'inch'"),
         ({"effort": {"column": "u", "unit": "A", "kind": "torque"}}, "'A' is no torque"),
         ({"effort": {"column": "u", "unit": "A", "kind": "power"}}, "effort.kind"),
+        ({"velocity": {"column": "v", "unit": "rpm"}}, "velocity.unit 'rpm'"),
         ({"predict": "closed_loop"}, "needs 'control' and 'reference'"),
         ({"body": {"mjcf": "a.xml"}}, "driven joint or the driven tendon"),
         ({"time": {"column": "t", "unit": "s", "factor": 0}}, "a factor of 0"),
