@@ -138,11 +138,13 @@ def _without(
     own = parameters_of(found.effect)
     begin = {k: v for k, v in found.fit.changes.items() if k not in own}
     names = list(rung.fit.estimates)
-    again = fit(residuals["train"], names, begin, settings.scale, settings.patience, exact=False)
+    train = residuals["train"]
+    few, first = settings.iterations, STEPS[:1]
+    again = fit(train, names, begin, settings.scale, few, steps=first, exact=False)
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None
     limit = settings.patience
-    final = fit(residuals["train"], names, again.changes, settings.scale, limit, steps=STEPS[-1:])
+    final = fit(train, names, again.changes, settings.scale, limit, steps=STEPS[-1:])
     return _rung(rung.label, rung.effects, final, residuals)
 
 
