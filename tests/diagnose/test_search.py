@@ -24,16 +24,19 @@ def diagnose(true):
     return search, judge(search, residuals["validate"], SETTINGS), residuals
 
 
-@pytest.mark.parametrize("hidden", ["capstan_friction.friction", "current_offset.offset"])
-def test_the_missing_effect_is_named_and_the_error_falls(hidden):
-    search, verdict, residuals = diagnose({hidden: 0.06})
+@pytest.mark.parametrize(
+    ("hidden", "value"), [("capstan_friction.friction", 0.1), ("current_offset.offset", 0.06)]
+)
+def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
+    search, verdict, residuals = diagnose({hidden: value})
     name = hidden.split(".")[0]
     assert verdict.kind == "named"
     assert [e.name() for e in search.rungs[1].effects] == [name]
     before, after = search.rungs[0].scores["heldout"].rmse, search.rungs[1].scores["heldout"].rmse
     assert after < 0.3 * before
-    assert search.rungs[1].fit.estimates[hidden].value == pytest.approx(0.06, rel=0.1)
-    written = document(search, verdict, [], noise_floor(residuals["train"]))
+    assert search.rungs[1].fit.estimates[hidden].value == pytest.approx(value, rel=0.1)
+    train = residuals["train"]
+    written = document(search, verdict, [], noise_floor(train), train.effort)
     assert written["effects"][0]["name"] == name
     assert metrics(search, verdict)["effect"] == name
 
