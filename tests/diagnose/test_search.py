@@ -38,7 +38,7 @@ def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
     train = residuals["train"]
     written = document(search, verdict, [], noise_floor(train), train.effort)
     assert written["effects"][0]["name"] == name
-    assert metrics(search, verdict)["effect"] == name
+    assert metrics(search, verdict, train.effort)["effect"] == name
 
 
 def test_wrong_numbers_are_not_a_missing_effect():
