@@ -100,7 +100,9 @@ def _kind(
     if structured and left > REST * (before - after):
         return "unknown"
     poor = found.chosen.heldout_square > (POOR * search.size) ** 2
-    if kept > MOST_KEPT and (poor or (large and rest.share > SOME_SHARE)):
+    follows = large and rest.share > SOME_SHARE
+    # two of three: most of the error is kept, what is left is large, what is left has structure
+    if (kept > MOST_KEPT) + poor + follows >= 2:
         return "unknown"
     return "undecided" if any(rivals.values()) else "named"
 
