@@ -8,26 +8,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pipeline.answers import right
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from spirob.errors import MissingLog
 from spirob.logs.atomic import replacing
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
 from spirob.perceive.size import PREDICTORS, predict
-
-# what each hidden kind of the emulated robot is called in the library of effects
-ANSWERS = {
-    "none": [""],
-    "guide_friction": ["capstan_friction"],
-    "rotor_friction": ["coulomb_friction", "stribeck_friction"],
-    "load_friction": ["load_dependent_friction"],
-    "cogging": ["cogging"],
-    "drum_build_up": ["drum_build_up"],
-    "current_offset": ["current_offset", "constant_force"],
-    "joint_creep": ["joint_viscoelasticity"],
-    "stiffness_hardening": ["stiffness_hardening"],
-    "rest_curvature": ["rest_curvature"],
-}
 
 
 def stage(root: Path) -> None:
@@ -74,7 +61,7 @@ def _verdict(root: Path) -> None:
         "hidden": hidden,
         "named": said["effect"],
         "verdict": said["verdict"],
-        "verdict_right": said["effect"] in ANSWERS.get(hidden, []) if hidden else None,
+        "verdict_right": right(hidden, said["effect"]) if hidden else None,
     }
     write_json(root / "reports/metrics/score.json", content)
 

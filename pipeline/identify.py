@@ -5,7 +5,7 @@ from typing import Any
 
 from pipeline.model import fitted_names, plant, residual, start
 from pipeline.stage import public_config, run, tell, write_json
-from spirob.identify.fit import Fit, fit_identifiable
+from spirob.identify.fit import Fit, best_start, fit_identifiable
 from spirob.identify.identifiability import probe
 from spirob.parameter import Table
 from spirob.score import score
@@ -21,6 +21,7 @@ def stage(root: Path) -> None:
     tell(gate.sentence)
     names = [n for n in names if n not in gate.silent]
     settings = config.identify
+    begin = best_start(train, names, begin, settings.scale, settings.starts)
     found, vague = fit_identifiable(train, names, begin, settings.scale, settings.iterations, tell)
     measured = train.measured()
     quality = score(measured, measured + found.residual).as_dict() | {"unit": "A"}

@@ -74,6 +74,7 @@ class Identify(Strict):
     current: Literal["current", "arm_current"] = "current"
     scale: float = Field(0.05, gt=0)
     iterations: int = Field(20, ge=1, le=1000)
+    starts: int = Field(16, ge=0, le=4096)
     filter: FilterConfig = FilterConfig()
 
 

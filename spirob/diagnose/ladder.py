@@ -12,11 +12,13 @@ import numpy as np
 from spirob.diagnose.evidence import block_errors, improvement, win_rates
 from spirob.diagnose.screen import Screened, screen
 from spirob.effects import Effect
-from spirob.identify.fit import Fit, fit, fit_identifiable
+from spirob.identify.fit import STEPS, Fit, fit, fit_identifiable
 from spirob.identify.problem import Effort, Problem
 from spirob.score import Score, score
 
 ROLES = ("train", "validate", "heldout")
+RESTARTS = 2  # times that a rung may be fitted again from a candidate's numbers
+CLEARLY = 0.05  # relative fall of the cost that makes such a fit the better one
 
 
 @dataclass(frozen=True)
@@ -92,20 +94,31 @@ def climb(
     fitted = [n for n in names if n not in vague]
     search = Search([_rung("fitted parameters", [], base, residuals)], vague=vague)
     progress(f"parameters only: {_line(search.rungs[0].scores, train.effort)}")
-    for step in range(settings.rounds):
+    restarts = 0
+    while len(search.rungs) <= settings.rounds:
         rung = search.rungs[-1]
         absent = [c for c in candidates if c not in rung.effects]
         if not absent:
             break
         ranked = screen(train, rung.fit.residual, rung.fit.jacobian, rung.fit.changes, absent)
-        search.screened.append(ranked)
         progress("screened: " + ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5]))
-        keep = max(1, settings.finalists - step)
+        keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]
         confirmed = [_confirm(s, rung, fitted, residuals, settings, progress) for s in finalists]
         confirmed = _with_probability(confirmed, rung, settings.seed)
+        passed = bool(confirmed) and counts(confirmed[0], rung, residuals["validate"], settings)
+        if passed and restarts < RESTARTS:
+            again = _without(confirmed[0], rung, residuals, settings)
+            if again is not None:
+                restarts += 1
+                search.rungs[-1] = again
+                progress(
+                    f"the rung below, fitted again from there: {_line(again.scores, train.effort)}"
+                )
+                continue
+        search.screened.append(ranked)
         search.rounds.append(confirmed)
-        if not confirmed or not counts(confirmed[0], rung, residuals["validate"], settings):
+        if not passed:
             break
         best = _polished(confirmed[0], residuals, settings)
         label = " + ".join(e.name() for e in [*rung.effects, best.effect])
@@ -113,6 +126,26 @@ def climb(
             Rung(f"+ {label}", [*rung.effects, best.effect], best.fit, best.scores, best.errors)
         )
     return search
+
+
+def _without(
+    found: Confirmed, rung: Rung, residuals: Mapping[str, Problem], settings: Settings
+) -> Rung | None:
+    """The rung fitted again from where the candidate's fit ended, if that is clearly better.
+
+    An effect must not be named for having led the parameters out of a poor valley.
+    """
+    own = parameters_of(found.effect)
+    begin = {k: v for k, v in found.fit.changes.items() if k not in own}
+    names = list(rung.fit.estimates)
+    train = residuals["train"]
+    few, first = settings.iterations, STEPS[:1]
+    again = fit(train, names, begin, settings.scale, few, steps=first, exact=False)
+    if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
+        return None
+    limit = settings.patience
+    final = fit(train, names, again.changes, settings.scale, limit, steps=STEPS[-1:])
+    return _rung(rung.label, rung.effects, final, residuals)
 
 
 def counts(found: Confirmed, rung: Rung, validate: Problem, settings: Settings) -> bool:
@@ -141,7 +174,15 @@ def _confirm(
     for name, about in effect.parameters().items():
         begin[f"{effect.name()}.{name}"] = screened.amplitudes.get(name, about.nominal)
     names = [*fitted, *(n for e in [*rung.effects, effect] for n in parameters_of(e))]
-    found = fit(residuals["train"], names, begin, settings.scale, settings.iterations)
+    found = fit(
+        residuals["train"],
+        names,
+        begin,
+        settings.scale,
+        settings.iterations,
+        steps=STEPS[:1],
+        exact=False,
+    )
     scores, errors = _scores(found, residuals)
     progress(f"{effect.name()} added and refitted: {_line(scores, residuals['train'].effort)}")
     return Confirmed(effect, screened, found, errors, scores)
@@ -149,7 +190,8 @@ def _confirm(
 
 def _polished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
     names = list(found.fit.estimates)
-    final = fit(residuals["train"], names, found.fit.changes, settings.scale, settings.patience)
+    begin, limit = found.fit.changes, settings.patience
+    final = fit(residuals["train"], names, begin, settings.scale, limit, steps=STEPS[-1:])
     scores, errors = _scores(final, residuals)
     return replace(found, fit=final, scores=scores, errors=errors)
 

@@ -26,7 +26,8 @@ class Machine:
     """One emulated machine.
 
     rig, settings  what was asked for
-    numbers        the record of its true numbers, hidden effect included
+    numbers        the record of its true numbers, hidden effects included
+    hidden         what each hidden effect changed
     state          the record of its present state
     """
 
@@ -37,8 +38,7 @@ class Machine:
         self.dt = CYCLE / rig.steps_per_cycle
         self.drawn = truth.draw(self._generator("machine"))
         self.numbers = truth.machine(rig, self.drawn, self.dt)
-        effect = self._generator(f"hidden {settings.effect}")
-        self.hidden_numbers = hidden.apply(settings, effect, self.numbers)
+        self.hidden = hidden.apply(settings, self._generator, self.numbers)
         self.state = np.zeros(1, STATE)
         self.counts = np.zeros((2, 4), dtype=np.int64)
         self._scratch = np.zeros(1, SCRATCH)

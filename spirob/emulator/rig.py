@@ -1,5 +1,6 @@
 """What a user may know and choose about the emulated machine."""
 
+import math
 from dataclasses import dataclass
 
 from spirob.errors import ConfigError
@@ -47,11 +48,40 @@ class EmulatedRig:
 
 @dataclass(frozen=True)
 class HiddenSettings:
-    """Which hidden effect the machine has, and how strong: 1 is typical, 0 is none of it."""
+    """Which hidden effects the machine has, and how strong: 1 is typical, 0 is none of it.
+
+    effect    one kind, "cogging", or several at once, "cogging+joint_creep", each with a strength
+              of its own where one is written, "cogging:0.5+joint_creep:1.2"
+    strength  of all of them; it multiplies their own
+    """
 
     effect: str = "guide_friction"
     strength: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.strength <= 10.0:
-            raise ConfigError(f"hidden effect: strength = {self.strength} is out of range [0, 10]")
+        kinds = [kind for kind, _ in self.parts]
+        for kind in kinds:
+            if kinds.count(kind) > 1:
+                raise ConfigError(f"hidden effect: '{kind}' stands twice in '{self.effect}'")
+        if "none" in kinds and len(kinds) > 1:
+            raise ConfigError(f"hidden effect: 'none' stands beside others in '{self.effect}'")
+        for strength in (self.strength, *(own for _, own in self.parts)):
+            if not 0.0 <= strength <= 10.0:
+                raise ConfigError(f"hidden effect: strength = {strength} is out of range [0, 10]")
+
+    @property
+    def parts(self) -> list[tuple[str, float]]:
+        """Every kind with its strength, in the order in which they are written."""
+        return [self._part(text) for text in self.effect.split("+")]
+
+    def _part(self, text: str) -> tuple[str, float]:
+        kind, colon, own = (piece.strip() for piece in text.partition(":"))
+        try:
+            strength = float(own) if colon else 1.0
+        except ValueError:
+            strength = math.nan
+        if not kind or math.isnan(strength):
+            raise ConfigError(
+                f"hidden effect: '{text}' in '{self.effect}' is not a kind or 'kind:strength'"
+            )
+        return kind, self.strength * strength

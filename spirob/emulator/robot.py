@@ -78,7 +78,7 @@ class EmulatedRobot:
         return frames
 
     def truth(self) -> dict[str, Any]:
-        """What a real machine would never tell: its hidden effect and its true numbers.
+        """What a real machine would never tell: its hidden effects and its true numbers.
 
         Plain numbers, lists and strings; only scoring may read them.
         """
@@ -88,7 +88,7 @@ class EmulatedRobot:
             "seed": machine.seed,
             "effect": machine.settings.effect,
             "strength": machine.settings.strength,
-            "hidden": {name: value.tolist() for name, value in machine.hidden_numbers.items()},
+            "hidden": [effect.plain for effect in machine.hidden],
             "drawn": {name: value.tolist() for name, value in machine.drawn.items()},
             "numbers": {
                 name: np.asarray(machine.numbers[name][0]).tolist()

@@ -131,6 +131,7 @@ def _tendons(numbers, arm, drawn) -> None:
         "guide_slip_distance": 1.5e-4,
         "tendon_stiffness": drawn["tendon_stiffness"],
         "tendon_damping": drawn["tendon_damping"],
+        "tendon_creep_time": 1.0,
     }
     _assign(numbers, fields)
 
@@ -146,6 +147,9 @@ def _drives(numbers, rig, drawn, dt) -> None:
         "breakaway": 0.3 * drawn["coulomb"],
         "stribeck_speed": 5.0,
         "bristle_angle": 0.01,
+        "thinning_speed": 100.0,
+        "fan_power": 2.0,
+        "saturation_power": 2.0,
         "winch_radius": rig.winch_radius * drawn["winch_radius"],
         "supply": 24.0,
         "bandwidth": rig.current_bandwidth * drawn["bandwidth"],

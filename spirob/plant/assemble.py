@@ -49,6 +49,7 @@ LOCALS = {  # signal -> expression in the loop, valid at every port that may rea
     "winch.displacement": "displacement[m]",
     "winch.velocity": "rate[m]",
     "tendon.tension": "tension[m]",
+    "tendon.stretch": "(displacement[m] - shortening[m] - extra_length[m])",
     "guide.sliding": "slide",
     "hinge.angle": "qpos[i]",
     "hinge.speed": "qvel[i]",

@@ -127,6 +127,7 @@ def _add_tip(parent, length: float, mass: float) -> None:
     tip = parent.add_body(name="tip", pos=[length, 0, 0])
     tip.explicitinertial = True
     tip.mass = mass
+    tip.ipos = [0, 0, 0]  # left out, it would be the offset once more
     tip.inertia = np.full(3, mass * length**2 * 1e-2)  # small: a point, but never singular
 
 

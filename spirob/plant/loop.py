@@ -83,6 +83,7 @@ def run(
     command, arm_current, radius_now = state[12], state[13], state[14]
     begun = state[15]  # cycles played so far, in its first entry
     reading_error = state[16]  # of the reported length [m]; its rate is that of the velocity
+    extra_length = state[17]  # by which the tendon has grown [m]
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
     demand = np.zeros(motors)
@@ -233,9 +234,10 @@ def run(
                 # @ port tendon.force -> external
                 extra = 0.0
                 # @ port tendon.extra_length -> extra
-                compliance = 0.0
-                # @ port tendon.compliance -> compliance
-                share = 1.0 / (1.0 + p[P_tendon_stiffness] * compliance)  # of the stretch
+                extra_length[m] = extra
+                elasticity = p[P_tendon_stiffness]
+                # @ port tendon.stiffness -> elasticity
+                share = elasticity / p[P_tendon_stiffness]
                 give[m] = step * share * tendon_damping
                 weight[m] = inertia + step * damping
                 free[m] = free_rate(rate[m], torque / radius + external, inertia, damping, step)
@@ -247,7 +249,7 @@ def run(
                     free[m],
                     shortening_rate[m],
                     arm_accel[m],
-                    share * p[P_tendon_stiffness],
+                    elasticity,
                     share * tendon_damping,
                     step,
                 )

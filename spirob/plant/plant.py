@@ -20,7 +20,7 @@ from spirob.robot import CYCLE_NS, Scene
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
-STATE_ROWS = 17  # see `loop.run`
+STATE_ROWS = 18  # see `loop.run`
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",

@@ -9,21 +9,18 @@ from spirob.geometry import spiral_arm
 from tests.emulator.conftest import hinge_angles, loosen, play
 
 N = 48
+BODY = anatomy(spiral_arm(N))
 
 
 def mass_matrix(machine, phi):
     """Σ m J_cᵀJ_c + I ωωᵀ from the Jacobian of every centre of mass: nothing closed form."""
-    body, length = anatomy(spiral_arm(N)), machine.numbers["length"][0]
-    scale = machine.drawn["mass"]
-    total = np.zeros((N, N))
+    length, mass = machine.numbers["length"][0], machine.drawn["mass"] * BODY.mass
     normal = np.column_stack([-np.sin(phi), np.cos(phi)])
-    for i in range(N):
-        jacobian = np.zeros((2, N))
-        jacobian[:, :i] = (length[:i, None] * normal[:i]).T
-        jacobian[:, i] = body.centre[i] * normal[i]
-        total += scale * body.mass[i] * jacobian.T @ jacobian
-        total[i, i] += scale[0] * (body.inertia[i] - body.mass[i] * body.centre[i] ** 2)
-    return total
+    jacobian = np.tril(np.ones((N, N)), -1)[:, None, :] * (length[:, None] * normal).T
+    jacobian[np.arange(N), :, np.arange(N)] = BODY.centre[:, None] * normal
+    weighted = (np.sqrt(mass)[:, None, None] * jacobian).reshape(2 * N, N)
+    about_centre = machine.drawn["mass"] * (BODY.inertia - BODY.mass * BODY.centre**2)
+    return weighted.T @ weighted + np.diag(about_centre)
 
 
 def energy(machine):

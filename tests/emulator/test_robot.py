@@ -80,7 +80,7 @@ def test_parallel_robots_do_not_hear_each_other(robot):
 def test_truth_is_plain_data_and_holds_the_effect(robot):
     truth = json.loads(json.dumps(robot.truth()))
     assert truth["effect"] == "guide_friction"
-    friction = np.array(truth["hidden"]["guide_friction"])
+    friction = np.array(truth["hidden"][0]["numbers"]["guide_friction"])
     assert TYPICAL / 2 < friction.mean() < 2 * TYPICAL
     assert np.ptp(friction) > 0
     assert 0.6 < truth["drawn"]["efficiency"][0] <= 1.0
@@ -115,7 +115,7 @@ def test_a_closed_robot_says_so_and_closes_twice():
 
 
 def test_wrong_settings_are_told_in_a_sentence():
-    with pytest.raises(ConfigError, match="known: cogging"):
+    with pytest.raises(ConfigError, match="known: asymmetric_viscous"):
         EmulatedRobot(EmulatedRig(), HiddenSettings("gremlins"), seed=0)
     with pytest.raises(ConfigError, match="gear_ratio"):
         EmulatedRig(gear_ratio=0.1)

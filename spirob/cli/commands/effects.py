@@ -102,19 +102,16 @@ def _new(arguments: argparse.Namespace) -> int:
 
 def _check(arguments: argparse.Namespace) -> int:
     from spirob.effects import find_effects
+    from spirob.effects.check import check
 
     effects = find_effects([arguments.file])
-    try:
-        from spirob.effects.check import check
-    except ImportError:
-        check = None
     broken = 0
     for effect in effects:
         # being loaded means that the declaration holds: port, reads, arguments, numbers, neutral
-        findings = check(effect) if check is not None else []
+        findings = check(effect)
         for finding in findings:
             print(f"{effect.name()}: {finding.law}: {finding.sentence}")
         broken += len(findings)
         if not findings:
-            print(f"{effect.name()}: declared well" + (", keeps every law" if check else ""))
+            print(f"{effect.name()}: declared well, keeps every law")
     return 2 if broken else 0

@@ -42,5 +42,6 @@ class JointViscoelasticity(Effect):
         """Torque at the hinge [N·m] and the next relaxed angle [rad]."""
         decay = math.exp(-dt / time)
         lag = speed * time
-        relaxed = angle - lag + (relaxed - angle + lag) * decay
+        before = angle - speed * dt
+        relaxed = angle - lag + (relaxed - before + lag) * decay
         return -share * stiffness * (angle - relaxed), relaxed

@@ -7,17 +7,17 @@ from spirob.parameter import bounded
 
 
 class Stretch(Effect):
-    """e = F/k + s·(1 - exp(-F/F_0)): a toe of length s beside the linear elasticity.
+    """F = k·(e - s·(1 - exp(-e/s))): the slope grows from nothing to k over a toe of length s.
 
-    The port takes the secant compliance s·(1 - exp(-F/F_0))/F at the present tension, which the
-    implicit tension then holds through the step.  With F_0 far above the tension it is a softer
-    tendon, s/F_0 in series.
+    The port takes the secant stiffness F/e at the present stretch e; the tension is then found
+    implicitly with it.  It never falls below k/2000, that of a thousandth of the toe.
     """
 
-    port = "tendon.compliance"
-    reads = {"tension": "tendon.tension"}
+    port = "tendon.stiffness"
+    reads = {"stretch": "tendon.stretch"}
     neutral = {"toe": 0.0}
-    equation = "s*(1 - exp(-tension/F_0))/tension"
+    traits = {"rate_independent"}
+    equation = "upstream*(1 - (1 - exp(-Max(stretch/s, 1e-3)))/Max(stretch/s, 1e-3))"
     title = "stretch of the tendon at low tension"
     signature = "Length that gives way at small loads and firms up at larger ones, both ways alike."
     explanation = (
@@ -31,15 +31,14 @@ class Stretch(Effect):
         "drum_build_up": "two loads at the same length: build-up is the same at both",
     }
     needs = "the length channel from slack to full load"
-    references = ("McKenna, Hearle, O'Hear, Handbook of Fibre Rope Technology (2004)",)
+    references = ("Fung, Biomechanics (1993): the exponential toe of tendons",)
 
-    toe: float = bounded(1e-3, 0.0, 0.02, "m", "s", "length that comes out before it is stiff")
-    toe_tension: float = bounded(2.0, 0.1, 200.0, "N", "F_0", "tension at which it does", log=True)
+    toe: float = bounded(5e-4, 0.0, 0.02, "m", "s", "length that comes out before it is stiff")
 
     @staticmethod
-    def kernel(tension, toe, toe_tension):
-        """Compliance in series with the tendon [m/N]."""
-        relative = max(tension, 0.0) / toe_tension
-        if relative < 1e-6:  # the quotient's limit; the next term is half of `relative`
-            return toe / toe_tension
-        return -toe / toe_tension * math.expm1(-relative) / relative
+    def kernel(upstream, stretch, toe):
+        """Stiffness of the tendon, tension per stretch [N/m]."""
+        if toe <= 0.0:
+            return upstream
+        relative = max(stretch / toe, 1e-3)
+        return upstream * (1.0 + math.expm1(-relative) / relative)

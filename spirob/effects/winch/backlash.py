@@ -10,8 +10,9 @@ class Backlash(Effect):
     """The drum lags the motor within its play: extra length g ∈ [-b, 0].
 
     Taut, the tendon keeps the drum on one flank (g = 0) and no play is seen.  Slack, the drum rests
-    on its own friction while the motor turns back through the play: ġ = ẋ within the bounds; then
-    the tension pulls it home, ġ = -g·F/(F_h·t_s), here exact for a constant tension.
+    on its own friction F_h while the motor turns back through the play, ġ = ẋ·max(0, 1 - F/F_h)
+    within the bounds; then the tension pulls it home, ġ = -g·F/(F_h·t_s), here exact for a constant
+    tension.
     """
 
     port = "tendon.extra_length"
@@ -40,6 +41,7 @@ class Backlash(Effect):
     @staticmethod
     def kernel(velocity, tension, gap, play, hold, seating, dt):
         """Length that the tendon has gained [m], and the next gap [m]."""
-        gap = min(0.0, max(-play, gap + velocity * dt))
+        resting = max(0.0, 1.0 - tension / hold)
+        gap = min(0.0, max(-play, gap + velocity * resting * dt))
         gap *= math.exp(-max(tension, 0.0) * dt / (hold * seating))
         return gap, gap

@@ -5,16 +5,15 @@ from spirob.parameter import bounded
 
 
 class GearCompliance(Effect):
-    """1/k → 1/k + c_g: the gear's torsional compliance, seen at the drum's surface.
+    """k → k/(1 + c_g·k), in other words 1/k → 1/k + c_g: gear and tendon in series.
 
     c_g = r²/K for a torsional stiffness K at the drum.  One rig cannot tell it from a softer
     tendon, `tendon.stiffness`: fit one of the two.
     """
 
-    port = "tendon.compliance"
+    port = "tendon.stiffness"
     neutral = {"compliance": 0.0}
-    traits = {"constant"}
-    equation = "c_g"
+    equation = "upstream/(1 + c_g*upstream)"
     title = "torsional compliance of the gear"
     signature = "Length that comes and goes in proportion to the load, the same way back."
     explanation = "Shafts and teeth twist under load, so the drum stays behind the motor."
@@ -29,6 +28,6 @@ class GearCompliance(Effect):
     compliance: float = bounded(2.5e-5, 0.0, 1e-3, "m/N", "c_g", "twist at the drum per tension")
 
     @staticmethod
-    def kernel(compliance):
-        """Compliance in series with the tendon [m/N]."""
-        return compliance
+    def kernel(upstream, compliance):
+        """Stiffness of tendon and gear, tension per stretch [N/m]."""
+        return upstream / (1.0 + compliance * upstream)

@@ -2,8 +2,8 @@
 
 Harmonics of the rotor angle: once per turn of the winch and of a planet (eccentric gear), the 7
 pole pairs and their double (phase unbalance), and six times that.  At G = 19 the magnets' orders
-pass at hundreds of hertz, so the slow ones carry most of what is seen: typical 1.2 mN·m at the
-rotor, a tenth of a typical current.  Source: 7 pole pairs measured by others; sizes assumed.
+pass at hundreds of hertz, so the slow ones carry most of what is seen: typical 0.7 mN·m at the
+rotor, a seventh of a typical torque.  Source: 7 pole pairs measured by others; sizes assumed.
 """
 
 import numpy as np
@@ -11,10 +11,10 @@ from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics.compiled import SIDES
-from spirob.emulator.physics.motor import HARMONICS
+from spirob.emulator.physics.magnets import HARMONICS
 
 REPLACED = ("cogging_order", "cogging_phase")
-SIZES = np.array([1.2e-3, 0.4e-3, 0.5e-3, 0.3e-3, 0.4e-3])  # N·m
+SIZES = np.array([0.7e-3, 0.25e-3, 0.3e-3, 0.2e-3, 0.25e-3])  # N·m
 PLANET = 0.276  # turns of a planet wheel per rotor turn, assumed
 
 

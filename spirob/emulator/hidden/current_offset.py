@@ -1,6 +1,6 @@
 """A current sensor that is wrong: offset, gain and a drift while the drive warms up.
 
-Typical offset 50 mA (40 counts), gain 2 %, drift another 30 mA over some seconds.  The drive
+Typical offset 40 mA (33 counts), gain 2 %, drift another 24 mA over some seconds.  The drive
 regulates what the sensor says, so the winding carries the error with the opposite sign.
 Source: shunt amplifiers of hobby drives, offset of 0.3 % of 20 A; assumed.
 """
@@ -11,7 +11,7 @@ from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics.compiled import SIDES
 
 REPLACED = ("sensor_drift_time",)
-OFFSET = 0.05  # A
+OFFSET = 0.04  # A
 
 
 def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:
@@ -20,6 +20,6 @@ def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:
     return {
         "sensor_offset": strength * OFFSET * sign * rng.uniform(0.7, 1.3, size=SIDES),
         "sensor_gain": strength * 0.02 * rng.uniform(-1.0, 1.0, size=SIDES),
-        "sensor_drift": strength * 0.03 * rng.uniform(-1.0, 1.0, size=SIDES),
+        "sensor_drift": strength * 0.024 * rng.uniform(-1.0, 1.0, size=SIDES),
         "sensor_drift_time": rng.uniform(3.0, 10.0),
     }

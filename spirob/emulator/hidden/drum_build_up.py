@@ -1,6 +1,6 @@
 """Tendon that winds on top of itself: the drum grows as it winds in, and is not quite round.
 
-Line of 0.6-1 mm on a drum of 20 mm adds 3-5 % of radius a turn where it stacks; the crossing of
+Line of 0.8-1.4 mm on a drum of 20 mm adds 4-7 % of radius a turn where it stacks; the crossing of
 layers makes the drum 0.5-1.5 % eccentric.
 """
 
@@ -10,7 +10,7 @@ from numpy.random import Generator
 from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics.compiled import SIDES
 
-LINE = (0.6e-3, 1.0e-3)  # m
+LINE = (0.8e-3, 1.4e-3)  # m
 
 
 def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:

@@ -1,8 +1,9 @@
 """Printed TPU that keeps yielding: every hinge creeps with three relaxation times.
 
-Typical: the hinge is 60 % stiffer at once than in the long run, spread over tenths of a second,
+Typical: the hinge is 2.8 times as stiff at once as in the long run, spread over tenths of a second,
 seconds and tens of seconds; each hinge a little differently.  A Prony series, as viscoelastic
-data sheets of TPU have it (loss factor 0.1-0.2 over three decades).
+data sheets of TPU have it; soft grades relax to a third.  Less would be lost in the current, most
+of which goes into the antagonist and the rotor.
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ from spirob.emulator.physics.body import CREEP_ARMS
 from spirob.emulator.physics.compiled import HINGES
 
 REPLACED = ("creep_time",)
-TYPICAL = 0.6
+TYPICAL = 1.8
 TIMES = np.array([0.15, 1.2, 10.0])  # s
 
 

@@ -1,6 +1,9 @@
 """An arm that is not straight when nothing pulls: the print cooled unevenly or was stored curled.
 
-Typical 60° in all from base to tip, to one side, more where the arm is thin, with a little wave.
+Typical 240° in all from base to tip (of 690° to the end stop), to one side, more where the arm is
+thin, with a little wave.  Displacement counts from rest, so nothing is seen of it to first order:
+what remains are the levers of a bent arm, and stops that come early on one side and late on the
+other.  Beyond one and a half times typical the hinges at the tip rest near their stops.
 """
 
 import numpy as np
@@ -9,7 +12,7 @@ from numpy.random import Generator
 from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics.compiled import HINGES
 
-TYPICAL = np.deg2rad(60.0)
+TYPICAL = np.deg2rad(240.0)
 
 
 def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:

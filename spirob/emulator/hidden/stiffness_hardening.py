@@ -1,6 +1,6 @@
 """Hinges that harden as they bend: k(1 + a|x|ⁿ), x the angle over the end stop's.
 
-Typical a = 1.5 (2.5 times the moment just before the stop), n from 2 to 4, differing from hinge to
+Typical a = 4.5 (5.5 times the moment just before the stop), n from 2 to 4, differing from hinge to
 hinge: the elastic layer is stretched as well as bent, and faces touch at their rims first.
 """
 
@@ -10,7 +10,7 @@ from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics.compiled import HINGES
 
 REPLACED = ("hardening_power",)
-TYPICAL = 1.5
+TYPICAL = 4.5
 
 
 def numbers(strength: float, rng: Generator, nominal: Nominal) -> dict:

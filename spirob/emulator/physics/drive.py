@@ -4,40 +4,43 @@
 
 The loop runs at 20 kHz or faster with pole cancellation, K_p = 2πf L, K_i = 2πf R, and adds the
 back-EMF it expects; the winding is stepped exactly for a constant voltage.  The loop regulates
-what its sensor *says*, gain·i + offset, so a wrong sensor turns into a wrong current.
+what its sensor *says*, gain·i + offset, so a wrong sensor turns into a wrong current.  What it
+aims at is the command less a dead band with a soft knee, i = c - δ tanh(c/δ), δ for each sign of c.
 
-    C Θ̇ = R i² - (Θ - Θ₀)/R_th      R = R₀ (1 + α_R (Θ - Θ₀))    k_t = k_t0 (1 - α_B (Θ - Θ₀))
+    C ϑ̇ = R i² - ϑ/R_th (1 + (aϑ)³)      R = R₀ (1 + α_R ϑ)      ϑ above the room
+
+What heat does to the magnets stands in magnets.py; a is the heat that radiation carries off.
 """
 
 import numpy as np
 
 from spirob.emulator.physics.compiled import SIDES, compiled
+from spirob.emulator.physics.magnets import torque_constant
 
 NUMBERS = {
     "resistance": (SIDES,),  # R₀ [Ω]
     "inductance": (SIDES,),  # L [H]
-    "torque_constant": (SIDES,),  # k_t = k_e [N·m/A]
     "supply": (),  # [V]
     "bandwidth": (),  # f [Hz]
     "electric_steps": (),  # of the current loop in one step of the mechanics
+    "dead_band": (SIDES, 2),  # δ for commands that wind in and that pay out [A]
     "sensor_gain": (SIDES,),  # [-]
     "sensor_offset": (SIDES,),  # [A]
     "sensor_drift": (SIDES,),  # offset gained in the long run [A]
     "sensor_drift_time": (),  # [s]
-    "ambient": (),  # Θ₀ [°C]
+    "ambient": (),  # of the room [°C]
     "heat_resistance": (SIDES,),  # R_th [K/W]
     "heat_capacity": (SIDES,),  # C [J/K]
+    "heat_escape": (),  # a [1/K]
     "resistance_heating": (),  # α_R [1/K]
-    "magnet_heating": (),  # α_B [1/K]
 }
 STATE = {
     "current": (SIDES,),  # in the winding [A]
     "integral": (SIDES,),  # of the current loop [V]
-    "warmth": (SIDES,),  # Θ - Θ₀ [K]
     "time": (),  # since the trial began [s]
 }
 SCRATCH = {
-    "target": (SIDES,),  # commanded current [A]
+    "target": (SIDES,),  # current to be held [A]
     "mean_current": (SIDES,),  # over the step [A]
 }
 
@@ -50,9 +53,12 @@ def sensed(p, s, m):
 
 
 @compiled
-def torque_constant(p, s, m):
-    """k_t of the magnets as warm as they are [N·m/A]."""
-    return p.torque_constant[m] * (1.0 - p.magnet_heating * s.warmth[m])
+def understood(p, command, m):
+    """The current that the drive aims at when it is told `command` [A]."""
+    band = p.dead_band[m, 0] if command >= 0.0 else p.dead_band[m, 1]
+    if band <= 0.0:
+        return command
+    return command - band * np.tanh(command / band)
 
 
 @compiled
@@ -78,5 +84,7 @@ def drive(p, s, w, h):
             s.current[m] = settled + (s.current[m] - settled) * decay
             total += 0.5 * s.current[m]
         w.mean_current[m] = total / count
-        heat = resistance * w.mean_current[m] ** 2 - s.warmth[m] / p.heat_resistance[m]
-        s.warmth[m] += h * heat / p.heat_capacity[m]
+        lost = s.warmth[m] / p.heat_resistance[m]
+        if p.heat_escape > 0.0:
+            lost *= 1.0 + (p.heat_escape * s.warmth[m]) ** 3
+        s.warmth[m] += h * (resistance * w.mean_current[m] ** 2 - lost) / p.heat_capacity[m]

@@ -9,9 +9,25 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.emulator.physics import body, chain, contact, drive, guides, motor, sensing, tendon
+from spirob.emulator.physics import (
+    body,
+    chain,
+    contact,
+    drive,
+    friction,
+    gear,
+    guides,
+    line,
+    magnets,
+    motor,
+    sensing,
+    tendon,
+    winch,
+)
 
-PARTS = (body, chain, contact, drive, guides, motor, sensing, tendon)
+ARM = (body, chain, contact, guides, tendon, line)
+DRIVES = (drive, magnets, motor, friction, gear, winch, sensing)
+PARTS = (*ARM, *DRIVES)
 
 
 def fingerprint() -> str:

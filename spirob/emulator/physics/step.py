@@ -15,8 +15,9 @@ from spirob.emulator.physics.body import creep, hinges, inertia, pose, weight_an
 from spirob.emulator.physics.chain import factorise, solve
 from spirob.emulator.physics.compiled import HINGES, SIDES, compiled, compiled_entry
 from spirob.emulator.physics.contact import add_contact, contact
-from spirob.emulator.physics.drive import drive
+from spirob.emulator.physics.drive import drive, understood
 from spirob.emulator.physics.guides import add_tendons, guide_friction, rub
+from spirob.emulator.physics.line import grow
 from spirob.emulator.physics.motor import motors, turn_winches
 from spirob.emulator.physics.sensing import feedback
 from spirob.emulator.physics.tendon import routing, tighten
@@ -72,6 +73,7 @@ def step(p, s, w, h):
     pose(s, w)
     rub(p, s, w, h)
     creep(p, s, w, h)
+    grow(p, s, h)
     s.time += h
     return fastest + abs(s.rotor_speed[0]) + abs(s.rotor_speed[1]) < FASTEST
 
@@ -88,7 +90,7 @@ def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
     """
     p, s, w = numbers[0], state[0], scratch[0]
     for m in range(SIDES):
-        w.target[m] = currents[m]
+        w.target[m] = understood(p, currents[m], m)
     pose(s, w)
     if steps == 0:
         routing(p, s, w, h)
@@ -103,5 +105,6 @@ def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
         total += s.rotor_angle[m] + s.current[m] + s.tension[m]
     if not np.isfinite(total):
         return False
-    feedback(p, s, noise, counts)
+    if steps > 0:
+        feedback(p, s, noise, steps * h, counts)
     return True

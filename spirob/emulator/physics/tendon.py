@@ -6,9 +6,10 @@ the straight arm, the left tendon spans
     ℓ_i² = |p|² + |c|² - 2|p||c| cos(β - q_i),      right: β + q_i
     g_i  = -∂ℓ_i/∂q_i,      shortening Δl = Σ_i ℓ_i(0) - ℓ_i(q_i)
 
-A tendon is a one-sided spring with a damper between its winch and the arm, e = x - Δl,
+A tendon is a one-sided spring with a damper between its winch and the arm, e = x - Δl less what
+the line has crept,
 
-    T = max(0, K e + c ė)
+    T = max(0, T(e) + c ė)                     T(e) = K e in a plain line, see line.py
 
 taken at the end of the step: ė depends on both tensions through the arm and on its own through
 its winch, which leaves two linear complementarity conditions, solved by going through the cases.
@@ -17,6 +18,7 @@ its winch, which leaves two linear complementarity conditions, solved by going t
 import numpy as np
 
 from spirob.emulator.physics.compiled import HINGES, SIDES, compiled
+from spirob.emulator.physics.line import elastic, grown
 
 NUMBERS = {
     "guide_product": (SIDES, HINGES),  # |p||c| [m²]
@@ -24,8 +26,6 @@ NUMBERS = {
     "guide_span": (SIDES, HINGES),  # ℓ(0) [m]
     "guide_sine": (HINGES,),  # sin β/2
     "guide_cosine": (HINGES,),  # cos β/2
-    "tendon_stiffness": (SIDES,),  # K [N/m]
-    "tendon_damping": (SIDES,),  # c [N·s/m]
 }
 STATE = {
     "wound": (SIDES,),  # x, tendon wound in since the arm was straight [m]
@@ -87,7 +87,8 @@ def tighten(p, s, w, h):
     a = np.empty((SIDES, SIDES))
     b = np.empty(SIDES)
     for m in range(SIDES):
-        stiff = h * p.tendon_stiffness[m] + p.tendon_damping[m]
+        force, slope = elastic(p, m, s.wound[m] - w.shortening[m] - grown(s, m))
+        stiff = h * slope + p.tendon_damping[m]
         free = 0.0
         for n in range(SIDES):
             a[m, n] = 0.0
@@ -100,7 +101,6 @@ def tighten(p, s, w, h):
                 a[m, n] += h * w.lever[m, i] * (w.answer[n, i] - before_answer[n])
                 before_answer[n] = w.answer[n, i]
         a[m, m] = max(a[m, m], 0.0) + 1.0 / stiff + w.winch_yield[m]
-        stretch = s.wound[m] - w.shortening[m]
-        b[m] = p.tendon_stiffness[m] * stretch / stiff + w.winch_free[m] - free
+        b[m] = force / stiff + w.winch_free[m] - free
     left, right = complementarity(a[0, 0], a[0, 1], a[1, 0], a[1, 1], b[0], b[1])
     s.tension[0], s.tension[1] = left, right

@@ -1,0 +1,36 @@
+"""The benchmark runs and writes what it measured; how fast is never asserted."""
+
+import json
+import math
+
+import pytest
+
+from spirob.benchmark.__main__ import MEASURES, main
+
+KEYS = {
+    "coupled_tick": ["coupled_tick_over_bare_steps", "robot_seconds_per_second"],
+    "threads": ["two_threads_over_one"],
+    "decoding": ["decode_samples_per_second"],
+    "identification": [
+        "identify_speedup_over_mujoco_sysid",
+        "identify_error",
+        "mujoco_sysid_error",
+    ],
+}
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_a_tiny_run_writes_its_figures(name, tmp_path):
+    if name == "identification":
+        pytest.importorskip("mujoco.sysid", exc_type=ImportError)
+    path = tmp_path / "figures.json"
+    main(["--tiny", "--only", name, "--json", str(path)])
+    figures = json.loads(path.read_text())
+    for key in KEYS[name]:
+        assert math.isfinite(figures[key])
+        assert figures[key] > 0.0
+
+
+def test_the_bare_steps_play_the_same_trial(tmp_path):
+    figures = main(["--tiny", "--only", "coupled_tick"])
+    assert figures["bare_steps_apart_rad"] < 1e-3

@@ -1,0 +1,85 @@
+"""The tendon's geometry against finite differences, MuJoCo's own tendons and the hinge limits."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from spirob.geometry import spiral_arm
+from spirob.plant.body import build_spec
+from spirob.plant.nominal import Arm
+from spirob.plant.plant import _guides
+from spirob.plant.tendon import guide_length, half_angle
+from spirob.robot import MOTORS, Scene
+
+UNITS = 24
+LIMIT = 0.96 * spiral_arm(UNITS).unit_angle
+GUIDES = _guides(spiral_arm(UNITS))
+
+
+def lengths(side, angles):
+    """Length between guides and shortening per bend at each hinge, (2, N)."""
+    return np.array(
+        [guide_length(side, *half_angle(q), *row) for q, row in zip(angles, GUIDES, strict=True)]
+    ).T
+
+
+def configurations(count=20):
+    random = np.random.default_rng(1)
+    return random.uniform(-LIMIT, LIMIT, (count, UNITS))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_jacobian_is_the_derivative_of_the_length(side):
+    step = 1e-6
+    for angles in configurations():
+        _, lever = lengths(side, angles)
+        ahead, behind = lengths(side, angles + step)[0], lengths(side, angles - step)[0]
+        assert side * lever == pytest.approx(-(ahead - behind) / (2 * step), abs=1e-9)
+
+
+@pytest.mark.parametrize(("exported", "tolerance"), [(False, 1e-12), (True, 1e-6)])
+def test_lengths_and_jacobian_are_those_of_spatial_tendons(exported, tolerance):
+    spec = build_spec(Arm(), Scene(), UNITS, 5e-4, tendons=True)
+    # the MJCF text holds seven digits
+    model = mujoco.MjModel.from_xml_string(spec.to_xml()) if exported else spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    straight = data.ten_length.copy()
+    for angles in configurations():
+        data.qpos[:] = angles
+        mujoco.mj_forward(model, data)
+        jacobian = dense_jacobian(model, data)
+        for m, side in enumerate((1.0, -1.0)):
+            assert model.tendon(m).name == MOTORS[m]
+            length, lever = lengths(side, angles)
+            rest, _ = lengths(side, np.zeros(UNITS))
+            shortening = np.sum(rest - length)
+            assert shortening == pytest.approx(straight[m] - data.ten_length[m], abs=tolerance)
+            assert side * lever == pytest.approx(-jacobian[m], abs=tolerance)
+
+
+def dense_jacobian(model, data):
+    """ten_J as (tendons, hinges); it is sparse by row."""
+    out = np.zeros((model.ntendon, model.nv))
+    values = np.asarray(data.ten_J).ravel()
+    for m in range(model.ntendon):
+        start = model.ten_J_rowadr[m]
+        chosen = slice(start, start + model.ten_J_rownnz[m])
+        out[m, model.ten_J_colind[chosen]] = values[chosen]
+    return out
+
+
+def test_past_the_angle_where_the_guides_meet_the_tendon_turns_the_hinge_no_further():
+    angle = spiral_arm(UNITS).unit_angle
+    at, _ = lengths(1.0, np.full(UNITS, angle))
+    beyond, lever = lengths(1.0, np.full(UNITS, angle + 0.05))
+    assert lever == pytest.approx(0.0, abs=1e-15)
+    assert beyond == pytest.approx(at, rel=1e-9)
+
+
+def test_bending_left_shortens_the_left_tendon_and_lets_the_right_one_go():
+    left, _ = lengths(1.0, np.full(UNITS, 0.1))
+    right, _ = lengths(-1.0, np.full(UNITS, 0.1))
+    rest, _ = lengths(1.0, np.zeros(UNITS))
+    assert np.all(left < rest)
+    assert np.all(right > rest)
