@@ -21,6 +21,7 @@ LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak 
 REST = 0.1  # of what the named effects took away: so much may be left for the flexible residual
 MOST_KEPT = 0.4  # of the squared held-out error: where more is left,
 SOME_SHARE = 0.1  # and so much of it follows from the motion, the name is a guess
+POOR = 0.3  # of the effort's RMS left after naming: no model to trust, whatever is left follows
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 
 
@@ -98,7 +99,10 @@ def _kind(
     kept = found.chosen.heldout_square / max(found.rungs[0].heldout_square, 1e-300)
     if structured and left > REST * (before - after):
         return "unknown"
-    if large and rest.share > SOME_SHARE and kept > MOST_KEPT:
+    poor = found.chosen.heldout_square > (POOR * search.size) ** 2
+    follows = large and rest.share > SOME_SHARE
+    # two of three: most of the error is kept, what is left is large, what is left has structure
+    if (kept > MOST_KEPT) + poor + follows >= 2:
         return "unknown"
     return "undecided" if any(rivals.values()) else "named"
 
@@ -177,8 +181,8 @@ class _Words:
             f"Something is missing that the library does not hold: it depends "
             f"{depends_on(self.rest)}.",
             f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS on "
-            f"data left out. A flexible model finds {self.rest.share:.0%} of that squared error "
-            f"in the motion, so it is no noise, but no effect of the library has that shape.{more}",
+            f"data left out. A flexible model of the motion explains {self.rest.share:.0%} of that "
+            f"squared error there; no effect of the library has its shape.{more}",
         )
 
     def _fall(self) -> str:

@@ -6,11 +6,13 @@ moved, each by the ratio of the two machines' sizes in the dimension of its unit
 small rotor's torque becomes a tenth of the rig's effort.
 """
 
+import math
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
 
 from spirob.effects import Effect
+from spirob.machine.shapes import counts_periods
 from spirob.parameter import Parameter
 
 REFERENCE = {  # the small rotor for which the library's nominal numbers and bounds are given
@@ -22,6 +24,7 @@ REFERENCE = {  # the small rotor for which the library's nominal numbers and bou
     "current": 1.0,  # A
     "mass": 0.1,  # kg
 }
+PERIODS = 2.0  # in the way travelled, for a wave to be known as one
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 TOKEN = re.compile(r"([A-Za-zΩµ]+)([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
 RAISED = {2: "²", 3: "³"}
@@ -104,8 +107,18 @@ class Sizes:
 
 
 def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
-    """The numbers of an effect for a rig of this size."""
-    return {name: sizes.parameter(about) for name, about in effect.parameters().items()}
+    """The numbers of an effect for a rig of this size.
+
+    A number that counts periods of an angle begins where the motion holds `PERIODS` of them: part
+    of a wave that never came round would imitate any smooth spring.
+    """
+    found = {name: sizes.parameter(about) for name, about in effect.parameters().items()}
+    for name, about in found.items():
+        if counts_periods(effect, name):
+            least = min(PERIODS * 2 * math.pi * sizes.angle / sizes.stroke, about.high)
+            low = max(about.low, least)
+            found[name] = replace(about, low=low, nominal=max(about.nominal, low))
+    return found
 
 
 def dimensions(unit: str) -> dict[str, int]:

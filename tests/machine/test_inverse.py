@@ -9,7 +9,7 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes, dimensions
+from spirob.machine.scaling import Sizes, dimensions, parameters
 from spirob.machine.shapes import counts_periods, peaks
 from tests.machine.rigs import description
 
@@ -119,6 +119,12 @@ def test_numbers_that_count_periods_are_recognised_by_the_kernel_itself():
     assert counts_periods(LIBRARY["torque_ripple"], "order")
     assert not counts_periods(LIBRARY["coulomb_friction"], "softness")
     assert not counts_periods(LIBRARY["stiffness_hardening"], "hardening")
+
+
+def test_a_wave_has_to_come_round_to_be_called_one():
+    order = parameters(LIBRARY["cogging"], SIZES)["order"]
+    assert order.low * SIZES.stroke / SIZES.angle == pytest.approx(2 * 2 * np.pi)
+    assert order.low <= order.nominal <= order.high
 
 
 def test_the_order_of_a_ripple_is_found_before_any_fit():
