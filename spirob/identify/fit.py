@@ -91,6 +91,7 @@ def fit(
     progress: Callable[[str], None] = lambda text: None,
     steps: Sequence[float] = STEPS,
     exact: bool = True,
+    smooth: bool = False,
 ) -> Fit:
     """Fit the named parameters, starting from `start` (which may hold other changes too).
 
@@ -99,6 +100,8 @@ def fit(
     steps       of the differences, one search with each;  exact  intervals from central
                 differences at the optimum; otherwise from the last slopes of the search, for a fit
                 that only has to be compared
+    smooth      the residual is smooth and cheap, as an inverse model's is: walk to its very optimum
+                by trust regions, from far away too, instead of stopping where the cost settles
     """
     table = residual.table
     scaling = Scaling(table, names)
@@ -128,14 +131,14 @@ def fit(
             value,
             u,
             jac=jacobian,
-            method="dogbox",
-            x_scale="jac",
+            method="trf" if smooth else "dogbox",
+            x_scale=1.0 if smooth else "jac",
             bounds=(scaling.low, scaling.high),
             loss="soft_l1",
             f_scale=scale,
             max_nfev=iterations,
             xtol=1e-4,
-            ftol=SETTLED,
+            ftol=1e-4 if smooth else SETTLED,
             gtol=1e-10,
         )
 

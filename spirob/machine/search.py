@@ -32,6 +32,8 @@ class Settings:
     veto     least fall of the squared error on held-out trials, relative
     better   relative fall that makes a richer effect worth its further numbers
     most     effects in a set
+    step     of differences, in scaled numbers: an inverse model is smooth, and the order of a
+             ripple over many turns needs a fine one
     """
 
     floor: float = 0.01
@@ -40,6 +42,7 @@ class Settings:
     better: float = 0.10
     most: int = 4
     iterations: int = 12
+    step: float = 1e-3
     seed: int = 0
 
 
@@ -149,7 +152,8 @@ class Search:
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = 10.0 * self.size  # repairs have taken the outliers; plain least squares inside
-        found = fit(self.train, names, begin, robust, self.settings.iterations)
+        most, steps = self.settings.iterations, (self.settings.step,)
+        found = fit(self.train, names, begin, robust, most, steps=steps, exact=False, smooth=True)
         left = left_out(found.jacobian, found.residual, self.folds)
         held = self.heldout(found.changes)
         made = Model(

@@ -1,38 +1,9 @@
 """List the library of physical effects, show one, begin a new one, check a file of your own."""
 
 import argparse
+import re
 
 HELP = "list, show, begin or check physical effects"
-TEMPLATE = '''"""One line: what happens, as a reader would say it."""
-
-import math
-
-from spirob.effects.effect import Effect
-from spirob.parameter import bounded
-
-
-class {name}(Effect):
-    """τ = -T·tanh(ω/ω_0): replace this law, its numbers and its words by yours."""
-
-    port = "motor.torque"  # where it acts; spirob/ports.py lists the places
-    reads = {{"speed": "motor.speed", "rest_speed": "motor.rest_speed"}}  # argument -> signal
-    neutral = {{"level": 0.0}}  # the numbers at which the effect vanishes
-    traits = {{"dissipative", "odd_in_speed"}}  # claims; each becomes a test
-    equation = "-T*tanh(speed/rest_speed)"  # the law again, for a test against the kernel
-    title = "{title}"
-    signature = "How it shows in data, in one sentence."
-    explanation = "What happens physically, in one or two sentences."
-    tell_apart = {{"coulomb_friction": "the experiment that separates the two"}}
-    needs = "what a trial must contain for it to show"
-    references = ("Author, title (year)",)
-
-    level: float = bounded(0.002, 0.0, 0.05, "N·m", "T", "meaning of the number")
-
-    @staticmethod
-    def kernel(speed, rest_speed, level):
-        """Torque on the rotor [N·m]; only arithmetic and `math`."""
-        return -level * math.tanh(speed / rest_speed)
-'''
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +55,7 @@ def _show(arguments: argparse.Namespace) -> int:
 
 
 def _new(arguments: argparse.Namespace) -> int:
+    from importlib import resources
     from pathlib import Path
 
     from spirob.errors import ConfigError
@@ -95,7 +67,9 @@ def _new(arguments: argparse.Namespace) -> int:
     if path.exists():
         raise ConfigError(f"'{path}' exists already and is left as it is")
     name = "".join(part.capitalize() for part in path.stem.split("_"))
-    write_text(path, TEMPLATE.format(name=name, title=path.stem.replace("_", " ")))
+    template = resources.files("spirob.effects").joinpath("template.py.txt")
+    declared = re.compile(r"^class \w+\(", re.MULTILINE)
+    write_text(path, declared.sub(f"class {name}(", template.read_text(encoding="utf-8")))
     print(f"{path} written; fill it in, then: spirob effects check {path}")
     return 0
 
