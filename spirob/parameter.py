@@ -19,7 +19,9 @@ from spirob.errors import ConfigError
 class Parameter:
     """What is known of one number before any measurement.
 
-    log  true where the number spans decades: the optimiser then moves its logarithm
+    log    true where the number spans decades: the optimiser then moves its logarithm
+    times  name of another number; as a load this one acts in proportion to it, a damping time
+           to the stiffness that it belongs to
     """
 
     nominal: float
@@ -30,6 +32,7 @@ class Parameter:
     meaning: str
     source: str = ""
     log: bool = False
+    times: str = ""
 
     def __post_init__(self) -> None:
         if not self.low <= self.nominal <= self.high:
@@ -50,9 +53,10 @@ def bounded(
     meaning: str,
     source: str = "",
     log: bool = False,
+    times: str = "",
 ) -> Any:
     """Declare one bounded number as a field of a `Numbers` class."""
-    about = Parameter(nominal, low, high, unit, symbol, meaning, source, log)
+    about = Parameter(nominal, low, high, unit, symbol, meaning, source, log, times)
     return dataclasses.field(default=nominal, metadata={"parameter": about})
 
 
@@ -118,6 +122,11 @@ class Table:
         table.about = dict(about)
         table._line_up([values.get(name, number.nominal) for name, number in about.items()])
         return table
+
+    def joined(self, about: Mapping[str, Parameter]) -> "Table":
+        """This table with further numbers at its end, at their nominal values."""
+        values = dict(zip(self.names, self.values.tolist(), strict=True))
+        return Table.of({**self.about, **about}, values)
 
     def _line_up(self, values: list[float]) -> None:
         self.names = list(self.about)

@@ -115,7 +115,7 @@ SIGNALS = {
     "motor.current": Signal("A", "motor", "motor current i*", (-20.0, 20.0)),
     "motor.speed": Signal("rad/s", "motor", "rotor speed, + winds in", (-1000.0, 1000.0)),
     "motor.angle": Signal(
-        "rad", "motor", "rotor angle since the start of the trial", (-10000.0, 10000.0)
+        "rad", "motor", "rotor angle, whole turns counted from the start", (-10000.0, 10000.0)
     ),
     "motor.load_torque": Signal(
         "N·m", "motor", "tendon's torque r·F/G seen by the rotor", (-1.0, 1.0)

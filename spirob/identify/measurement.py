@@ -1,6 +1,7 @@
 """A measured trial in the form in which the model can play it again."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ class Measurement:
     """Signals of one trial, (T, 2) for the left and right motor, and what was played.
 
     current [A], displacement [m], velocity [m/s] as the drives reported them, raw
+    first_angle  of the rotors when the trial began [rad], where the log tells
     """
 
     name: str
@@ -26,6 +28,7 @@ class Measurement:
     velocity: np.ndarray
     schedule: Schedule
     scene: Scene
+    first_angle: tuple[float, ...] = (0.0, 0.0)
 
     @property
     def seconds(self) -> np.ndarray:
@@ -44,4 +47,12 @@ class Measurement:
 
         measured = {name: both(name) for name in MEASURED}
         role = str(trace.meta.get("role", "train"))
-        return cls(trace.name, role, **measured, schedule=schedule_of(trace), scene=scene_of(trace))
+        angle: Any = trace.meta.get("first_angle") or {}
+        return cls(
+            trace.name,
+            role,
+            **measured,
+            schedule=schedule_of(trace),
+            scene=scene_of(trace),
+            first_angle=tuple(float(angle.get(motor, 0.0)) for motor in MOTORS),
+        )

@@ -5,6 +5,7 @@ import numpy as np
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
+    COUNTS_PER_TURN,
     FEEDBACK_ID,
     decode_feedback_array,
 )
@@ -31,6 +32,7 @@ class Cycles:
         self.time_ns = stamps[0] + np.arange(self.count, dtype=np.int64) * CYCLE_NS
         self._asked_held, empty, _ = hold(self._rows, self.count)
         self.counts: dict[str, int] = {"empty_cycles": empty}
+        self.first_angle: dict[str, float] = {}  # of each rotor [rad], in [0, 2π)
 
         sent = raw["id"] == COMMAND_ID
         sent_at = raw["stamp_ns"][sent]
@@ -57,6 +59,7 @@ class Cycles:
         self.counts |= {f"{motor}.missing": missing, f"{motor}.duplicate": duplicate}
         said = decode_feedback_array(self._raw["data"][mine])
         turned = unwrap(said["angle"])[held]
+        self.first_angle[motor] = float(turned[0] % COUNTS_PER_TURN) * (2 * np.pi / COUNTS_PER_TURN)
         return {
             "current": said["current"][held] * AMPERE_PER_COUNT,
             "displacement": (turned - turned[0]) * transmission.metre_per_count,

@@ -84,6 +84,7 @@ def _trace(where: str, content: Content) -> Trace:
         "about": content.metadata.get(ABOUT, {}),
         "frames": {"malformed": dropped, **cycles.counts},
         "torn": content.torn,
+        "first_angle": cycles.first_angle,
     }
     return Trace(str(trial["name"]), cycles.time_ns, signals, units, meta)
 

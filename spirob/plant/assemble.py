@@ -20,6 +20,7 @@ from types import ModuleType
 
 from spirob.control import law
 from spirob.effects import Effect
+from spirob.effects.individual import SUFFIX, differences
 from spirob.errors import EffectError
 from spirob.plant import electrics, loop, tendon, weight, winch
 from spirob.ports import PORTS
@@ -41,7 +42,7 @@ LOCALS = {  # signal -> expression in the loop, valid at every port that may rea
     "motor.command": "command[m]",
     "motor.current": "current[m]",
     "motor.speed": "(gear * rate[m] / radius_now[m])",
-    "motor.angle": "(gear * turned[m])",
+    "motor.angle": "(gear * turned[m] + first_angle[m])",
     "motor.load_torque": "(radius_now[m] * tension[m] / gear)",
     "motor.power": "current[m] * (p[P_motor_resistance] * current[m]"
     " + p[P_motor_emf_constant] * gear * rate[m] / radius_now[m])",
@@ -157,12 +158,12 @@ def _call(
     arguments = {"upstream": variable, "dt": STEP_LENGTH[port.every], **cells}
     expressions = LOCALS | PROBED if probed else LOCALS
     arguments |= {a: expressions[signal] for a, signal in effect.reads.items()}
-    arguments |= {f: f"p[{names.index(f'{effect.name()}.{f}')}]" for f in effect.parameters()}
+    arguments |= {f: _number(effect, f, names) for f in effect.parameters()}
     call = f"kernel_{effect.name()}({', '.join(arguments[a] for a in effect.arguments())})"
     # an absent effect costs one comparison
+    absent = {**effect.neutral, **dict.fromkeys(differences(effect), 0.0)}
     guard = " or ".join(
-        f"p[{names.index(f'{effect.name()}.{f}')}] != {float(v)!r}"
-        for f, v in effect.neutral.items()
+        f"p[{names.index(f'{effect.name()}.{f}')}] != {float(v)!r}" for f, v in absent.items()
     )
     add = "+=" if port.combine == "sum" else "="
     if not cells:
@@ -174,6 +175,13 @@ def _call(
     when = "probe == 0" if probed else "cycle < cycles" if port.every == "cycle" else ""
     lines += [f"if {when}:", *("    " + line for line in store)] if when else store
     return [f"if {guard}:", *("    " + line for line in lines)]
+
+
+def _number(effect: type[Effect], field: str, names: Sequence[str]) -> str:
+    value = f"p[{names.index(f'{effect.name()}.{field}')}]"
+    if field + SUFFIX not in differences(effect):
+        return value
+    return f"({value} + side[m] * p[{names.index(f'{effect.name()}.{field}{SUFFIX}')}])"
 
 
 @cache

@@ -84,6 +84,7 @@ def run(
     begun = state[15]  # cycles played so far, in its first entry
     reading_error = state[16]  # of the reported length [m]; its rate is that of the velocity
     extra_length = state[17]  # by which the tendon has grown [m]
+    first_angle = state[18]  # of the rotor when the trial began [rad]
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
     demand = np.zeros(motors)

@@ -74,7 +74,15 @@ class Arm(Numbers):
         1.5, 0.5, 3.5, "1", "e", "stiffness falls as size to this power", DESIGN
     )
     damping_time: float = bounded(
-        0.02, 1e-3, 0.4, "s", "τ_d", "damping over stiffness of each hinge", DESIGN, log=True
+        0.02,
+        1e-3,
+        0.4,
+        "s",
+        "τ_d",
+        "damping over stiffness of each hinge",
+        DESIGN,
+        log=True,
+        times="arm.base_stiffness",
     )
     density: float = bounded(
         540.0, 50.0, 3000.0, "kg/m³", "ρ", "TPU 1200 kg/m³ at 45 % fill", DESIGN, log=True

@@ -9,6 +9,7 @@ import numpy as np
 
 from spirob.control.schedule import Schedule
 from spirob.effects import Effect
+from spirob.effects.individual import differences
 from spirob.errors import SimulationError
 from spirob.geometry import SpiralArm, spiral_arm
 from spirob.parameter import Table
@@ -20,7 +21,7 @@ from spirob.robot import CYCLE_NS, Scene
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
-STATE_ROWS = 18  # see `loop.run`
+STATE_ROWS = 19  # see `loop.run`
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -68,26 +69,40 @@ class Plant:
         self.effects = list(effects)
         self.substeps = substeps
         owners = [*rig.parts(), *((e.name(), e(**e.neutral)) for e in self.effects)]
-        self.table = Table(owners)
+        own = {f"{e.name()}.{f}": a for e in effects for f, a in differences(e).items()}
+        self.table = Table(owners).joined(own)
         self.geometry = spiral_arm(rig.units)
         self._run = assemble(self.effects, self.table.names)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])
         self._guides = _guides(self.geometry)
 
     def simulate(
-        self, schedule: Schedule, scene: Scene, changes: Mapping[str, float] | None = None
+        self,
+        schedule: Schedule,
+        scene: Scene,
+        changes: Mapping[str, float] | None = None,
+        first_angle: Sequence[float] | np.ndarray = (0.0, 0.0),
     ) -> Response:
         """Play a schedule from rest; `changes` replaces parameters by name, `owner.field`.
+
+        first_angle  of the rotors [rad], for what depends on where in a turn they stand
 
         Deterministic: the same arguments give the same bits.  Raises SimulationError naming the
         cycle when a state becomes non-finite, ConfigError on an unknown parameter.
         """
-        whole = self.start(scene, changes).play(schedule)
+        whole = self.start(scene, changes, first_angle).play(schedule)
         return Response(*(getattr(whole, f.name)[:-1] for f in fields(Response)))
 
-    def start(self, scene: Scene, changes: Mapping[str, float] | None = None) -> "Session":
+    def start(
+        self,
+        scene: Scene,
+        changes: Mapping[str, float] | None = None,
+        first_angle: Sequence[float] | np.ndarray = (0.0, 0.0),
+    ) -> "Session":
         """The model at rest, arm straight, tendons just taut, to be played piece by piece."""
-        return Session(self, scene, self.table.vector(changes))
+        session = Session(self, scene, self.table.vector(changes))
+        session.rotors_at(first_angle)
+        return session
 
     def _gains(self) -> np.ndarray:
         g = self.rig.gains
@@ -124,6 +139,10 @@ class Session:
         self._pull, self._solved = np.zeros((2, hinges)), np.zeros((2, hinges))
         drive_rate = p[plant.table.position("drive.rate")]
         self._drive_steps = max(1, round(self._step * drive_rate))
+
+    def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
+        """Say where in a turn the rotors stand at the start [rad]."""
+        self._state[-1] = angle
 
     def play(self, schedule: Schedule) -> Response:
         """Play a schedule; the response has one row more than it, the state at its end."""

@@ -8,14 +8,12 @@ import pytest
 from spirob.effects import Effect
 from spirob.effects.discovery import all_effects
 from spirob.errors import EffectError
-from spirob.parameter import Table
-from spirob.plant import Rig, assemble, loop
+from spirob.plant import Plant, Rig, assemble, loop
 from spirob.ports import PORTS
 
 
 def _generated(effects):
-    owners = [*Rig().parts(), *((e.name(), e(**e.neutral)) for e in effects)]
-    return assemble.generate(effects, Table(owners).names)
+    return assemble.generate(effects, Plant(Rig(), effects).table.names)
 
 
 IN_THE_LOOP = [n for n, e in all_effects().items() if PORTS[e.port].every != "once"]
