@@ -23,8 +23,8 @@ def stage(root: Path) -> None:
     settings = config.identify
     begin = best_start(train, names, begin, settings.scale, settings.starts)
     found, vague = fit_identifiable(train, names, begin, settings.scale, settings.iterations, tell)
-    measured = train.measured()
-    quality = score(measured, measured + found.residual).as_dict() | {"unit": "A"}
+    measured = train.measured()[train.rows]
+    quality = score(measured, measured + found.residual[train.rows]).as_dict() | {"unit": "A"}
     sentence = gate.sentence
     if vague:
         sentence += f" Left at nominal, because the data do not tell: {', '.join(vague)}."

@@ -50,5 +50,6 @@ def residual(root: Path, config: Config, model: Plant, role: str) -> Residual:
         measurements(root, config, role),
         Filter(**settings.filter.model_dump()),
         settings.current,
+        settings.length,
         workers(),
     )

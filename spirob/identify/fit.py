@@ -2,10 +2,11 @@
 
     p* = argmin Σ ρ((e_model(p) - e_measured)/s),   ρ(z) = 2(√(1+z²) - 1),   p in its bounds
 
-(paper, eq. ident), e being the effort in its own unit.  Parameters that span decades move
-on a logarithmic scale; every one is scaled to its own size.  Intervals come from the sandwich
-estimator with blocks of half a second as clusters, because residuals of a simulation are
-autocorrelated and a plain covariance would be too narrow by a factor of several.
+(paper, eq. ident), e being the effort in its own unit.  It moves in the coordinates of `scaling`,
+and is held by a weak anchor where the data say nothing (`descent`).  Intervals come from the
+sandwich estimator with blocks of half a second as clusters, because residuals of a simulation are
+autocorrelated and a plain covariance would be too narrow by a factor of several; the anchor has no
+part in them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,14 +17,22 @@ import numpy as np
 from scipy import optimize
 from scipy.stats import qmc
 
-from spirob.identify.problem import Problem
+from spirob.identify.descent import Anchor, Descent, descend, robust_cost
+from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
 
 # Steps of the differences, of the scaled parameter: first wide, which looks over the ripple that
-# slack and contact put on the error (from a stiffness half the true one, a step of 0.003 or 0.01
-# stays there, 0.03 finds the truth in 9 evaluations), then narrow.
-STEPS = (3e-2, 3e-3)
-SETTLED = 1e-3  # relative fall of the cost in a step that ends the fit: 0.05 % of the RMS
+# slack and contact put on the error, and may be, because the current is nearly linear.  From three
+# starts up to four times off, 0.03 ends in a valley each time, 0.1 once, 0.3 finds the truth in
+# 13 to 21 evaluations.
+STEPS = (0.3, 0.03)
+EXACT = 3e-3  # step of the differences for intervals
+SETTLED = 2e-3  # relative fall of the cost in a step that ends the fit: 0.1 % of the RMS
+ANCHOR = 0.5  # relative width of what the data sheet says of a number, at one deviation
+FLOOR = 0.01  # of the effort's RMS: how well a model of a real machine may be expected to fit
+INDEPENDENT = 10  # samples of the residual that say the same thing
+WALKERS = 2  # of the spread starts, that walk down beside the given one
 DECADE = 10.0  # an interval that wide says nothing
 
 
@@ -56,32 +65,6 @@ class Fit:
     evaluations: int
 
 
-class Scaling:
-    """Between physical values and scaled coordinates: u = ln(p/p_0), or (p - p_0)/size."""
-
-    def __init__(self, table: Table, names: Sequence[str]):
-        self.names = list(names)
-        about = [table.about[name] for name in names]
-        self.log = np.array([a.log for a in about])
-        self._nominal = np.array([a.nominal for a in about])
-        span = np.array([a.high - a.low for a in about])
-        size = np.where(self._nominal != 0, np.abs(self._nominal), 0.1 * span)
-        self._size = np.minimum(size, span)
-        self.low = self.scaled({n: a.low for n, a in zip(names, about, strict=True)})
-        self.high = self.scaled({n: a.high for n, a in zip(names, about, strict=True)})
-
-    def scaled(self, values: Mapping[str, float]) -> np.ndarray:
-        """Coordinates of physical values."""
-        p = np.array([values[n] for n in self.names])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.log, np.log(p / self._nominal), (p - self._nominal) / self._size)
-
-    def physical(self, u: np.ndarray) -> dict[str, float]:
-        """Physical values of coordinates."""
-        p = np.where(self.log, self._nominal * np.exp(u), self._nominal + u * self._size)
-        return {n: float(v) for n, v in zip(self.names, p, strict=True)}
-
-
 def fit(
     residual: Problem,
     names: Sequence[str],
@@ -92,25 +75,26 @@ def fit(
     steps: Sequence[float] = STEPS,
     exact: bool = True,
     smooth: bool = False,
+    slopes: np.ndarray | None = None,
 ) -> Fit:
     """Fit the named parameters, starting from `start` (which may hold other changes too).
 
     scale       s of the robust loss, in the unit of the residual: beyond it, errors count linearly
-    iterations  at most, for each of the steps
+    iterations  sets of differences at most, for each of the steps
     steps       of the differences, one search with each;  exact  intervals from central
                 differences at the optimum; otherwise from the last slopes of the search, for a fit
                 that only has to be compared
     smooth      the residual is smooth and cheap, as an inverse model's is: walk to its very optimum
                 by trust regions, from far away too, instead of stopping where the cost settles
+    slopes      derivatives at the start by the coordinates of `Scaling`, where they are known
     """
     table = residual.table
     scaling = Scaling(table, names)
     fixed = {k: v for k, v in start.items() if k not in names}
     complete = {n: start.get(n, float(table.values[table.position(n)])) for n in names}
-    margin = 1e-3 * (scaling.high - scaling.low)
+    margin = 1e-3 * (scaling.high - scaling.low) if smooth else 0.0
     u0 = np.clip(scaling.scaled(complete), scaling.low + margin, scaling.high - margin)
     known: dict[bytes, np.ndarray] = {}
-    slopes = np.zeros((0, 0))
 
     def value(u: np.ndarray) -> np.ndarray:
         if (done := known.get(u.tobytes())) is not None:
@@ -121,36 +105,75 @@ def fit(
         progress(f"evaluation {len(known)}: RMS residual {residual.effort.shown(size)}")
         return out
 
-    def search(u: np.ndarray, step: float) -> optimize.OptimizeResult:
-        def jacobian(at: np.ndarray) -> np.ndarray:
-            nonlocal slopes
-            slopes = _slopes(residual, scaling, at, fixed, value(at), step)
-            return slopes
+    if smooth:
+        found = _to_the_optimum(residual, scaling, value, u0, fixed, scale, iterations, steps[-1])
+    else:
+        anchor = anchor_of(residual, scaling)
+        for step in steps:
 
-        return optimize.least_squares(
-            value,
-            u,
-            jac=jacobian,
-            method="trf" if smooth else "dogbox",
-            x_scale=1.0 if smooth else "jac",
-            bounds=(scaling.low, scaling.high),
-            loss="soft_l1",
-            f_scale=scale,
-            max_nfev=iterations,
-            xtol=1e-4,
-            ftol=1e-4 if smooth else SETTLED,
-            gtol=1e-10,
-        )
+            def differ(u: np.ndarray, at: np.ndarray, step: float = step) -> np.ndarray:
+                return _slopes(residual, scaling, u, fixed, at, step)
 
-    for step in steps:
-        found = search(u0, step)
-        u0 = np.asarray(found.x)
-    at_optimum = value(u0)
-    jacobian = differences(residual, scaling, u0, fixed) if exact else slopes
-    covariance = block_covariance(jacobian, at_optimum, residual.edges, scale, residual.block)
-    estimates = _estimates(scaling, u0, covariance, table)
-    changes = {**fixed, **scaling.physical(u0)}
-    return Fit(changes, estimates, at_optimum, jacobian, float(found.cost), len(known))
+            found = descend(
+                value,
+                differ,
+                u0,
+                (scaling.low, scaling.high),
+                scale,
+                iterations,
+                SETTLED,
+                anchor,
+                slopes,
+            )
+            u0, slopes = found.u, None
+    jacobian = differences(residual, scaling, found.u, fixed) if exact else found.slopes
+    covariance = block_covariance(jacobian, found.residual, residual.edges, scale, residual.block)
+    estimates = _estimates(scaling, found.u, covariance, table)
+    changes = {**fixed, **scaling.physical(found.u)}
+    return Fit(changes, estimates, found.residual, jacobian, found.cost, len(known))
+
+
+def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
+    """Where the data say nothing, the data sheet does: numbers nominal, effects absent."""
+    table = residual.table
+    values = {n: float(table.values[table.position(n)]) for n in scaling.names}
+    noise = FLOOR * effort_rms(residual) * np.sqrt(INDEPENDENT)
+    return Anchor(scaling.scaled(values), ANCHOR, noise)
+
+
+def _to_the_optimum(
+    residual: Problem,
+    scaling: Scaling,
+    value: Callable[[np.ndarray], np.ndarray],
+    start: np.ndarray,
+    fixed: Mapping[str, float],
+    scale: float,
+    iterations: int,
+    step: float,
+) -> Descent:
+    """A smooth and cheap problem, by trust regions."""
+    slopes = np.zeros((0, 0))
+
+    def jacobian(at: np.ndarray) -> np.ndarray:
+        nonlocal slopes
+        slopes = _slopes(residual, scaling, at, fixed, value(at), step)
+        return slopes
+
+    found = optimize.least_squares(
+        value,
+        start,
+        jac=jacobian,
+        method="trf",
+        bounds=(scaling.low, scaling.high),
+        loss="soft_l1",
+        f_scale=scale,
+        max_nfev=iterations,
+        xtol=1e-4,
+        ftol=1e-4,
+        gtol=1e-10,
+    )
+    u = np.asarray(found.x)
+    return Descent(u, value(u), slopes, float(found.cost))
 
 
 def best_start(
@@ -161,22 +184,37 @@ def best_start(
     count: int,
     seed: int = 0,
 ) -> dict[str, float]:
-    """The best of `start` and `count` points spread around it, by the robust loss.
+    """The best of `start` and `count` points spread around it.
 
     An arm whose antagonist goes slack or buckles has valleys from which no slope leads out, so a
-    fit from one start is not to be trusted.  Points are a scrambled Sobol set over a factor of
-    three (half the range for numbers that are not logarithmic), cut to the bounds.
+    fit from one start is not to be trusted; nor is the point of least cost, which may lie in one.
+    So `start` and the two best points walk down a little, and the lowest of them is taken.  Points
+    are a scrambled Sobol set over a factor of three (half the range for numbers that do not span
+    decades), cut to the bounds.
     """
     table = residual.table
-    scaling = Scaling(table, names)
-    values = dict(zip(table.names, table.values, strict=True)) | dict(start)
-    middle = scaling.scaled(values)
-    reach = np.where(scaling.log, np.log(3.0), 0.25 * (scaling.high - scaling.low))
+    values = dict(zip(table.names, table.values.tolist(), strict=True)) | dict(start)
     spread = qmc.Sobol(len(names), rng=seed).random(count) * 2.0 - 1.0
-    points = [middle, *np.clip(middle + spread * reach, scaling.low, scaling.high)]
-    tried = [{**start, **scaling.physical(u)} for u in points]
-    costs = [float(np.sum(np.sqrt(1.0 + (r / scale) ** 2))) for r in residual.many(tried)]
-    return tried[int(np.argmin(costs))]
+    tried = [{**start, **{n: values[n] for n in names}}]
+    for point in spread:
+        tried.append({**start, **_spread(table, values, names, point)})
+    costs = [robust_cost(r, scale) for r in residual.many(tried)]
+    chosen = [0, *(1 + np.argsort(costs[1:], kind="stable")[:WALKERS])]
+    walked = [
+        fit(residual, names, tried[k], scale, 1, steps=STEPS[:1], exact=False) for k in chosen
+    ]
+    return min(walked, key=lambda f: f.cost).changes
+
+
+def _spread(
+    table: Table, values: Mapping[str, float], names: Sequence[str], point: np.ndarray
+) -> dict[str, float]:
+    found = {}
+    for name, shift in zip(names, point, strict=True):
+        about, value = table.about[name], values[name]
+        moved = value * 3.0**shift if about.log else value + 0.25 * (about.high - about.low) * shift
+        found[name] = float(np.clip(moved, about.low, about.high))
+    return found
 
 
 def fit_identifiable(
@@ -214,7 +252,7 @@ def differences(
     scaling: Scaling,
     u: np.ndarray,
     fixed: Mapping[str, float],
-    step: float = STEPS[-1],
+    step: float = EXACT,
 ) -> np.ndarray:
     """Central differences of the residual by the scaled parameters, (samples, parameters).
 
@@ -273,13 +311,14 @@ def block_covariance(
 def _estimates(
     scaling: Scaling, u: np.ndarray, covariance: np.ndarray, table: Table
 ) -> dict[str, Estimate]:
-    deviation = 1.96 * np.sqrt(np.maximum(0.0, np.diag(covariance)))
     values = scaling.physical(u)
-    low = scaling.physical(np.maximum(u - deviation, scaling.low))
-    high = scaling.physical(np.minimum(u + deviation, scaling.high))
-    near = 1e-3 * (scaling.high - scaling.low)
-    bound = (u <= scaling.low + near) | (u >= scaling.high - near)
-    return {
-        n: Estimate(values[n], low[n], high[n], table.about[n].unit, bool(bound[k]))
-        for k, n in enumerate(scaling.names)
-    }
+    low, high = scaling.spread(u, covariance)
+    found = {}
+    for k, name in enumerate(scaling.names):
+        about, value = table.about[name], values[name]
+        near = 1e-3 * (about.high - about.low)
+        bound = value <= about.low + near or value >= about.high - near
+        if about.log:
+            bound = value <= 1.005 * about.low or value >= 0.995 * about.high
+        found[name] = Estimate(value, float(low[k]), float(high[k]), about.unit, bound)
+    return found

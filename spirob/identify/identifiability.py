@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.identify.fit import Scaling, differences
-from spirob.identify.problem import Problem
+from spirob.identify.fit import differences
+from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.scaling import Scaling
 
 SILENT = 2e-6  # of the effort's RMS per relative change: far below the resolution of any drive
 WEAK = 1e-2  # a direction this much weaker than the strongest is called weak
@@ -36,7 +37,7 @@ def probe(residual: Problem, names: Sequence[str], start: Mapping[str, float]) -
     fixed = {k: v for k, v in start.items() if k not in names}
     jacobian = differences(residual, scaling, scaling.scaled(values), fixed)
     strength = np.sqrt(np.mean(jacobian**2, axis=0))
-    least = SILENT * float(np.sqrt(np.mean(residual.measured() ** 2)))
+    least = SILENT * effort_rms(residual)
     silent = [n for n, s in zip(names, strength, strict=True) if s < least]
     _, singular, rows = np.linalg.svd(jacobian, full_matrices=False)
     weakest = {n: float(c) for n, c in zip(names, rows[-1], strict=True)}

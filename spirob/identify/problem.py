@@ -49,6 +49,7 @@ class Stretch:
     effort    as measured
     still     speed below which the axis counts as standing, in the unit of velocity
     forward, backward    what the two directions are called
+    angle     of the rotor [rad], where it is known
     """
 
     trial: str
@@ -60,6 +61,7 @@ class Stretch:
     still: float
     forward: str
     backward: str
+    angle: np.ndarray | None = None
 
 
 class Problem(Protocol):
@@ -67,11 +69,14 @@ class Problem(Protocol):
 
     table    all numbers of the model, effects at their neutral ones
     edges    (trials + 1,) where each trial begins and ends in the residual
+    rows     (N,) which samples are of the effort itself; others are of further signals, weighted
+             to its unit: they help to decide, and do not count in a score
     block    samples over which the residual is correlated at most: the block of resampling
     effort   name and unit of the residual
     """
 
     edges: np.ndarray
+    rows: np.ndarray
 
     @property
     def table(self) -> Table:
@@ -86,7 +91,7 @@ class Problem(Protocol):
         """Name and unit of what is compared."""
 
     def measured(self) -> np.ndarray:
-        """The measured effort in the order of the residual, (N,)."""
+        """What was measured, in the order of the residual, (N,)."""
 
     def __call__(self, changes: Mapping[str, float]) -> np.ndarray:
         """Model minus measurement with some numbers changed, (N,)."""
@@ -102,3 +107,8 @@ class Problem(Protocol):
 
     def filter(self, values: np.ndarray) -> np.ndarray:
         """What the residual's filter leaves of an unfiltered signal, same length."""
+
+
+def effort_rms(problem: Problem) -> float:
+    """RMS of the measured effort itself, in its unit."""
+    return float(np.sqrt(np.mean(problem.measured()[problem.rows] ** 2)))

@@ -70,6 +70,7 @@ class InverseProblem:
         self._known: dict[tuple[object, ...], np.ndarray] = {}
         self._measured = self._thin(self._smooth(self._motion.effort))
         self.edges = np.cumsum([0, *(len(rows) for rows in self._by_recording())])
+        self.rows = np.ones(int(self.edges[-1]), dtype=bool)
 
     @cached_property
     def table(self) -> Table:

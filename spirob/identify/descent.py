@@ -1,0 +1,133 @@
+"""Bounded Gauss-Newton for a residual of which every evaluation is a simulation of all trials.
+
+Between two sets of finite differences the derivatives are corrected with what each step has shown
+(Broyden, Math. Comp. 19, 1965), so that a step costs one evaluation instead of one for each number.
+In directions in which the data hold little, the numbers are held where they began by a weak anchor;
+without it η, b_m, J_m and the stiffness drift together to a bound, which hides what is missing.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+STEPS_BETWEEN = 6  # between two sets of differences
+SHORTEST = 0.02  # a step cut below this share of the reach ends the walk
+REACH = 1.5  # of a shortened step, of the coordinates, times the share
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """Σ((u - place)/width)² is added to the squared residual over noise².
+
+    place   coordinates that the data have to argue against
+    width   by how much at one standard deviation
+    noise   residual of one independent sample that counts as one, in its unit
+    """
+
+    place: np.ndarray
+    width: float
+    noise: float
+
+    def cost(self, u: np.ndarray) -> float:
+        """In the unit of `robust_cost`."""
+        return 0.5 * float(np.sum(((u - self.place) * self._weight) ** 2))
+
+    @property
+    def _weight(self) -> float:
+        return self.noise / self.width
+
+    def rows(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the linear problem and their residual."""
+        return self._weight * np.eye(len(u)), self._weight * (u - self.place)
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Where it ended: coordinates, residual there, last derivatives, cost without the anchor."""
+
+    u: np.ndarray
+    residual: np.ndarray
+    slopes: np.ndarray
+    cost: float
+
+
+def robust_cost(residual: np.ndarray, scale: float) -> float:
+    """Σρ(r/s)·s²/2 with ρ(z) = 2(√(1+z²) - 1)."""
+    square = (residual / scale) ** 2
+    return float(np.sum(square / (np.sqrt(1.0 + square) + 1.0)) * scale**2)  # no cancellation
+
+
+def linear_step(
+    residual: np.ndarray,
+    slopes: np.ndarray,
+    bounds: tuple[np.ndarray, np.ndarray],
+    scale: float,
+    anchor: tuple[np.ndarray, np.ndarray] | None = None,
+) -> np.ndarray:
+    """argmin Σ w (r + J d)² within bounds on d, w being the weights of the robust loss at r."""
+    weight = (1.0 + (residual / scale) ** 2) ** -0.25
+    rows, target = slopes * weight[:, None], -residual * weight
+    if anchor is not None:
+        rows, target = np.vstack([rows, anchor[0]]), np.append(target, -anchor[1])
+    low, high = np.minimum(bounds[0], -1e-9), np.maximum(bounds[1], 1e-9)
+    # the triangular factor has the same solution, and is as small as the numbers are few
+    orthogonal, triangle = np.linalg.qr(rows)
+    return np.asarray(lsq_linear(triangle, orthogonal.T @ target, (low, high), "bvls").x)
+
+
+def descend(
+    value: Callable[[np.ndarray], np.ndarray],
+    differences: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    start: np.ndarray,
+    box: tuple[np.ndarray, np.ndarray],
+    scale: float,
+    rounds: int,
+    settled: float,
+    anchor: Anchor | None = None,
+    slopes: np.ndarray | None = None,
+) -> Descent:
+    """Walk down from `start` until a fresh set of derivatives gains less than `settled`.
+
+    value        residual at u;  differences  its derivatives at (u, residual there)
+    box          lowest and highest u
+    rounds       sets of differences at most
+    slopes       derivatives at the start, where they are known already
+    """
+    u, residual = start, value(start)
+    cost = robust_cost(residual, scale) + (anchor.cost(u) if anchor else 0.0)
+    share = 1.0
+    for k in range(rounds):
+        if slopes is None or k > 0:
+            slopes = differences(u, residual)
+        before = cost
+        for _ in range(STEPS_BETWEEN):
+            low, high = box[0] - u, box[1] - u
+            if share < 1.0:
+                reach = REACH * share * np.maximum(1.0, np.abs(u))
+                low, high = np.maximum(low, -reach), np.minimum(high, reach)
+            rows = anchor.rows(u) if anchor else None
+            moved = np.clip(
+                u + linear_step(residual, slopes, (low, high), scale, rows), box[0], box[1]
+            )
+            step = moved - u
+            seen = value(moved)
+            reached = robust_cost(seen, scale) + (anchor.cost(moved) if anchor else 0.0)
+            length = float(step @ step)
+            if length > 0.0:
+                slopes = slopes + np.outer(seen - residual - slopes @ step, step) / length
+            if reached < cost:
+                gain = 1.0 - reached / cost
+                u, residual, cost, share = moved, seen, reached, min(1.0, 3.0 * share)
+                if gain < settled:
+                    break
+            else:
+                share /= 4.0
+                if share < SHORTEST:
+                    break
+        if cost > (1.0 - 3.0 * settled) * before:
+            break
+        share = max(share, 0.25)
+    assert slopes is not None
+    return Descent(u, residual, slopes, robust_cost(residual, scale))
