@@ -31,7 +31,7 @@ def stage(root: Path) -> None:
     verdict = judge(search, residuals["validate"], settings)
     base = search.rungs[0].fit
     effort = residuals["train"].effort
-    regimes = atlas(residuals["train"], base.residual)
+    regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
     written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort)
     last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
     write_json(root / "data/diagnosis/diagnosis.json", written)

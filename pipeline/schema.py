@@ -73,7 +73,8 @@ class Identify(Strict):
     parameters: list[str] = Field(min_length=1)
     current: Literal["current", "arm_current"] = "current"
     scale: float = Field(0.05, gt=0)
-    iterations: int = Field(20, ge=1, le=1000)
+    length: float = Field(5.0, ge=0)
+    iterations: int = Field(8, ge=1, le=1000)
     starts: int = Field(16, ge=0, le=4096)
     filter: FilterConfig = FilterConfig()
 
@@ -82,12 +83,13 @@ class Diagnose(Strict):
     """The search for missing effects."""
 
     candidates: list[str] = []
-    finalists: int = Field(3, ge=1, le=100)
+    finalists: int = Field(4, ge=1, le=100)
     rounds: int = Field(2, ge=0, le=10)
-    floor: float = Field(0.025, gt=0, lt=1)
+    floor: float = Field(0.008, gt=0, lt=1)
     confidence: float = Field(0.9, gt=0.5, le=1)
-    iterations: int = Field(5, ge=1, le=1000)
-    patience: int = Field(15, ge=1, le=1000)
+    explained: float = Field(0.5, ge=0, le=1)
+    iterations: int = Field(2, ge=1, le=1000)
+    patience: int = Field(6, ge=1, le=1000)
     seed: int = Field(0, ge=0)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from spirob.diagnose.atlas import Regime, worst
-from spirob.diagnose.ladder import Confirmed, Rung, Search, parameters_of
+from spirob.diagnose.ladder import Confirmed, Rung, Search, label, parameters_of
 from spirob.diagnose.verdict import Verdict
 from spirob.identify.problem import Effort
 
@@ -28,7 +28,7 @@ def document(
             {
                 "name": effect.name(),
                 "title": effect.title,
-                "probability": _probability(search, k, effect.name()),
+                "probability": _probability(search, effect.name()),
                 "equivalents": verdict.rivals if k == 0 else [],
                 "parameters": _numbers(last, parameters_of(effect)),
             }
@@ -59,9 +59,15 @@ def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:
     }
 
 
-def _probability(search: Search, step: int, name: str) -> float:
-    found = {c.effect.name(): c.probability for c in search.rounds[step]}
-    return found[name]
+def _probability(search: Search, name: str) -> float:
+    """How often the candidate that brought the effect in won its round."""
+    rates = [
+        c.probability
+        for tried in search.rounds
+        for c in tried
+        if name in (e.name() for e in c.effects)
+    ]
+    return max(rates, default=0.0)
 
 
 def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:
@@ -74,18 +80,19 @@ def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:
             "unit": estimates[n].unit,
         }
         for n in names
+        if n in estimates
     }
 
 
 def _candidate(found: Confirmed) -> dict[str, Any]:
     return {
-        "name": found.effect.name(),
-        "title": found.effect.title,
+        "name": label(found.effects),
+        "title": " and ".join(e.title for e in found.effects),
         "probability": found.probability,
         "train_rmse": found.scores["train"].rmse,
         "validate_rmse": found.scores["validate"].rmse,
         "heldout_rmse": found.scores["heldout"].rmse,
-        "screen_gain": found.screened.gain,
+        "screen_gain": found.gain,
     }
 
 

@@ -1,24 +1,29 @@
 """The search: screen, confirm in full simulation, add the best, refit everything, repeat.
 
 Fits use the training trials, decisions the validation trials; the held-out trials are only
-reported.
+reported.  A candidate is added only if the rung below, fitted again from the candidate's own
+numbers, does not do as well; of candidates that do about equally well the simplest is added; where
+none helps alone, pairs are tried; and once two are in, each has to be needed beside the other.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 
 import numpy as np
 
 from spirob.diagnose.evidence import block_errors, improvement, win_rates
-from spirob.diagnose.screen import Screened, screen
+from spirob.diagnose.screen import Screened, amplitudes, screen
 from spirob.effects import Effect
+from spirob.effects.individual import differences
 from spirob.identify.fit import STEPS, Fit, fit, fit_identifiable
-from spirob.identify.problem import Effort, Problem
+from spirob.identify.problem import Effort, Problem, effort_rms
 from spirob.score import Score, score
 
 ROLES = ("train", "validate", "heldout")
-RESTARTS = 2  # times that a rung may be fitted again from a candidate's numbers
-CLEARLY = 0.05  # relative fall of the cost that makes such a fit the better one
+CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
+PAIRED = 3  # candidates of which pairs are tried
+REST = 2.0  # floors: an error below that is not searched any further
 
 
 @dataclass(frozen=True)
@@ -30,26 +35,32 @@ class Settings:
     rounds       effects added at most
     floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
     confidence   an effect is named when it wins this share of resampled validation errors
-    iterations   of the fit of a finalist; the winner is then fitted to the end
-    patience     iterations of such a last fit, and of the fit of the parameters alone
+    explained    least share of the squared error above the floor that named effects account for;
+                 with less, something else is missing
+    iterations   sets of differences in the fit of a finalist
+    patience     sets of differences in a last fit, and in the fit of the parameters alone
     """
 
     scale: float = 0.05
-    finalists: int = 3
+    finalists: int = 4
     rounds: int = 2
-    floor: float = 0.025
+    floor: float = 0.008
     confidence: float = 0.9
-    iterations: int = 5
-    patience: int = 15
+    explained: float = 0.5
+    iterations: int = 2
+    patience: int = 6
     seed: int = 0
 
 
 @dataclass(frozen=True)
 class Confirmed:
-    """A candidate after a full refit; errors are mean squares by block on validation trials."""
+    """Candidates after a full refit; errors are mean squares by block on validation trials.
 
-    effect: type[Effect]
-    screened: Screened
+    effects  one, or a pair that helps only jointly
+    """
+
+    effects: tuple[type[Effect], ...]
+    gain: float
     fit: Fit
     errors: np.ndarray
     scores: dict[str, Score]
@@ -89,91 +100,134 @@ def climb(
 
     names  parameters fitted at every rung;  start  where their fit begins
     """
-    train = residuals["train"]
-    base, vague = fit_identifiable(train, names, start, settings.scale, settings.patience)
+    train, validate = residuals["train"], residuals["validate"]
+    base, vague = fit_identifiable(
+        train, names, start, settings.scale, settings.patience, steps=STEPS[:1]
+    )
     fitted = [n for n in names if n not in vague]
     search = Search([_rung("fitted parameters", [], base, residuals)], vague=vague)
     progress(f"parameters only: {_line(search.rungs[0].scores, train.effort)}")
-    restarts = 0
-    while len(search.rungs) <= settings.rounds:
+    floor = REST * settings.floor * effort_rms(validate)
+    while len(search.rungs[-1].effects) < settings.rounds:
         rung = search.rungs[-1]
         absent = [c for c in candidates if c not in rung.effects]
-        if not absent:
+        if not absent or (rung.effects and rung.scores["validate"].rmse < floor):
             break
-        ranked = screen(train, rung.fit.residual, rung.fit.jacobian, rung.fit.changes, absent)
+        ranked = screen(train, rung.fit, _names(rung, fitted, train), absent, settings.scale)
         progress("screened: " + ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5]))
         keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]
-        confirmed = [_confirm(s, rung, fitted, residuals, settings, progress) for s in finalists]
-        confirmed = _with_probability(confirmed, rung, settings.seed)
-        passed = bool(confirmed) and counts(confirmed[0], rung, residuals["validate"], settings)
-        if passed and restarts < RESTARTS:
-            again = _without(confirmed[0], rung, residuals, settings)
-            if again is not None:
-                restarts += 1
-                search.rungs[-1] = again
-                progress(
-                    f"the rung below, fitted again from there: {_line(again.scores, train.effort)}"
-                )
-                continue
+        tried = [_confirm([s], rung, residuals, settings, progress) for s in finalists]
+        passed = [c for c in tried if counts(c, rung, validate, settings)]
+        if not passed and not rung.effects and rung.scores["validate"].rmse > floor:
+            pairs = combinations(finalists[:PAIRED], 2)
+            joint = [_confirm(pair, rung, residuals, settings, progress) for pair in pairs]
+            passed = [c for c in joint if counts(c, rung, validate, settings)]
+            tried += passed
+        again = _without(passed, rung, residuals, settings, progress)
+        if again is not None:
+            search.rungs[-1] = rung = again
+            passed = [c for c in passed if counts(c, rung, validate, settings)]
+        ordered = _with_probability(tried, rung, settings)
         search.screened.append(ranked)
-        search.rounds.append(confirmed)
-        if not passed:
+        search.rounds.append(ordered)
+        chosen = next((c for c in ordered if any(c.effects == p.effects for p in passed)), None)
+        if chosen is None:
             break
-        best = _polished(confirmed[0], residuals, settings)
-        label = " + ".join(e.name() for e in [*rung.effects, best.effect])
-        search.rungs.append(
-            Rung(f"+ {label}", [*rung.effects, best.effect], best.fit, best.scores, best.errors)
-        )
+        best = _polished(chosen, residuals, settings)
+        effects = [*rung.effects, *best.effects]
+        grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
+        search.rungs.append(grown)
+        _pruned(search, residuals, settings, progress)
     return search
 
 
+def _names(rung: Rung, fitted: Sequence[str], problem: Problem) -> list[str]:
+    """The numbers of a rung that are fitted along: the model's, and amplitudes of its effects."""
+    return [*fitted, *(n for e in rung.effects for n in amplitudes(e, problem))]
+
+
 def _without(
-    found: Confirmed, rung: Rung, residuals: Mapping[str, Problem], settings: Settings
+    passed: Sequence[Confirmed],
+    rung: Rung,
+    residuals: Mapping[str, Problem],
+    settings: Settings,
+    progress: Callable[[str], None],
 ) -> Rung | None:
-    """The rung fitted again from where the candidate's fit ended, if that is clearly better.
+    """The rung fitted again from where the best candidate's fit ended, if that is clearly better.
 
     An effect must not be named for having led the parameters out of a poor valley.
     """
-    own = parameters_of(found.effect)
-    begin = {k: v for k, v in found.fit.changes.items() if k not in own}
-    names = list(rung.fit.estimates)
-    train = residuals["train"]
-    few, first = settings.iterations, STEPS[:1]
-    again = fit(train, names, begin, settings.scale, few, steps=first, exact=False)
+    if not passed:
+        return None
+    best = min(passed, key=lambda c: float(c.errors.mean()))
+    own = {n for e in best.effects for n in parameters_of(e)}
+    begin = {k: v for k, v in best.fit.changes.items() if k not in own}
+    train, names = residuals["train"], list(rung.fit.estimates)
+    again = fit(
+        train, names, begin, settings.scale, settings.iterations, steps=STEPS[:1], exact=False
+    )
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None
-    limit = settings.patience
-    final = fit(train, names, again.changes, settings.scale, limit, steps=STEPS[-1:])
-    return _rung(rung.label, rung.effects, final, residuals)
+    final = fit(train, names, again.changes, settings.scale, settings.patience, steps=STEPS[:1])
+    found = _rung(rung.label, rung.effects, final, residuals)
+    progress(f"the rung below, fitted again from there: {_line(found.scores, train.effort)}")
+    return found
+
+
+def _pruned(
+    search: Search,
+    residuals: Mapping[str, Problem],
+    settings: Settings,
+    progress: Callable[[str], None],
+) -> None:
+    """Take out of the last rung what is not needed beside the latest effect."""
+    last, train = search.rungs[-1], residuals["train"]
+    for effect in last.effects[:-1]:
+        rest = [e for e in last.effects if e is not effect]
+        own = parameters_of(effect)
+        begin = {k: v for k, v in last.fit.changes.items() if k not in own}
+        names = [n for n in last.fit.estimates if n not in own]
+        lesser = fit(
+            train, names, begin, settings.scale, settings.iterations, steps=STEPS[:1], exact=False
+        )
+        rung = _rung(f"+ {label(rest)}", rest, lesser, residuals)
+        if not _matters(rung.errors, last.errors, residuals["validate"], settings):
+            progress(f"{effect.name()} is not needed any more: {_line(rung.scores, train.effort)}")
+            search.rungs[-1:] = [rung]
+            return
 
 
 def counts(found: Confirmed, rung: Rung, validate: Problem, settings: Settings) -> bool:
     """Whether a candidate is large enough to matter and surely better than the rung below it."""
-    fall = float(rung.errors.mean() - found.errors.mean())
-    size = np.sqrt(max(0.0, fall)) / float(np.sqrt(np.mean(validate.measured() ** 2)))
-    _, low, _ = improvement(rung.errors, found.errors, settings.seed)
-    return bool(size >= settings.floor and low > 0.0)
+    return _matters(rung.errors, found.errors, validate, settings)
+
+
+def _matters(before: np.ndarray, after: np.ndarray, validate: Problem, settings: Settings) -> bool:
+    fall = float(before.mean() - after.mean())
+    size = np.sqrt(max(0.0, fall)) / effort_rms(validate)
+    return bool(size >= settings.floor and improvement(before, after, settings.seed)[1] > 0.0)
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:
-    """Full names of an effect's numbers."""
-    return [f"{effect.name()}.{f}" for f in effect.parameters()]
+    """Full names of an effect's numbers, its motors' differences included."""
+    return [f"{effect.name()}.{f}" for f in [*effect.parameters(), *differences(effect)]]
 
 
 def _confirm(
-    screened: Screened,
+    chosen: Sequence[Screened],
     rung: Rung,
-    fitted: Sequence[str],
     residuals: Mapping[str, Problem],
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Confirmed:
-    effect = screened.effect
-    begin = dict(rung.fit.changes)
-    for name, about in effect.parameters().items():
-        begin[f"{effect.name()}.{name}"] = screened.amplitudes.get(name, about.nominal)
-    names = [*fitted, *(n for e in [*rung.effects, effect] for n in parameters_of(e))]
+    """Fit one candidate, or several jointly, from where the screening left it."""
+    first = chosen[0]
+    names, begin = list(first.names), dict(first.changes)
+    for other in chosen[1:]:
+        names += [n for n in other.names if n not in names]
+        begin = {**other.changes, **begin}
+    slopes = first.slopes if len(chosen) == 1 else None
     found = fit(
         residuals["train"],
         names,
@@ -182,34 +236,48 @@ def _confirm(
         settings.iterations,
         steps=STEPS[:1],
         exact=False,
+        slopes=slopes,
     )
     scores, errors = _scores(found, residuals)
-    progress(f"{effect.name()} added and refitted: {_line(scores, residuals['train'].effort)}")
-    return Confirmed(effect, screened, found, errors, scores)
+    effects = tuple(s.effect for s in chosen)
+    progress(f"{label(effects)} added and refitted: {_line(scores, residuals['train'].effort)}")
+    return Confirmed(effects, first.gain, found, errors, scores)
 
 
 def _polished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
+    """Fitted to the end, its shapes too."""
     names = list(found.fit.estimates)
+    table = residuals["train"].table
+    shapes = [n for e in found.effects for n in parameters_of(e) if n not in names]
+    names += [n for n in shapes if n in table.about]
     begin, limit = found.fit.changes, settings.patience
-    final = fit(residuals["train"], names, begin, settings.scale, limit, steps=STEPS[-1:])
+    final = fit(residuals["train"], names, begin, settings.scale, limit, steps=STEPS[:1])
     scores, errors = _scores(final, residuals)
     return replace(found, fit=final, scores=scores, errors=errors)
 
 
-def _with_probability(confirmed: list[Confirmed], rung: Rung, seed: int) -> list[Confirmed]:
+def _with_probability(
+    confirmed: Sequence[Confirmed], rung: Rung, settings: Settings
+) -> list[Confirmed]:
+    """With the share of resampled validation errors that each wins; the one to add first."""
     if not confirmed:
         return []
-    errors = {c.effect.name(): c.errors for c in confirmed} | {"": rung.errors}
-    rates = win_rates(errors, seed)
-    rated = [replace(c, probability=rates[c.effect.name()]) for c in confirmed]
+    errors = {label(c.effects): c.errors for c in confirmed} | {"": rung.errors}
+    rates = win_rates(errors, settings.seed)
+    rated = [replace(c, probability=rates[label(c.effects)]) for c in confirmed]
     return sorted(rated, key=lambda c: float(c.errors.mean()))
 
 
+def label(effects: Sequence[type[Effect]]) -> str:
+    """Names of effects, "a + b"."""
+    return " + ".join(e.name() for e in effects)
+
+
 def _rung(
-    label: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Problem]
+    title: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Problem]
 ) -> Rung:
     scores, errors = _scores(found, residuals)
-    return Rung(label, effects, found, scores, errors)
+    return Rung(title, effects, found, scores, errors)
 
 
 def _scores(found: Fit, residuals: Mapping[str, Problem]) -> tuple[dict[str, Score], np.ndarray]:
@@ -218,8 +286,8 @@ def _scores(found: Fit, residuals: Mapping[str, Problem]) -> tuple[dict[str, Sco
     for role in ROLES:
         residual = residuals[role]
         values = found.residual if role == "train" else residual(found.changes)
-        measured = residual.measured()
-        scores[role] = score(measured, measured + values)
+        measured = residual.measured()[residual.rows]
+        scores[role] = score(measured, measured + values[residual.rows])
         if role == "validate":
             errors = block_errors(values, residual.edges, residual.block)
     return scores, errors

@@ -1,127 +1,233 @@
-"""Screen: which absent effects could explain the residual, to first order?
+"""Screen: which absent effects could explain the residual?
 
-The whole coupled model is differentiated by each effect's amplitudes at its neutral numbers (all
-models are nested), so that every effect, in the motor, along the tendon or in the body, becomes a
-few columns over the measured trials, with all its consequences for motion and control in them.
-The residual is then regressed on those columns together with the columns of the fitted numbers,
-because a wrong parameter is not a missing effect.  Trial by trial is left out and predicted: only
-what carries over to another trial counts.  A single trial is cut into thirds instead.
+A race in three heats.  First the whole coupled model is differentiated by every effect's amplitudes
+(all models are nested), so that each effect, in the motor, along the tendon or in the body, becomes
+a few columns with all its consequences for motion and control in them; the residual is regressed on
+them together with the columns of the fitted numbers, because a wrong parameter is not a missing
+effect.  Then each candidate is simulated at the numbers that this promises it: what a promise is
+worth, only the model can tell.  The better half corrects its derivatives with what it saw (Broyden)
+and is simulated once more.  An effect is ranked by the best that it was seen to do.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
+from spirob.diagnose.orders import best_order
 from spirob.effects import Effect
+from spirob.effects.individual import differences
+from spirob.identify.descent import Anchor, linear_step, robust_cost
+from spirob.identify.fit import Fit, anchor_of
 from spirob.identify.problem import Problem
+from spirob.identify.scaling import Scaling
 
+NUMBER = 0.1  # step of a fitted number
 PROBE = 0.2  # of an amplitude's nominal value: small, yet far above rounding
-WIDE = 1.0  # scaled parameters may move this far to make room for an effect
-PARTS = 3  # of a single trial
-RIDGE = 1e-3  # of a column's size: keeps nearly parallel columns apart
+RIPPLES = {"motor.torque": False, "motor.drive_torque": True}  # does it grow with the effort?
+TRIED = 0.5  # of the nominal value, where the derivatives promise nothing
+STEPS = 2  # of the linear problem, whose weights follow the residual
 
 
 @dataclass(frozen=True)
 class Screened:
     """One candidate after screening.
 
-    gain        relative fall of the squared residual on trials left out, over refitted numbers
-    amplitudes  first-order estimate of its amplitudes, a start for the full fit
+    gain     relative fall of the robust cost on the training trials, numbers refitted, as simulated
+    changes  the numbers of that simulation, where the full fit may begin
+    slopes   derivatives there, by the coordinates of `names`
     """
 
     effect: type[Effect]
     gain: float
-    amplitudes: dict[str, float]
+    changes: dict[str, float]
+    names: list[str]
+    slopes: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Runner:
+    """A candidate on its way: coordinates, residual there, derivatives, cost with the anchor.
+
+    probe  step of its first amplitude, with which it was differentiated
+    """
+
+    effect: type[Effect]
+    scaling: Scaling
+    anchor: Anchor
+    fixed: Mapping[str, float]
+    own: int
+    probe: float
+    u: np.ndarray
+    residual: np.ndarray
+    slopes: np.ndarray
+    cost: float
+
+    def changes(self) -> dict[str, float]:
+        """All numbers at this point."""
+        return self.at(self.u)
+
+    def at(self, u: np.ndarray) -> dict[str, float]:
+        """All numbers at another point."""
+        return {**self.fixed, **self.scaling.physical(u)}
 
 
 def screen(
-    residual: Problem,
-    base: np.ndarray,
-    jacobian: np.ndarray,
-    changes: Mapping[str, float],
+    problem: Problem,
+    base: Fit,
+    fitted: Sequence[str],
     candidates: Sequence[type[Effect]],
-    progress: Callable[[str], None] = lambda text: None,
+    scale: float,
 ) -> list[Screened]:
-    """Rank the candidates; the model of `residual` must hold them all, at their neutral numbers.
+    """Rank the candidates, best first; the model must hold them all, at their neutral numbers.
 
-    base      residual at `changes`;  jacobian  its derivative by the fitted scaled parameters
+    base    the fit without them, of the numbers `fitted` (which may include other effects')
+    scale   of the robust loss
     """
-    groups = _folds(residual)
-    reference = _left_out(jacobian, base, groups, _free(jacobian.shape[1]))
-    found = []
-    for effect in candidates:
-        columns, low, high, sizes = _columns(residual, base, changes, effect)
-        design = np.hstack([jacobian, columns])
-        free = _free(jacobian.shape[1])
-        bounds = (np.append(free[0], low), np.append(free[1], high))
-        error = _left_out(design, base, groups, bounds)
-        gain = 1.0 - error / reference
-        whole = _solve(design, base, bounds)[jacobian.shape[1] :]
-        amplitudes = {
-            name: float(effect.neutral[name] + a * s)
-            for name, a, s in zip(effect.neutral, whole, sizes, strict=True)
-        }
-        progress(f"{effect.name()}: {gain:+.1%} of the squared residual")
-        found.append(Screened(effect, float(gain), amplitudes))
+    runners = _started(problem, base, fitted, candidates, scale)
+    runners = _heat(problem, runners, scale)
+    runners.sort(key=lambda r: r.cost)
+    half = (len(runners) + 1) // 2
+    runners = [*_heat(problem, runners[:half], scale), *runners[half:]]
+    before = robust_cost(base.residual, scale)
+    found = [
+        Screened(
+            r.effect,
+            1.0 - robust_cost(r.residual, scale) / before,
+            r.changes(),
+            list(r.scaling.names),
+            r.slopes,
+        )
+        for r in runners
+    ]
     return sorted(found, key=lambda s: -s.gain)
 
 
-def _columns(
-    residual: Problem, base: np.ndarray, changes: Mapping[str, float], effect: type[Effect]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Derivatives by the amplitudes in units of their nominal value, with bounds in that unit."""
+def amplitudes(effect: type[Effect], problem: Problem) -> list[str]:
+    """Full names of the numbers that make an effect vanish, its motors' differences included."""
+    own = [*effect.neutral, *differences(effect)]
+    return [n for n in (f"{effect.name()}.{f}" for f in own) if n in problem.table.about]
+
+
+def _started(
+    problem: Problem,
+    base: Fit,
+    fitted: Sequence[str],
+    candidates: Sequence[type[Effect]],
+    scale: float,
+) -> list[_Runner]:
+    """All candidates at the base, with their derivatives, simulated together."""
+    values = dict(zip(problem.table.names, problem.table.values.tolist(), strict=True))
+    values |= base.changes
+    shared = Scaling(problem.table, fitted)
+    waves = _orders(problem, base, candidates)
+    points, widths = _beside(shared, shared.scaled(values), [NUMBER] * len(fitted), base.changes)
+    plans = []
+    for effect in candidates:
+        names = amplitudes(effect, problem)
+        scaling = Scaling(problem.table, [*fitted, *names])
+        fixed = {**base.changes, **_shapes(effect), **waves.get(effect.name(), {})}
+        u = scaling.scaled(values)
+        steps = [_probe(problem, scaling, values, name) for name in names]
+        moved, moves = _beside(scaling, u, steps, fixed)
+        plans.append((effect, scaling, fixed, u, moves))
+        points += moved
+    seen = iter(problem.many(points))
+    first = [(next(seen) - base.residual) / w for w in widths]
+    runners = []
+    for effect, scaling, fixed, u, moves in plans:
+        slopes = np.column_stack([*first, *((next(seen) - base.residual) / w for w in moves)])
+        anchor = anchor_of(problem, scaling)
+        cost = robust_cost(base.residual, scale) + anchor.cost(u)
+        own = len(moves)
+        runner = _Runner(
+            effect, scaling, anchor, fixed, own, moves[0], u, base.residual, slopes, cost
+        )
+        runners.append(runner)
+    return runners
+
+
+def _orders(
+    problem: Problem, base: Fit, candidates: Sequence[type[Effect]]
+) -> dict[str, dict[str, float]]:
+    """Orders of the ripples among the candidates, from the residual."""
+    found = {}
+    for effect in candidates:
+        if "order" in effect.parameters() and effect.port in RIPPLES:
+            by_load = RIPPLES[effect.port]
+            order = best_order(problem, base.residual, base.jacobian, by_load)
+            about = effect.parameters()["order"]
+            if order > 0.0:
+                name = f"{effect.name()}.order"
+                found[effect.name()] = {name: float(np.clip(order, about.low, about.high))}
+    return found
+
+
+def _beside(
+    scaling: Scaling, u: np.ndarray, steps: Sequence[float], fixed: Mapping[str, float]
+) -> tuple[list[dict[str, float]], list[float]]:
+    """Points a step away along each of the last coordinates, and how far they are."""
+    points, widths = [], []
+    for k, step in enumerate(steps, len(u) - len(steps)):
+        moved = u.copy()
+        inside = scaling.low[k] <= u[k] + step <= scaling.high[k]
+        moved[k] = np.clip(u[k] + (step if inside else -step), scaling.low[k], scaling.high[k])
+        points.append({**fixed, **scaling.physical(moved)})
+        widths.append(float(moved[k] - u[k]))
+    return points, widths
+
+
+def _probe(problem: Problem, scaling: Scaling, values: Mapping[str, float], name: str) -> float:
+    """Step of an amplitude's coordinate."""
+    about, neutral = problem.table.about[name], values[name]
+    size = about.nominal - neutral if about.nominal != neutral else 0.1 * (about.high - neutral)
+    moved = scaling.scaled({**values, name: neutral + PROBE * size}) - scaling.scaled(values)
+    return float(moved[scaling.names.index(name)])
+
+
+def _shapes(effect: type[Effect]) -> dict[str, float]:
+    """The numbers that give an effect its shape, at their nominal values."""
     about = effect.parameters()
-    shapes = {f: p.nominal for f, p in about.items() if f not in effect.neutral}
-    points, sizes, low, high = [], [], [], []
-    for name, neutral in effect.neutral.items():
-        size = about[name].nominal - neutral
-        size = size if size else 0.1 * (about[name].high - neutral)
-        values = {**effect.neutral, **shapes, name: neutral + PROBE * size}
-        points.append({**changes, **{f"{effect.name()}.{f}": v for f, v in values.items()}})
-        sizes.append(size)
-        edges = sorted(((about[name].low - neutral) / size, (about[name].high - neutral) / size))
-        low.append(min(edges[0], -1e-9))
-        high.append(max(edges[1], 1e-9))
-    moved = residual.many(points)
-    columns = np.column_stack([(v - base) / PROBE for v in moved])
-    return columns, np.array(low), np.array(high), np.array(sizes)
+    return {f"{effect.name()}.{f}": p.nominal for f, p in about.items() if f not in effect.neutral}
 
 
-def _folds(residual: Problem) -> np.ndarray:
-    trials = len(residual.edges) - 1
-    if trials == 1:
-        samples = int(residual.edges[-1])
-        return np.arange(samples) * PARTS // samples
-    return np.repeat(np.arange(trials), np.diff(residual.edges))
+def _heat(problem: Problem, runners: Sequence[_Runner], scale: float) -> list[_Runner]:
+    """Simulate every runner where its derivatives promise the least cost."""
+    goals = [_goal(r, scale) for r in runners]
+    seen = problem.many([r.at(u) for r, u in zip(runners, goals, strict=True)])
+    return [_moved(*c, scale) for c in zip(runners, goals, seen, strict=True)]
 
 
-def _free(count: int) -> tuple[np.ndarray, np.ndarray]:
-    return np.full(count, -WIDE), np.full(count, WIDE)
+def _goal(runner: _Runner, scale: float) -> np.ndarray:
+    scaling, u, own = runner.scaling, runner.u, runner.own
+    goal = _solved(runner, (scaling.low, scaling.high), scale)
+    if np.any(np.abs(goal[-own:] - u[-own:]) > 0.1 * abs(runner.probe)):
+        return goal
+    # no slope towards it: look at a size that would be seen
+    k = len(u) - own
+    step = runner.probe * TRIED / PROBE
+    low, high = scaling.low.copy(), scaling.high.copy()
+    low[k] = high[k] = np.clip(u[k] + step, low[k], high[k])
+    return _solved(runner, (low, high), scale)
 
 
-def _left_out(
-    design: np.ndarray,
-    base: np.ndarray,
-    groups: np.ndarray,
-    bounds: tuple[np.ndarray, np.ndarray],
-) -> float:
-    """Sum of squared residuals of each fold, predicted from the other ones."""
-    total = 0.0
-    for k in np.unique(groups):
-        inside = groups == k
-        solution = _solve(design[~inside], base[~inside], bounds)
-        total += float(np.sum((base[inside] + design[inside] @ solution) ** 2))
-    return total
+def _solved(runner: _Runner, box: tuple[np.ndarray, np.ndarray], scale: float) -> np.ndarray:
+    u = runner.u
+    for _ in range(STEPS):
+        there = runner.residual + runner.slopes @ (u - runner.u)
+        rows = runner.anchor.rows(u)
+        step = linear_step(there, runner.slopes, (box[0] - u, box[1] - u), scale, rows)
+        u = np.clip(u + step, *box)
+    return u
 
 
-def _solve(
-    design: np.ndarray, base: np.ndarray, bounds: tuple[np.ndarray, np.ndarray]
-) -> np.ndarray:
-    """argmin |base + design·x|² + ridge within bounds, columns scaled to equal size."""
-    size = np.sqrt(np.mean(design**2, axis=0)) + 1e-12
-    ridge = RIDGE * np.sqrt(len(base)) * np.eye(len(size))
-    stacked = np.vstack([design / size, ridge])
-    target = np.concatenate([-base, np.zeros(len(size))])
-    return np.asarray(lsq_linear(stacked, target, (bounds[0] * size, bounds[1] * size)).x) / size
+def _moved(runner: _Runner, goal: np.ndarray, seen: np.ndarray, scale: float) -> _Runner:
+    step = goal - runner.u
+    length = float(step @ step)
+    slopes = runner.slopes
+    if length > 0.0:
+        slopes = slopes + np.outer(seen - runner.residual - slopes @ step, step) / length
+    cost = robust_cost(seen, scale) + runner.anchor.cost(goal)
+    if cost < runner.cost:
+        return replace(runner, u=goal, residual=seen, slopes=slopes, cost=cost)
+    return replace(runner, slopes=slopes)

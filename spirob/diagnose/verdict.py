@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
+from spirob.diagnose.ladder import REST, Confirmed, Search, Settings, counts
+from spirob.effects import Effect
+from spirob.identify.problem import Effort, Problem, effort_rms
 
-from spirob.diagnose.ladder import Confirmed, Search, Settings, counts
-from spirob.identify.problem import Effort, Problem
+ATLAS = "The regimes that hold the error say what it depends on."
+AGAIN = "Repeat the trials at a second load and at half the speed, and look at the atlas again."
 
 
 @dataclass(frozen=True)
@@ -29,25 +31,39 @@ class Verdict:
 
 def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     """Judge the first round; later rounds are further rungs of the same answer."""
-    base = search.rungs[0]
-    effort = validate.effort
-    share = base.scores["validate"].rmse / float(np.sqrt(np.mean(validate.measured() ** 2)))
+    base, last = search.rungs[0], search.rungs[-1]
+    effort, size = validate.effort, effort_rms(validate)
+    share = base.scores["validate"].rmse / size
     first = search.rounds[0] if search.rounds else []
-    passed = [c for c in first if counts(c, base, validate, settings)]
-    if not passed:
+    if not last.effects:
         return _nothing_or_unknown(share, settings, first, effort)
-    best = passed[0]
-    if best.probability >= settings.confidence:
+    accounted = explained(search, settings.floor * size)
+    if accounted < settings.explained:
+        return _poorly_explained(share, accounted, last.effects, effort)
+    best = next(c for c in first if any(e in last.effects for e in c.effects))
+    if len(last.effects) > 1 or best.probability >= settings.confidence:
         return _named(search, best, share, effort)
+    passed = [c for c in first if counts(c, base, validate, settings)]
     rivals = [c for c in passed if c.probability >= 1.0 - settings.confidence]
-    return _undecided(best, rivals, share, effort)
+    if [c for c in rivals if c is not best]:
+        return _undecided(best, rivals, share, effort)
+    return _named(search, best, share, effort)
+
+
+def explained(search: Search, floor: float) -> float:
+    """Share of the squared validation error above the floor that the named effects account for.
+
+    floor  RMS that differences between two builds of the same machine leave
+    """
+    before, after = (float(r.errors.mean()) for r in (search.rungs[0], search.rungs[-1]))
+    return (before - after) / max(before - floor**2, 1e-300)
 
 
 def _nothing_or_unknown(
     share: float, settings: Settings, first: Sequence[Confirmed], effort: Effort
 ) -> Verdict:
-    floor = 2.0 * settings.floor
-    tried = ", ".join(c.effect.title for c in first)
+    floor = REST * settings.floor
+    tried = ", ".join(e.title for c in first for e in c.effects)
     if share <= floor:
         return Verdict(
             "nothing_missing",
@@ -55,7 +71,7 @@ def _nothing_or_unknown(
             [],
             f"Nothing is missing: the model is within {share:.1%} of the {effort.name}.",
             f"With fitted numbers alone the model misses {share:.1%} of the {effort.name}'s RMS on "
-            f"trials that it was not fitted to; below {floor:.0%} the differences between two "
+            f"trials that it was not fitted to; below {floor:.1%} the differences between two "
             f"builds of the same machine are as large as a missing effect. No candidate carries "
             f"{settings.floor:.1%} of the {effort.name}.",
             "",
@@ -67,25 +83,44 @@ def _nothing_or_unknown(
         f"Something is missing that the library does not hold: {share:.1%} of the {effort.name}.",
         f"The model misses {share:.1%} of the {effort.name}'s RMS on trials that it was not "
         "fitted to, and no candidate explains enough of it (tried in full simulation: "
-        f"{tried or 'none'}). "
-        "The regimes that hold the error say what it depends on.",
-        "Repeat the trials at a second load and at half the speed, and look at the atlas again.",
+        f"{tried or 'none'}). {ATLAS}",
+        AGAIN,
+    )
+
+
+def _poorly_explained(
+    share: float, accounted: float, effects: Sequence[type[Effect]], effort: Effort
+) -> Verdict:
+    best = " and ".join(e.title for e in effects)
+    return Verdict(
+        "unknown",
+        0.0,
+        [],
+        f"Something is missing that the library does not hold: {share:.1%} of the {effort.name}.",
+        f"The model misses {share:.1%} of the {effort.name}'s RMS on trials that it was not "
+        f"fitted to. The best explanation, {best}, accounts for {accounted:.0%} of the squared "
+        f"error, too little to be its cause. {ATLAS}",
+        AGAIN,
     )
 
 
 def _named(search: Search, best: Confirmed, share: float, effort: Effort) -> Verdict:
-    effect, base = best.effect, search.rungs[0]
-    named = search.rungs[1] if len(search.rungs) > 1 else base
-    before, after = base.scores["heldout"].rmse, named.scores["heldout"].rmse
-    others = [c.effect.name() for c in search.rounds[0] if c is not best]
-    experiment = next((effect.tell_apart[o] for o in others if o in effect.tell_apart), "")
+    base, last = search.rungs[0], search.rungs[-1]
+    before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
+    own = [e.name() for e in last.effects]
+    others = [n for c in search.rounds[0] if c is not best for n in (e.name() for e in c.effects)]
+    others = [n for n in dict.fromkeys(others) if n not in own]
+    ways = (e.tell_apart[o] for e in last.effects for o in others if o in e.tell_apart)
+    experiment = next(ways, "")
+    story = " ".join(f"{e.explanation} {e.signature}" for e in last.effects)
+    added = "the effect" if len(own) == 1 else "these effects"
     return Verdict(
         "named",
         best.probability,
         [],
-        f"Missing: {effect.title}.",
-        f"{effect.explanation} {effect.signature} With fitted numbers alone the model misses "
-        f"{share:.1%} of the {effort.name}'s RMS; with the effect added and all numbers refitted, "
+        f"Missing: {' and '.join(e.title for e in last.effects)}.",
+        f"{story} With fitted numbers alone the model misses "
+        f"{share:.1%} of the {effort.name}'s RMS; with {added} added and all numbers refitted, "
         f"the error on held-out trials falls from {effort.shown(before, after)}. "
         f"It wins {best.probability:.0%} of resampled validation errors"
         + (f" against {', '.join(others)}." if others else "."),
@@ -96,9 +131,10 @@ def _named(search: Search, best: Confirmed, share: float, effort: Effort) -> Ver
 def _undecided(
     best: Confirmed, rivals: Sequence[Confirmed], share: float, effort: Effort
 ) -> Verdict:
-    names = [c.effect.name() for c in rivals if c is not best]
-    titles = " or ".join([best.effect.title, *(c.effect.title for c in rivals if c is not best)])
-    known: Mapping[str, str] = best.effect.tell_apart
+    names = [e.name() for c in rivals if c is not best for e in c.effects]
+    every = [best, *(c for c in rivals if c is not best)]
+    titles = " or ".join(" and ".join(e.title for e in c.effects) for c in every)
+    known: Mapping[str, str] = {k: v for e in best.effects for k, v in e.tell_apart.items()}
     ways = [known[n] for n in names if n in known]
     return Verdict(
         "undecided",
