@@ -131,6 +131,7 @@ def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
             orientation="h",
             name=name,
             marker={"color": colour},
+            customdata=[regime["regime"] for regime in regimes],
             text=[percent(share) for share in shares],
             textposition="outside",
             cliponaxis=False,

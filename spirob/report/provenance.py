@@ -49,7 +49,12 @@ def collect(root: Path, files: Iterable[str], config: str) -> Provenance:
 
 
 def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    """Of a file's bytes, or of those of all files in a folder, in the order of their names."""
+    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _recorded_hashes(root: Path) -> dict[str, str]:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from spirob.report import arm, figures
 from spirob.report.data import ReportData
 from spirob.report.numbers import EFFORT, column, is_number, percent
@@ -35,8 +37,10 @@ class Verdict(Section):
                 "Bars of the held-out error of each model; the table of section Ladder has them",
                 figures.ladder(rungs, noise_floor, unit),
             ),
-            "arm": None if data.motion is None else arm.payload(data.motion),
+            "arm": None if data.motion is None else arm.payload(data.motion, data.posture),
             "no_arm": data.absent.get("motion", ""),
+            "no_robot": data.absent.get("posture", ""),
+            "apart": apart_sentence(data),
             "score": data.score,
         }
 
@@ -58,6 +62,17 @@ def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: 
     else:
         change = f"does not fall ({numbers[0]} before, {numbers[1]} {unit} after)"
     return f"On held-out trials the RMSE of {effort} {change}{floor}."
+
+
+def apart_sentence(data: ReportData) -> str:
+    """How far the tips of robot and model are apart; empty where one of them is not known."""
+    if data.motion is None or data.posture is None:
+        return ""
+    distances = 1e3 * arm.apart(data.motion, data.posture)
+    if not len(distances):
+        return ""
+    middle, most = (f"{value:.0f}" for value in (np.median(distances), distances.max()))
+    return f"Their tips are {middle} mm apart in the median and {most} mm at most."
 
 
 def heldout(rung: dict[str, Any]) -> float | None:
