@@ -182,6 +182,26 @@ IDENTIFIED = {
     },
     "identifiability": "All five numbers move a signal; tendon stiffness is weakly determined "
     "(condition number 310), because no trial loads both tendons against each other.",
+    "resolution": {
+        "names": ["rotor_inertia", "rotor_damping", "efficiency", "base_stiffness", "stiffness"],
+        "correlation": [
+            [1.0, 0.61, 0.97, 0.4, 0.1],
+            [0.61, 1.0, 0.55, -0.93, 0.0],
+            [0.97, 0.55, 1.0, 0.3, 0.1],
+            [0.4, -0.93, 0.3, 1.0, 0.2],
+            [0.1, 0.0, 0.1, 0.2, 1.0],
+        ],
+        "weakest": {
+            "rotor_inertia": 0.05,
+            "rotor_damping": 0.02,
+            "efficiency": 0.1,
+            "base_stiffness": 0.03,
+            "stiffness": 0.99,
+        },
+        "least": 0.0003,
+        "most": 0.21,
+        "unit": "A",
+    },
     "train": {"mae": 0.112, "rmse": 0.149, "r2": 0.913, "unit": "A"},
 }
 
