@@ -66,7 +66,7 @@ def blank(height: int, **layout: Any) -> go.Figure:
 def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str) -> go.Figure:
     """Error of each rung on held-out trials, with the training error and the noise floor."""
     figure = _bars(150 + 38 * len(rungs))
-    labels = [wrap(rung["label"]) for rung in rungs]
+    labels = [wrap(rung["label"].replace("_", " ")) for rung in rungs]
     heldout = [(rung.get("heldout") or {}).get("rmse") for rung in rungs]
     counts = [0, *(len(rung.get("effects") or ()) for rung in rungs)]
     # blue where an effect is added; a flexible residual on top of them adds none

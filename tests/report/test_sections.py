@@ -29,6 +29,7 @@ def test_sections_stand_in_the_order_of_the_page():
         "parameters",
         "object_size",
         "sweep",
+        "library",
         "provenance",
     ]
 
@@ -36,7 +37,7 @@ def test_sections_stand_in_the_order_of_the_page():
 def test_every_template_belongs_to_a_section_or_the_page():
     files = {f.name for f in resources.files("spirob.report").joinpath("templates").iterdir()}
     used = {s.template for s in [*SECTIONS.values(), *RIG_SECTIONS]}
-    assert files == used | {"page.html.j2", "parts.html.j2"}
+    assert files == used | {"page.html.j2", "parts.html.j2", "effect.html.j2"}
 
 
 @BY_NAME

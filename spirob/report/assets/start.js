@@ -5,3 +5,11 @@ document.querySelectorAll(".plot").forEach((place) => {
 });
 startOverlay();
 startArm();
+// A link to something folded unfolds it.
+function unfold() {
+  const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const folded = target && target.closest("details");
+  if (folded) { folded.open = true; target.scrollIntoView(); }
+}
+addEventListener("hashchange", unfold);
+unfold();
