@@ -76,7 +76,7 @@ def _binary(node: ast.BinOp, inner: Callable[[ast.expr], Part]) -> Part:
         first = left[0] if left[1] == SIGNED else _held(left, PRODUCT)
         return f"{first}<mo>⋅</mo>{_held(right, PRODUCT)}", PRODUCT
     if kind is ast.Div:
-        return f"<mfrac><mrow>{left[0]}</mrow><mrow>{right[0]}</mrow></mfrac>", ATOM
+        return f"<mfrac><mrow>{left[0]}</mrow><mrow>{right[0]}</mrow></mfrac>", POWER
     if kind is ast.Pow:
         return f"<msup><mrow>{_held(left, ATOM)}</mrow><mrow>{right[0]}</mrow></msup>", POWER
     raise SyntaxError(f"'{ast.unparse(node)}' cannot be set as a formula")

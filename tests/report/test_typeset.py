@@ -28,6 +28,8 @@ def plain(markup):
         ("a*-b", "a⋅(−b)"),
         ("2*Max(a, 0)", "2⋅max(a,0)"),
         ("Abs(speed)", "|speed|"),
+        ("(a/b)**2", "(ab)2"),
+        ("c*(a/b)", "c⋅ab"),
     ],
 )
 def test_brackets_stand_where_they_are_needed(text, shown):
