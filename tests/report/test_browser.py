@@ -96,13 +96,16 @@ def test_everything_can_be_reached_by_keyboard_and_has_a_name(desk):
 def test_a_phone_scrolls_in_one_direction_only(page, tmp_path):
     script = """
     const page = document.documentElement;
+    const right = (id) => get(id).querySelector('svg').getBoundingClientRect().right;
     return { width: innerWidth, over: page.scrollWidth - innerWidth,
-      ladder: get('ladder').querySelector('svg').getBoundingClientRect().right };
+      plots: ['ladder', 'overlay', 'atlas', 'size'].map(right),
+      targets: [...document.querySelectorAll('button, select')].map((e) => e.offsetHeight) };
     """
-    found = probe(page, script, tmp_path, size="390,3000")
-    assert found["width"] <= 500
+    found = probe(page, script, tmp_path, width=390)
+    assert found["width"] == 390
     assert found["over"] <= 0
-    assert found["ladder"] <= found["width"]
+    assert max(found["plots"]) <= 390
+    assert min(found["targets"]) >= 30  # pixels, for a finger
 
 
 def test_print_unfolds_everything_and_takes_light_colours(page, tmp_path):

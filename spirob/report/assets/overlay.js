@@ -31,7 +31,8 @@ function startOverlay() {
       const entry = trial.motors[motor];
       const axis = (k) => figure.layout[k === 1 ? "yaxis" : `yaxis${k}`];
       figure.layout.annotations[2 * row].text = `<b>${motor} motor</b>, ${channel}`;
-      figure.layout.annotations[2 * row + 1].text = entry ? entry.errors[channel] : "not recorded";
+      figure.layout.annotations[2 * row + 1].text = entry
+        ? entry.errors[channel].replace(/^residual RMSE: /, innerWidth < 760 ? "RMSE " : "$&") : "not recorded";
       axis(2 * row + 1).title = { text: stored.units[channel] };
       axis(2 * row + 2).title = { text: `residual ${stored.units[channel]}` };
     });
