@@ -17,6 +17,7 @@ SCRIPTS = (
     "packing.js",
     "theme.js",
     "plots.js",
+    "switches.js",
     "moment.js",
     "overlay.js",
     "body.js",

@@ -58,6 +58,12 @@ SOURCES = {
         ("trial", "time", "q0"),
         "the model of this rig has no arm, or its motion was not kept",
     ),
+    "finalists": Source(
+        "data/diagnosis/finalists.parquet",
+        "diagnose",
+        ("effect", "trial", "role", "motor", "time", "current", "displacement", "velocity"),
+        "no candidate was fitted, or its response was not kept",
+    ),
     "posture": Source(
         "data/truth/posture",
         "collect",
@@ -98,6 +104,7 @@ class ReportData:
     provenance: Provenance
     motion: pd.DataFrame | None = None
     posture: pd.DataFrame | None = None
+    finalists: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
     sweep: dict[str, Any] | None = None
     score: dict[str, Any] | None = None

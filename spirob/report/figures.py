@@ -142,6 +142,26 @@ def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
     return figure
 
 
+def regimes(errors: Mapping[str, float]) -> go.Figure:
+    """RMSE of each regime [mA] for the base model, worst first, and room for that of another."""
+    figure = _bars(120 + 40 * len(errors), barmode="group", bargap=0.28, bargroupgap=0.05)
+    ordered = sorted(errors, key=lambda name: -errors[name])
+    labels = [wrap(name, 26) for name in ordered]
+    for name, colour, shown in (("base model", BASE, True), ("with the effects", NAMED, False)):
+        figure.add_bar(
+            x=[errors[regime] for regime in ordered],
+            y=labels,
+            orientation="h",
+            name=name,
+            visible=shown,
+            marker={"color": colour},
+            customdata=ordered,
+            hovertemplate="%{x:.3g} mA<extra>%{y}, " + name + "</extra>",
+        )
+    figure.update_xaxes(title_text="RMSE of current [mA]", range=[0, 1.05 * max(errors.values())])
+    return figure
+
+
 def size(points: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> go.Figure:
     """Predicted over true diameter [mm] with the line of a perfect estimate."""
     figure = blank(430)

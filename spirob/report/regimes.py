@@ -19,6 +19,12 @@ Spans = dict[str, list[list[float]]]  # regime -> from, to [s]
 def spans(rows: pd.DataFrame, trial: str, motor: str) -> Spans:
     """Times of each regime for one motor of one trial, from its measured signals (SI)."""
     rows = rows.sort_values("time")
+    seconds = rows["time"].to_numpy(float)
+    return {name: _runs(seconds, mask) for name, mask in masks(rows, trial, motor).items()}
+
+
+def masks(rows: pd.DataFrame, trial: str, motor: str) -> dict[str, np.ndarray]:
+    """Samples of each regime, for rows in the order of time; none where a signal has gaps."""
     seconds, position, velocity, current = (
         rows[name].to_numpy(float)
         for name in ("time", "measured_displacement", "measured_velocity", "measured_current")
@@ -36,7 +42,7 @@ def spans(rows: pd.DataFrame, trial: str, motor: str) -> Spans:
         "winding in",
         "paying out",
     )
-    return {name: _runs(seconds, mask) for name, mask in masks_of(piece).items()}
+    return masks_of(piece)
 
 
 def driven(compare: dict[str, Any]) -> set[tuple[str, str]]:

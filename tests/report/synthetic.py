@@ -10,7 +10,7 @@ TRIALS = {
     "hysteresis_left": ("heldout", ("left",)),
     "extreme_curl": ("heldout", ("left", "right")),
     "crawl_3_mm_s": ("heldout", ("right",)),
-    "antagonist_hold": ("heldout", ("left", "right")),
+    "antagonist_hold": ("validate", ("left", "right")),
     "excitation_1": ("train", ("left", "right")),
     "excitation_2": ("train", ("left", "right")),
 }
@@ -31,12 +31,13 @@ def write_run(root: Path, optional: bool = True) -> Path:
     _json(root, "reports/metrics/compare.json", {"heldout": {"rmse": 0.1834, "r2": 0.871}})
     _json(root, "reports/metrics/diagnose.json", {"probability": 0.93, "verdict": "named"})
     if optional:
-        _optional(root, rng)
+        _optional(root, rng, overlay)
     return root
 
 
-def _optional(root: Path, rng: np.random.Generator) -> None:
+def _optional(root: Path, rng: np.random.Generator, overlay: pd.DataFrame) -> None:
     _table(root, "data/diagnosis/motion.parquet", _motion())
+    _table(root, "data/diagnosis/finalists.parquet", _finalists(overlay))
     _table(root, "data/truth/posture/hysteresis_left.parquet", _posture())
     _table(root, "data/features/predictions.parquet", _predictions(rng))
     simulation = {"mae": 1.31, "rmse": 1.74, "r2": 0.992, "std": 1.73}
@@ -118,6 +119,18 @@ def _motion() -> pd.DataFrame:
         angles = 0.5 * np.tanh(np.outer(bend, share) / 0.3)
         frame = pd.DataFrame(angles, columns=[f"q{i}" for i in range(24)])
         parts.append(frame.assign(trial=trial, time=time))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _finalists(overlay: pd.DataFrame) -> pd.DataFrame:
+    """Each candidate takes its own share of what the named model changes."""
+    parts = []
+    for name, share in (("capstan_friction", 0.9), ("coulomb_friction", 0.4), ("cogging", -0.1)):
+        rows = overlay[["trial", "role", "motor", "time"]].assign(effect=name)
+        for channel in CHANNELS:
+            base = overlay[f"base_{channel}"]
+            rows[channel] = base + share * (overlay[f"named_{channel}"] - base)
+        parts.append(rows)
     return pd.concat(parts, ignore_index=True)
 
 

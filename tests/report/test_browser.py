@@ -2,9 +2,11 @@
 
 import pytest
 
+from spirob.report.sections.switches import Switches
 from tests.report.browser import CHROMIUM, REASON, probe
 from tests.report.synthetic import TRIALS
 
+SWITCHES = Switches()
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=REASON)
 
 
@@ -13,7 +15,7 @@ def desk(page, tmp_path_factory):
     """One visit on a laptop: everything is tried in turn, and noted."""
     script = """
     const note = {};
-    const names = ['ladder', 'overlay', 'atlas', 'size'];
+    const names = ['ladder', 'regimes', 'overlay', 'atlas', 'size'];
     note.drawn = names.filter((id) => get(id).querySelector('svg'));
     note.options = [get('arm-trial').length, get('overlay-trial').length];
     note.together = [get('arm-trial'), get('overlay-trial')].map((s) => s.selectedOptions[0].text);
@@ -44,6 +46,25 @@ def desk(page, tmp_path_factory):
     get('atlas').emit('plotly_click', { points: [{ customdata: 'winding in' }] });
     await wait(200);
     note.cleared = shapes();
+    const flip = (name) => document.querySelector(`#switches [value="${name}"]`).click();
+    const model = () => get('overlay').data.find((t) => t.meta.origin === 'named' && !t.meta.minus);
+    const said = (id) => get(id).textContent;
+    const read = () => ({ error: said('switches-error'), how: said('switches-how'),
+      drawn: [...model().y].slice(300, 310), second: get('regimes').data[1].visible,
+      note: get('overlay').layout.annotations[1].text });
+    note.verdict = read();
+    flip('coulomb_friction');
+    await wait(200);
+    note.both = read();
+    flip('capstan_friction');
+    await wait(200);
+    note.other = read();
+    flip('coulomb_friction');
+    await wait(200);
+    note.none = read();
+    flip('capstan_friction');
+    await wait(200);
+    note.again = read();
     note.wide = document.documentElement.scrollWidth - innerWidth;
     note.focusable = [...document.querySelectorAll('a, button, input, select, summary, [tabindex]')]
       .every((element) => element.tabIndex >= 0);
@@ -55,7 +76,7 @@ def desk(page, tmp_path_factory):
 
 
 def test_every_figure_is_drawn(desk):
-    assert desk["drawn"] == ["ladder", "overlay", "atlas", "size"]
+    assert desk["drawn"] == ["ladder", "regimes", "overlay", "atlas", "size"]
     assert desk["options"] == [len(TRIALS), len(TRIALS)]
 
 
@@ -85,6 +106,27 @@ def test_a_click_on_a_regime_marks_its_samples_and_a_second_takes_it_back(desk):
     assert desk["marked"] > 0
     assert desk["regime"] == "winding in"
     assert desk["said"].endswith(" s of this trial")
+
+
+def test_a_switch_redraws_error_regimes_and_signals(desk, data):
+    combinations = SWITCHES.get_context(data)["combinations"]
+    left = {tuple(c["effects"]): c["rmse"]["heldout"] for c in combinations}
+    shown = {
+        "verdict": ("capstan_friction",),
+        "both": ("capstan_friction", "coulomb_friction"),
+        "other": ("coulomb_friction",),
+        "none": (),
+    }
+    for state, effects in shown.items():
+        read = float(desk[state]["error"].removesuffix(" mA").split(" ")[-1])
+        assert read == pytest.approx(left[effects], rel=5e-3), state
+    assert "first order" in desk["both"]["how"]
+    assert "full simulation" in desk["other"]["how"]
+    assert desk["other"]["second"]
+    assert not desk["none"]["second"]
+    assert desk["other"]["drawn"] != desk["verdict"]["drawn"]
+    assert "switched" in desk["other"]["note"]
+    assert desk["again"] == desk["verdict"]
 
 
 def test_everything_can_be_reached_by_keyboard_and_has_a_name(desk):

@@ -19,7 +19,9 @@ function startOverlay() {
     const figure = structuredClone(empty);
     for (const trace of figure.data) {
       const signals = (trial.motors[trace.meta.motor] || { signals: {} }).signals;
-      const signal = unpack(signals[`${trace.meta.origin}_${channel}`]);
+      const signal = trace.meta.origin === "named"
+        ? switches.model(signals, channel) : unpack(signals[`${trace.meta.origin}_${channel}`]);
+      if (trace.meta.origin === "named" && switches.weights) trace.name = "with the switched effects";
       const minus = trace.meta.minus && unpack(signals[`${trace.meta.minus}_${channel}`]);
       trace.visible = signal !== null && minus !== null;
       if (!trace.visible) continue;
@@ -31,13 +33,22 @@ function startOverlay() {
       const entry = trial.motors[motor];
       const axis = (k) => figure.layout[k === 1 ? "yaxis" : `yaxis${k}`];
       figure.layout.annotations[2 * row].text = `<b>${motor} motor</b>, ${channel}`;
-      figure.layout.annotations[2 * row + 1].text = entry
-        ? entry.errors[channel].replace(/^residual RMSE: /, innerWidth < 760 ? "RMSE " : "$&") : "not recorded";
+      figure.layout.annotations[2 * row + 1].text = entry ? errors(entry, channel) : "not recorded";
       axis(2 * row + 1).title = { text: stored.units[channel] };
       axis(2 * row + 2).title = { text: `residual ${stored.units[channel]}` };
     });
     figure.layout.shapes = marks(trial, motors);
     return plots.show("overlay", figure).then(point);
+  }
+  function errors(entry, channel) {
+    let text = entry.errors[channel];
+    if (switches.weights) { // from the samples drawn; the others are from all of them
+      const [measured, base, model] = [unpack(entry.signals[`measured_${channel}`]),
+        unpack(entry.signals[`base_${channel}`]), switches.model(entry.signals, channel)];
+      const rms = (signal) => Math.sqrt(signal.reduce((sum, v, k) => sum + (v - measured[k]) ** 2, 0) / signal.length);
+      if (measured && base && model) text = `residual RMSE: base ${rms(base).toPrecision(3)}, switched ${rms(model).toPrecision(3)} ${stored.units[channel].slice(1, -1)}`;
+    }
+    return innerWidth < 760 ? text.replace("residual ", "") : text;
   }
   function marks(trial, motors) {
     let total = 0;
@@ -84,6 +95,7 @@ function startOverlay() {
   channels.addEventListener("change", fill);
   regime.addEventListener("change", fill);
   moment.listeners.push(follow);
+  switches.listeners.push(fill);
   choice.value = 0;
   fill().then(() => {
     place.on("plotly_click", (event) => {

@@ -3,6 +3,7 @@
 document.querySelectorAll(".plot").forEach((place) => {
   if (place.id !== "overlay") plots.show(place.id, readJson(`${place.id}-figure`));
 });
+startSwitches();
 startOverlay();
 startArm();
 // A link to something folded unfolds it.
