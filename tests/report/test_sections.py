@@ -8,6 +8,7 @@ import pytest
 from spirob.report import builder
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
+from spirob.report.sections.verdict import explained_sentence, share
 from tests.report.synthetic import TRIALS
 
 SECTIONS = {section.name: section for section in discover()}
@@ -80,6 +81,24 @@ def test_the_verdict_says_by_how_much_the_error_falls(data):
         "On held-out trials the RMSE of current falls from 0.183 to 0.051 A, by 72 %; "
         "sensor noise alone is 0.012 A."
     )
+
+
+def test_the_verdict_says_how_much_is_explained(data):
+    context = SECTIONS["verdict"].get_context(data)
+    assert context["explained"] == (
+        "The fitted model explains 87 % of the current that it has not seen; "
+        "with the effect 99.0 %."
+    )
+    assert explained_sentence([], "A") == ""
+    assert explained_sentence(data.diagnosis["ladder"][:1], "A").endswith("not seen.")
+
+
+@pytest.mark.parametrize(
+    ("r2", "shown"),
+    [(0.712, "71 %"), (0.9907, "99.1 %"), (0.99984, "99.98 %"), (-3.0, "0 %"), (1.0, "100 %")],
+)
+def test_a_share_shows_what_is_missing_to_all(r2, shown):
+    assert share(r2) == shown
 
 
 def test_the_truth_is_shown_only_when_it_was_opened(data, sparse):
