@@ -8,6 +8,7 @@ import pytest
 from spirob.report import builder
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
+from spirob.report.sections.object_size import mae_interval
 from spirob.report.sections.verdict import explained_sentence, share
 from tests.report.synthetic import TRIALS
 
@@ -150,6 +151,21 @@ def test_a_parameter_at_its_bound_is_flagged_at_the_end_of_its_track(data):
 def test_the_paper_stands_beside_our_figures(data):
     shown = text("object_size", data)
     assert all(number in shown for number in ("1.12", "0.98", "3.95", "0.76", "1.31", "3.42"))
+
+
+def test_the_error_of_size_has_an_interval_around_it(data):
+    from_predictions = data.predictions[data.predictions["domain"] == "robot"]
+    error = (from_predictions["predicted_mm"] - from_predictions["true_mm"]).abs()
+    low, high = (float(text) for text in mae_interval(data.predictions, "robot").split(" to "))
+    assert low < error.mean() < high
+    spread = 2 * 1.96 * error.std() / len(error) ** 0.5
+    assert high - low == pytest.approx(spread, rel=0.1)
+    assert mae_interval(data.predictions.head(3), "simulation") == ""
+
+
+def test_the_transfer_is_compared_with_the_paper(data):
+    context = SECTIONS["object_size"].get_context(data)
+    assert "2.6 times as large, in the paper 3.5 times" in context["transfer"]
 
 
 def test_without_a_sweep_the_command_is_given(sparse):
