@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from spirob.report import figures
+from spirob.report import figures, regime_figures
 from spirob.report.combinations import Combination, combinations, switchable
 from spirob.report.data import ReportData
 from spirob.report.numbers import column
@@ -77,5 +77,7 @@ def rows(found: list[Combination], titles: dict[str, str]) -> list[dict[str, Any
 def _plot(base: Combination) -> figures.Plot:
     errors = {name: MILLI * value for name, value in base.regimes.items()}
     return figures.Plot(
-        "regimes", "Error in each regime, base model and chosen effects", figures.regimes(errors)
+        "regimes",
+        "Error in each regime, base model and chosen effects",
+        regime_figures.regimes(errors),
     )
