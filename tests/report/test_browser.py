@@ -15,7 +15,7 @@ def desk(page, tmp_path_factory):
     """One visit on a laptop: everything is tried in turn, and noted."""
     script = """
     const note = {};
-    const names = ['ladder', 'regimes', 'overlay', 'atlas', 'size'];
+    const names = ['steps', 'regimes', 'overlay', 'atlas', 'size'];
     note.drawn = names.filter((id) => get(id).querySelector('svg'));
     note.options = [get('arm-trial').length, get('overlay-trial').length];
     note.together = [get('arm-trial'), get('overlay-trial')].map((s) => s.selectedOptions[0].text);
@@ -46,7 +46,7 @@ def desk(page, tmp_path_factory):
     get('atlas').emit('plotly_click', { points: [{ customdata: 'winding in' }] });
     await wait(200);
     note.cleared = shapes();
-    const flip = (name) => document.querySelector(`#switches [value="${name}"]`).click();
+    const flip = (name) => document.querySelector(`#switches-box [value="${name}"]`).click();
     const model = () => get('overlay').data.find((t) => t.meta.origin === 'named' && !t.meta.minus);
     const said = (id) => get(id).textContent;
     const read = () => ({ error: said('switches-error'), how: said('switches-how'),
@@ -76,7 +76,7 @@ def desk(page, tmp_path_factory):
 
 
 def test_every_figure_is_drawn(desk):
-    assert desk["drawn"] == ["ladder", "regimes", "overlay", "atlas", "size"]
+    assert desk["drawn"] == ["steps", "regimes", "overlay", "atlas", "size"]
     assert desk["options"] == [len(TRIALS), len(TRIALS)]
 
 
@@ -140,7 +140,7 @@ def test_a_phone_scrolls_in_one_direction_only(page, tmp_path):
     const page = document.documentElement;
     const right = (id) => get(id).querySelector('svg').getBoundingClientRect().right;
     return { width: innerWidth, over: page.scrollWidth - innerWidth,
-      plots: ['ladder', 'overlay', 'atlas', 'size'].map(right),
+      plots: ['steps', 'overlay', 'atlas', 'size'].map(right),
       targets: [...document.querySelectorAll('button, select')].map((e) => e.offsetHeight) };
     """
     found = probe(page, script, tmp_path, width=390)

@@ -46,5 +46,16 @@ def test_every_figure_has_units_on_its_axes(page):
     assert all(unit in page for unit in ("share [%]", "time [s]", "diameter [mm]"))
 
 
+def test_every_link_inside_the_page_leads_somewhere(page):
+    links = set(re.findall(r'href="#([^"]+)"', page))
+    assert len(links) > 10
+    assert links <= set(re.findall(r'id="([^"]+)"', page))
+
+
+def test_every_id_is_given_once(page):
+    ids = re.findall(r'<[a-z]+[^>]*\sid="([^"]+)"', page.replace(plotly_script(), ""))
+    assert len(ids) == len(set(ids))
+
+
 def test_data_cannot_end_their_script():
     assert "</script>" not in json_script("x", {"a": "</script><!--"}).removesuffix("</script>")

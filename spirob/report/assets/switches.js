@@ -15,7 +15,7 @@ const switches = {
 };
 function startSwitches() {
   const stored = readJson("switches-data");
-  const box = document.getElementById("switches");
+  const box = document.getElementById("switches-box");
   if (!stored || !box) return;
   const [error, gauge, how] = ["error", "gauge", "how"].map((name) => document.getElementById(`switches-${name}`));
   const inputs = [...box.querySelectorAll("input")];

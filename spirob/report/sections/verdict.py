@@ -36,7 +36,7 @@ class Verdict(Section):
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": figures.Plot(
-                "ladder",
+                "steps",
                 "Bars of the held-out error of each model; the table of section Ladder has them",
                 figures.ladder(rungs, noise_floor, unit),
             ),
