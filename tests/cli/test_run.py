@@ -1,8 +1,11 @@
 """`spirob run` on a pipeline of three tiny stages, with DVC itself."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -28,7 +31,7 @@ DVC = """stages:
     deps: [stage.py]
     outs: [data/aside]
 """
-STAGE = """import pathlib, sys, yaml
+STAGE = """import pathlib, sys, time, yaml
 name = sys.argv[1]
 print(f"{name} speaks")
 if name == "config" and "bad=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
@@ -36,6 +39,9 @@ if name == "config" and "bad=1" in yaml.safe_load(open("params.yaml"))["override
     sys.exit(2)
 if name == "diagnose" and "bug=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
     raise ZeroDivisionError("ours")
+if name == "diagnose" and "slow=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
+    pathlib.Path("asleep").touch()
+    time.sleep(60)
 if name == "report":
     pathlib.Path("reports").mkdir(exist_ok=True)
     pathlib.Path("reports/index.html").write_text("page")
@@ -56,7 +62,6 @@ def project(tmp_path_factory):
     (root / "params.yaml").write_text("# choices\noverrides: []\n")
     subprocess.run(["git", "init", "-q"], cwd=root, check=True)
     subprocess.run([sys.executable, "-m", "dvc", "init", "-q"], cwd=root, check=True)
-    assert main(["run", "--project", str(root), "--until", "report"]) == 0
     return root
 
 
@@ -64,20 +69,15 @@ def run(project, *arguments):
     return main(["run", *arguments, "--project", str(project)])
 
 
-def test_a_run_says_the_verdict_and_names_every_stage(project, capfd):
+def test_a_run_says_the_verdict_and_every_stage_and_a_second_has_nothing_to_do(project, capfd):
     assert run(project, "speed=3", "--until", "report") == 0
     out, err = capfd.readouterr()
     assert out.splitlines() == ["Nothing is missing.", f"report: {project / 'reports/index.html'}"]
     assert [line.split(":")[0] for line in err.splitlines()] == ["config", "diagnose", "report"]
     assert read_overrides(project) == ["speed=3"]
     assert set(json.loads((project / TIMES).read_text())) == {"config", "diagnose", "report"}
-
-
-def test_what_nothing_touched_is_not_run_again(project, capfd):
-    assert run(project, "--until", "diagnose") == 0
-    capfd.readouterr()
-    assert run(project, "--until", "diagnose") == 0
-    assert capfd.readouterr().err.count("unchanged") == 2
+    assert run(project, "--until", "report") == 0
+    assert capfd.readouterr().err.count("unchanged") == 3
 
 
 def test_a_refused_choice_is_one_sentence_and_is_taken_back(project, capfd):
@@ -93,6 +93,23 @@ def test_a_refused_choice_is_one_sentence_and_is_taken_back(project, capfd):
 def test_a_bug_shows_its_traceback_and_is_code_1(project, capfd):
     assert run(project, "bug=1", "--until", "report") == 1
     assert "ZeroDivisionError" in capfd.readouterr().err
+
+
+def test_stopping_by_hand_is_130_and_the_next_run_goes_on(project, capfd):
+    started = subprocess.Popen(
+        [sys.executable, "-m", "spirob.cli.main", "run", "slow=1", "--until", "report"],
+        cwd=project,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    deadline = time.monotonic() + 30
+    while not (project / "asleep").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    os.killpg(started.pid, signal.SIGINT)
+    assert started.wait(20) == 130
+    assert "Traceback" not in started.stderr.read()
     assert run(project, "--defaults", "--until", "report") == 0
     assert read_overrides(project) == []
 
