@@ -2,7 +2,7 @@
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spirob.cli.project import find_project, read_overrides, write_overrides
@@ -49,6 +49,7 @@ def test_only_the_choices_change(tmp_path, params):
     assert yaml.safe_load(text)["overrides"] == ["c=3", "plant.effects=[capstan_friction]"]
 
 
+@settings(deadline=None, max_examples=50)  # each writes to disk and waits for it
 @given(st.lists(st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=30), max_size=4))
 def test_whatever_a_value_holds_is_read_back(tmp_path_factory, values):
     folder = project(tmp_path_factory.mktemp("project"))
