@@ -7,6 +7,7 @@ and lie in data/recorded.
 import shutil
 from pathlib import Path
 
+from pipeline.posture import FOLDER
 from pipeline.robots import record_all
 from pipeline.stage import HIDDEN, public_config, read_yaml, run, write_json
 from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
@@ -19,6 +20,7 @@ def stage(root: Path, with_wraps: bool = True) -> None:
     config = public_config(root)
     trials = experiment_trials(config) + (wraps(config, ROBOT_WRAPS) if with_wraps else [])
     truth = {}
+    (root / FOLDER).mkdir(parents=True, exist_ok=True)  # stays empty where nothing can be seen
     if config.robot.kind == "can":
         for trial in trials:
             _fetch(root, f"{trial['name']}.mcap")

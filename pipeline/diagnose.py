@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.model import fitted_names, plant, residual
-from pipeline.overlay import motion, overlay
+from pipeline.overlay import finalists, motion, overlay
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document, metrics
@@ -41,6 +41,8 @@ def stage(root: Path) -> None:
     )
     overlay(root, residuals, base.changes, last.fit.changes)
     motion(root, residuals, last.fit.changes)
+    first = search.rounds[0] if search.rounds else []
+    finalists(root, residuals, {c.effect.name(): c.fit.changes for c in first})
     write_json(root / "reports/metrics/diagnose.json", metrics(search, verdict, effort))
     tell(verdict.sentence)
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.model import fitted_names, plant, residual, start
+from pipeline.resolution import resolution
 from pipeline.stage import public_config, run, tell, write_json
 from spirob.identify.fit import Fit, best_start, fit_identifiable
 from spirob.identify.identifiability import probe
@@ -37,6 +38,7 @@ def stage(root: Path) -> None:
             "vague": vague,
             "identifiability": sentence,
             "condition": gate.condition,
+            "resolution": resolution(found, train, settings.scale),
             "train": quality,
         },
     )

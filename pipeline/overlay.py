@@ -43,6 +43,31 @@ def overlay(
     _write(root / "data/diagnosis/overlay.parquet", pd.concat(parts, ignore_index=True))
 
 
+def finalists(
+    root: Path, residuals: Mapping[str, Residual], fits: Mapping[str, Mapping[str, float]]
+) -> None:
+    """data/diagnosis/finalists.parquet: response with each candidate added and all refitted.
+
+    fits  numbers of the full fit with that candidate alone, by its name; rows are the overlay's
+    """
+    parts = []
+    for role in ("validate", "heldout"):
+        residual = residuals[role]
+        for k, trial in enumerate(residual.trials):
+            for name, changes in fits.items():
+                response = residual.respond(changes, k)
+                for m, motor in enumerate(MOTORS):
+                    about = {"effect": name, "trial": trial.name, "role": role, "motor": motor}
+                    time = trial.seconds[:: residual.filter.every]
+                    columns = {
+                        channel: residual.filter.thin(getattr(response, channel)[:, m], trial.name)
+                        for channel in CHANNELS
+                    }
+                    parts.append(pd.DataFrame(about | {"time": time} | columns))
+    if parts:
+        _write(root / "data/diagnosis/finalists.parquet", pd.concat(parts, ignore_index=True))
+
+
 def motion(root: Path, residuals: Mapping[str, Residual], changes: Mapping[str, float]) -> None:
     """data/diagnosis/motion.parquet: hinge angles of the best model in the held-out trials."""
     parts = []

@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 from joblib import Parallel, delayed
 
+from pipeline.posture import WatchedRobot
 from pipeline.schema import Config
 from pipeline.stage import tell, workers
 from spirob.bench import Trial, record
@@ -40,6 +41,7 @@ def _record(
     config = Config.model_validate(plain)
     trial, rig = Trial.from_plain(trial_plain), Rig.from_mapping(config.rig)
     robot = build(config, rig, hidden)
+    watched = WatchedRobot(robot) if isinstance(robot, EmulatedRobot) else None
 
     def prepare(scene: Scene) -> None:
         # the emulator's noise belongs to the trial, not to the order of trials
@@ -53,7 +55,7 @@ def _record(
     try:
         record(
             trial,
-            robot,
+            watched or robot,
             root / "data" / "raw" / f"{trial.name}.mcap",
             transmission=Transmission(
                 gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
@@ -66,6 +68,8 @@ def _record(
         )
     finally:
         robot.close()
+    if watched and trial.role == "heldout":
+        watched.write(root, trial.name)
     tell(f"recorded {trial.name} ({trial.duration:g} s)")
     return robot.truth() if isinstance(robot, EmulatedRobot) else {}
 

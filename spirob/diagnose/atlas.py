@@ -40,7 +40,7 @@ def atlas(residual: Problem, values: np.ndarray) -> list[Regime]:
     pieces = residual.stretches()
     masks: dict[str, list[np.ndarray]] = {}
     for k, piece in enumerate(pieces):
-        for name, mask in _masks(piece).items():
+        for name, mask in masks_of(piece).items():
             # a regime that another stretch does not know holds nothing of that stretch
             parts = masks.setdefault(name, [np.zeros(len(p.velocity), bool) for p in pieces])
             parts[k] = mask
@@ -56,7 +56,8 @@ def atlas(residual: Problem, values: np.ndarray) -> list[Regime]:
     return sorted(regimes, key=lambda r: -r.share_of_error)
 
 
-def _masks(piece: Stretch) -> dict[str, np.ndarray]:
+def masks_of(piece: Stretch) -> dict[str, np.ndarray]:
+    """Which samples of a stretch belong to each regime."""
     velocity, load = piece.velocity, piece.effort
     speed, bend = np.abs(velocity), np.abs(piece.position)
     turns = piece.seconds[:-1][np.diff(np.sign(velocity)) != 0]

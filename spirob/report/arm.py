@@ -14,12 +14,46 @@ BUDGET = 700_000  # bytes of base64 for all trials together
 HINGE = re.compile(r"q\d+")
 
 
-def payload(motion: pd.DataFrame) -> dict[str, Any]:
-    """Geometry in mm, and for each trial its times and angles [rad], frame after frame."""
-    hinges = [name for name in motion.columns if HINGE.fullmatch(name)]
-    hinges.sort(key=lambda name: int(name[1:]))
+def payload(motion: pd.DataFrame, posture: pd.DataFrame | None = None) -> dict[str, Any]:
+    """The model's motion and, where the robot's own is known, that on top of it.
+
+    Geometry in mm, and for each trial its times and angles [rad], frame after frame.
+    """
+    most = BUDGET if posture is None else BUDGET // 2
+    shown = [str(name) for name in motion["trial"].unique()]
+    robot = None
+    if posture is not None and len(kept := posture[posture["trial"].isin(shown)]):
+        robot = _body(kept, most)
+    return _body(motion, most) | {"robot": robot}
+
+
+def apart(motion: pd.DataFrame, posture: pd.DataFrame) -> np.ndarray:
+    """Distance of the model's tip from the robot's over all frames of all trials [m]."""
+    found = []
+    for name, rows in motion.groupby("trial", sort=False):
+        seen = posture[posture["trial"] == name].sort_values("time")
+        if len(seen) < 2:
+            continue
+        times, ours = _tips(rows.sort_values("time"))
+        known, theirs = _tips(seen)
+        both = [np.interp(times, known, theirs[:, k]) for k in (0, 1)]
+        found.append(np.hypot(ours[:, 0] - both[0], ours[:, 1] - both[1]))
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+def _tips(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and positions of the tip [m] (frames, 2)."""
+    hinges = _hinges(rows)
+    heading = np.cumsum(rows[hinges].to_numpy(float), axis=1)
+    length = spiral_arm(len(hinges)).unit_length
+    tip = np.stack([np.cos(heading) @ length, np.sin(heading) @ length], axis=1)
+    return rows["time"].to_numpy(float), tip
+
+
+def _body(motion: pd.DataFrame, budget: int) -> dict[str, Any]:
+    hinges = _hinges(motion)
     groups = list(motion.groupby("trial", sort=False))
-    most = int(min(MOST_FRAMES, BUDGET / (8 / 3 * len(hinges) * max(len(groups), 1))))
+    most = int(min(MOST_FRAMES, budget / (8 / 3 * len(hinges) * max(len(groups), 1))))
     trials = []
     for name, rows in groups:
         rows = rows.sort_values("time")
@@ -32,6 +66,11 @@ def payload(motion: pd.DataFrame) -> dict[str, Any]:
             }
         )
     return {"geometry": _geometry(spiral_arm(len(hinges))), "trials": trials}
+
+
+def _hinges(table: pd.DataFrame) -> list[str]:
+    found = [name for name in table.columns if HINGE.fullmatch(name)]
+    return sorted(found, key=lambda name: int(name[1:]))
 
 
 def _geometry(arm: SpiralArm) -> dict[str, Any]:

@@ -13,7 +13,17 @@ from spirob.report.embed import json_script
 from spirob.report.plotly_script import plotly_script
 from spirob.report.sections import Section, discover
 
-SCRIPTS = ("packing.js", "theme.js", "plots.js", "overlay.js", "arm.js", "start.js")
+SCRIPTS = (
+    "packing.js",
+    "theme.js",
+    "plots.js",
+    "switches.js",
+    "moment.js",
+    "overlay.js",
+    "body.js",
+    "arm.js",
+    "start.js",
+)
 
 
 def build(data: ReportData, out: Path | str) -> Path:

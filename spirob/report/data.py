@@ -58,6 +58,18 @@ SOURCES = {
         ("trial", "time", "q0"),
         "the model of this rig has no arm, or its motion was not kept",
     ),
+    "finalists": Source(
+        "data/diagnosis/finalists.parquet",
+        "diagnose",
+        ("effect", "trial", "role", "motor", "time", "current", "displacement", "velocity"),
+        "no candidate was fitted, or its response was not kept",
+    ),
+    "posture": Source(
+        "data/truth/posture",
+        "collect",
+        ("trial", "time", "q0"),
+        "the robot's own shape is not known: its drives do not see it",
+    ),
     "size_metrics": Source(
         "reports/metrics/size.json", "size", (), "object size was not estimated in this run"
     ),
@@ -91,6 +103,8 @@ class ReportData:
     metrics: dict[str, dict[str, Any]]
     provenance: Provenance
     motion: pd.DataFrame | None = None
+    posture: pd.DataFrame | None = None
+    finalists: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
     sweep: dict[str, Any] | None = None
     score: dict[str, Any] | None = None
@@ -106,7 +120,7 @@ def load(root: Path | str) -> ReportData:
     found: dict[str, Any] = {}
     absent: dict[str, str] = {}
     for name, source in SOURCES.items():
-        if (root / source.path).exists():
+        if _is_there(root / source.path):
             found[name] = _read(root / source.path, source)
         elif source.why is None:
             raise MissingLog(f"{source.path} is missing; the stage '{source.stage}' writes it")
@@ -120,6 +134,10 @@ def load(root: Path | str) -> ReportData:
     read = [source.path for name, source in SOURCES.items() if name not in absent]
     provenance = collect(root, read, found["config"])
     return ReportData(metrics=metrics, provenance=provenance, absent=absent, **found)
+
+
+def _is_there(path: Path) -> bool:
+    return any(path.glob("*.parquet")) if path.is_dir() else path.exists()
 
 
 def _read(path: Path, source: Source) -> Any:
@@ -136,6 +154,12 @@ def _read(path: Path, source: Source) -> Any:
     return content
 
 
+def _read_tables(folder: Path) -> pd.DataFrame:
+    """All tables of a folder, one after the other."""
+    parts = [pd.read_parquet(path) for path in sorted(folder.glob("*.parquet"))]
+    return pd.concat(parts, ignore_index=True)
+
+
 def _read_text(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
@@ -148,4 +172,5 @@ READERS: dict[str, Callable[[Path], Any]] = {
     ".json": _read_json,
     ".parquet": pd.read_parquet,
     ".yaml": _read_text,
+    "": _read_tables,
 }

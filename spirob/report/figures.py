@@ -11,7 +11,7 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from spirob.report.numbers import EFFORT, column, is_number, percent
+from spirob.report.numbers import EFFORT, column, is_number
 
 MEASURED, BASE, NAMED = "var(--measured)", "var(--base)", "var(--named)"
 NEUTRAL, GRID, INK = "var(--neutral)", "var(--grid)", "var(--ink)"
@@ -65,8 +65,8 @@ def blank(height: int, **layout: Any) -> go.Figure:
 
 def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str) -> go.Figure:
     """Error of each rung on held-out trials, with the training error and the noise floor."""
-    figure = _bars(150 + 38 * len(rungs))
-    labels = [wrap(rung["label"]) for rung in rungs]
+    figure = bars(150 + 38 * len(rungs))
+    labels = [wrap(rung["label"].replace("_", " ")) for rung in rungs]
     heldout = [(rung.get("heldout") or {}).get("rmse") for rung in rungs]
     counts = [0, *(len(rung.get("effects") or ()) for rung in rungs)]
     # blue where an effect is added; a flexible residual on top of them adds none
@@ -116,31 +116,6 @@ def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str
     return figure
 
 
-def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
-    """Share of squared error beside share of time, one pair of bars for each regime."""
-    figure = _bars(120 + 46 * len(regimes), barmode="group", bargap=0.28, bargroupgap=0.05)
-    labels = [wrap(regime["regime"], 26) for regime in regimes]
-    for name, key, colour in (
-        ("share of squared error", "share_of_error", BASE),
-        ("share of time", "share_of_time", NEUTRAL),
-    ):
-        shares = [regime[key] for regime in regimes]
-        figure.add_bar(
-            x=[None if share is None else 100 * share for share in shares],
-            y=labels,
-            orientation="h",
-            name=name,
-            marker={"color": colour},
-            text=[percent(share) for share in shares],
-            textposition="outside",
-            cliponaxis=False,
-            hovertemplate="%{x:.1f} %<extra>%{y}, " + name + "</extra>",
-        )
-    top = max(100 * (r[k] or 0) for r in regimes for k in ("share_of_error", "share_of_time"))
-    figure.update_xaxes(title_text="share [%]", range=[0, 1.14 * top])
-    return figure
-
-
 def size(points: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> go.Figure:
     """Predicted over true diameter [mm] with the line of a perfect estimate."""
     figure = blank(430)
@@ -183,7 +158,8 @@ def wrap(label: str, width: int = LABEL_WIDTH) -> str:
     return "<br>".join(textwrap.wrap(label, width)) or label
 
 
-def _bars(height: int, **layout: Any) -> go.Figure:
+def bars(height: int, **layout: Any) -> go.Figure:
+    """A figure for horizontal bars, the first on top."""
     figure = blank(height, **{"bargap": 0.35, **layout})
     figure.update_yaxes(autorange="reversed", showgrid=False, ticks="", ticklabelstandoff=6)
     figure.update_xaxes(rangemode="tozero")

@@ -4,6 +4,7 @@ Every trial is on the page, one is drawn.  Traces say in `meta` which signal the
 residual, which one is taken from it; `assets/overlay.js` fills them.
 """
 
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ import plotly.graph_objects as go
 from spirob.report.figures import BASE, INK, MEASURED, NAMED, blank
 from spirob.report.numbers import column, shown
 from spirob.report.packing import pack, stride
+from spirob.report.regimes import spans
 
+ROLES = ("heldout", "validate", "train")  # what nothing has seen comes first
 UNITS = {"current": "A", "displacement": "m", "velocity": "m/s"}
 MOST_SAMPLES = 2000  # of one signal; more than a laptop has pixels
 BUDGET = 1_800_000  # bytes of base64 for all trials together
@@ -26,32 +29,43 @@ LOOKS = {
 }
 
 
-def payload(overlay: pd.DataFrame, best: str) -> dict[str, Any]:
+def payload(
+    overlay: pd.DataFrame,
+    best: str,
+    driven: Collection[tuple[str, str]] = (),
+    effects: Sequence[str] = (),
+) -> dict[str, Any]:
     """Every trial, held-out trials first: packed signals in the units they are shown in.
 
-    best  short name of the model beside the base model, for the phrase with the errors
+    best    short name of the model beside the base model, for the phrase with the errors
+    driven  trial and motor wherever the regimes of the atlas can be marked
+    effects whose own responses are in columns EFFECT_CHANNEL, to be switched on and off
     """
     groups = dict(list(overlay.groupby(["trial", "motor"], sort=False)))
-    most = int(min(MOST_SAMPLES, BUDGET / (BYTES_PER_SAMPLE * max(len(groups), 1))))
+    each = BYTES_PER_SAMPLE * (1 + len(effects) / 3) * max(len(groups), 1)
+    most = int(min(MOST_SAMPLES, BUDGET / each))
     trials: dict[str, dict[str, Any]] = {}
     for (trial, motor), rows in groups.items():
         entry = trials.setdefault(
             str(trial), {"name": str(trial), "role": str(rows["role"].iloc[0]), "motors": {}}
         )
-        entry["motors"][str(motor)] = _motor(rows.sort_values("time"), most, best)
-    ordered = sorted(trials.values(), key=lambda entry: entry["role"] == "train")
+        about = _motor(rows.sort_values("time"), most, best, effects)
+        known = (str(trial), str(motor)) in driven
+        about["regimes"] = spans(rows, str(trial), str(motor)) if known else {}
+        entry["motors"][str(motor)] = about
+    ordered = sorted(trials.values(), key=lambda entry: ROLES.index(entry["role"]))
     titles = {channel: f"[{shown(unit)[0]}]" for channel, unit in UNITS.items()}
     return {"trials": ordered, "units": titles}
 
 
-def _motor(rows: pd.DataFrame, most: int, best: str) -> dict[str, Any]:
+def _motor(rows: pd.DataFrame, most: int, best: str, effects: Sequence[str]) -> dict[str, Any]:
     step = stride(len(rows), most)
     kept = rows.iloc[::step]
     signals = {"time": pack(kept["time"].to_numpy())}
     errors = {}
     for channel, unit in UNITS.items():
         name, factor = shown(unit)
-        for origin in LOOKS:
+        for origin in (*LOOKS, *effects):
             key = f"{origin}_{channel}"
             signals[key] = pack(factor * kept[key].to_numpy(float))
         errors[channel] = _errors(rows, channel, factor, name, best)

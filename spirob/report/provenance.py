@@ -1,8 +1,10 @@
 """Where the page comes from: source, data, versions, seed and the command that repeats it."""
 
 import hashlib
+import platform
+import shlex
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -12,9 +14,22 @@ import yaml
 
 from spirob.logs.provenance import git_commit, versions
 
-PACKAGES = ("scipy", "numba", "pandas", "pyarrow", "scikit-learn", "plotly")
+PACKAGES = (
+    "scipy",
+    "numba",
+    "llvmlite",
+    "pandas",
+    "pyarrow",
+    "scikit-learn",
+    "mcap",
+    "cantools",
+    "python-can",
+    "hydra-core",
+    "dvc",
+    "plotly",
+)
 SOURCE_FOLDERS = ("spirob", "pipeline", "conf", "dvc.yaml", "params.yaml", "pyproject.toml")
-COMMAND = "dvc repro"
+COMMAND = "spirob run"
 
 
 @dataclass(frozen=True)
@@ -22,12 +37,14 @@ class Provenance:
     """What is needed to make the page again.
 
     dirty     True when code or configuration differ from the commit; None without a repository
+    changed   files of code and configuration that differ from the commit
     hashes    path -> first 16 digits of its SHA-256, or the folder's hash that DVC recorded
     overrides choices on top of the defaults, as written in params.yaml
     """
 
     commit: str = "unknown"
     dirty: bool | None = None
+    changed: tuple[str, ...] = ()
     seed: str = "not set"
     command: str = COMMAND
     overrides: tuple[str, ...] = ()
@@ -38,18 +55,27 @@ class Provenance:
 def collect(root: Path, files: Iterable[str], config: str) -> Provenance:
     """Look at the work tree under `root`, the files read, and the configuration's text."""
     commit = git_commit(root)
+    changed = _changed(root)
+    overrides = _overrides(root)
     return Provenance(
         commit=commit,
-        dirty=None if commit == "unknown" else _is_dirty(root),
+        dirty=None if commit == "unknown" else bool(changed),
+        changed=changed,
+        command=_command(overrides),
         seed=_seed(yaml.safe_load(config)),
-        overrides=_overrides(root),
+        overrides=overrides,
         versions=versions() | _more_versions(),
         hashes=_recorded_hashes(root) | {file: _hash(root / file) for file in files},
     )
 
 
 def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    """Of a file's bytes, or of those of all files in a folder, in the order of their names."""
+    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _recorded_hashes(root: Path) -> dict[str, str]:
@@ -63,16 +89,22 @@ def _recorded_hashes(root: Path) -> dict[str, str]:
     return dict(sorted(raw.items()))
 
 
-def _is_dirty(root: Path) -> bool:
+def _changed(root: Path) -> tuple[str, ...]:
+    """Files of code and configuration that are not as in the commit, renamed and new ones too."""
     present = [name for name in SOURCE_FOLDERS if (root / name).exists()]
     if not present:
-        return False
-    command = ["git", "-C", str(root), "status", "--porcelain", "--", *present]
+        return ()
+    command = ["git", "-C", str(root), "status", "--porcelain", "--no-renames", "--", *present]
     try:
         answer = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
-        return False
-    return bool(answer.stdout.strip())
+        return ()
+    return tuple(line[3:] for line in answer.stdout.splitlines())
+
+
+def _command(overrides: Sequence[str]) -> str:
+    """What makes the page again, whatever stands in params.yaml by then."""
+    return shlex.join(["spirob", "run", *(overrides or ["--defaults"])])
 
 
 def _overrides(root: Path) -> tuple[str, ...]:
@@ -98,7 +130,7 @@ def _walk(node: Any, path: str = "") -> Iterable[tuple[str, Any]]:
 
 
 def _more_versions() -> dict[str, str]:
-    found = {}
+    found = {"platform": f"{platform.system()} {platform.machine()}"}
     for package in PACKAGES:
         try:
             found[package] = version(package)

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import re
 import subprocess
 import sys
 import time
@@ -84,6 +85,9 @@ def test_the_page_stands_alone_and_says_the_verdict_first(done):
     assert page.index(document["sentence"]) < page.index("Comparison</h2>")
     assert "default-src 'none'" in page
     assert "Effects that this rig cannot show" in page
+    links = set(re.findall(r'href="#([^"]+)"', page))
+    assert links <= set(re.findall(r'id="([^"]+)"', page))
+    assert len(page.encode()) < 8_000_000
 
 
 def test_one_log_is_divided_and_that_is_said(rig, tmp_path, capsys):

@@ -1,28 +1,12 @@
 """The finished page: alone on the machine, small enough, the same again for the same data."""
 
 import re
-import shutil
-import subprocess
-
-import pytest
 
 from spirob.report import build, render
 from spirob.report.embed import json_script
 from spirob.report.plotly_script import plotly_script
 
 LARGEST = 8_000_000  # bytes
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--enable-logging=stderr",
-    "--virtual-time-budget=8000",
-    "--window-size=1280,2400",
-)
 
 
 def test_the_page_holds_no_address_of_another_host(page):
@@ -62,21 +46,16 @@ def test_every_figure_has_units_on_its_axes(page):
     assert all(unit in page for unit in ("share [%]", "time [s]", "diameter [mm]"))
 
 
+def test_every_link_inside_the_page_leads_somewhere(page):
+    links = set(re.findall(r'href="#([^"]+)"', page))
+    assert len(links) > 10
+    assert links <= set(re.findall(r'id="([^"]+)"', page))
+
+
+def test_every_id_is_given_once(page):
+    ids = re.findall(r'<[a-z]+[^>]*\sid="([^"]+)"', page.replace(plotly_script(), ""))
+    assert len(ids) == len(set(ids))
+
+
 def test_data_cannot_end_their_script():
     assert "</script>" not in json_script("x", {"a": "</script><!--"}).removesuffix("</script>")
-
-
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium to draw the page")
-def test_a_browser_draws_every_figure_without_complaint(page, tmp_path):
-    path = tmp_path / "index.html"
-    path.write_text(page, encoding="utf-8")
-    profile = f"--user-data-dir={tmp_path / 'profile'}"
-    command = [CHROMIUM, *FLAGS, profile, "--dump-dom", path.as_uri()]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    assert [line for line in ran.stderr.splitlines() if "CONSOLE" in line] == []
-    for name in ("ladder", "overlay", "atlas", "size"):
-        place = ran.stdout.split(f'<div class="plot js-plotly-plot" id="{name}"')
-        assert len(place) == 2, f"{name} was not drawn"
-        assert "<svg" in place[1][:3000]
-    assert ran.stdout.count("<option") == 12  # six trials to choose from, twice
-    assert re.search(r'<input type="range" id="arm-time"[^>]*max="719"', ran.stdout)

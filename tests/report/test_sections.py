@@ -8,6 +8,8 @@ import pytest
 from spirob.report import builder
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
+from spirob.report.sections.object_size import mae_interval
+from spirob.report.sections.verdict import explained_sentence, share
 from tests.report.synthetic import TRIALS
 
 SECTIONS = {section.name: section for section in discover()}
@@ -23,12 +25,14 @@ def text(name, data):
 def test_sections_stand_in_the_order_of_the_page():
     assert list(SECTIONS) == [
         "verdict",
+        "switches",
         "comparison",
         "failure",
         "ladder",
         "parameters",
         "object_size",
         "sweep",
+        "library",
         "provenance",
     ]
 
@@ -36,7 +40,7 @@ def test_sections_stand_in_the_order_of_the_page():
 def test_every_template_belongs_to_a_section_or_the_page():
     files = {f.name for f in resources.files("spirob.report").joinpath("templates").iterdir()}
     used = {s.template for s in [*SECTIONS.values(), *RIG_SECTIONS]}
-    assert files == used | {"page.html.j2", "parts.html.j2"}
+    assert files == used | {"page.html.j2", "parts.html.j2", "effect.html.j2"}
 
 
 @BY_NAME
@@ -80,6 +84,24 @@ def test_the_verdict_says_by_how_much_the_error_falls(data):
     )
 
 
+def test_the_verdict_says_how_much_is_explained(data):
+    context = SECTIONS["verdict"].get_context(data)
+    assert context["explained"] == (
+        "The fitted model explains 87 % of the current that it has not seen; "
+        "with the effect 99.0 %."
+    )
+    assert explained_sentence([], "A") == ""
+    assert explained_sentence(data.diagnosis["ladder"][:1], "A").endswith("not seen.")
+
+
+@pytest.mark.parametrize(
+    ("r2", "shown"),
+    [(0.712, "71 %"), (0.9907, "99.1 %"), (0.99984, "99.98 %"), (-3.0, "0 %"), (1.0, "100 %")],
+)
+def test_a_share_shows_what_is_missing_to_all(r2, shown):
+    assert share(r2) == shown
+
+
 def test_the_truth_is_shown_only_when_it_was_opened(data, sparse):
     assert "Opened after the verdict" in text("verdict", data)
     assert "Opened after the verdict" not in text("verdict", sparse)
@@ -93,7 +115,7 @@ def test_without_motion_the_arm_gives_way_to_a_reason(sparse):
 
 def test_the_comparison_has_a_row_for_each_held_out_motor_in_millimetres(data):
     context = SECTIONS["comparison"].get_context(data)
-    heldout = [name for name, (role, _) in TRIALS.items() if role == "heldout"]
+    heldout = [name for name, (role, _) in TRIALS.items() if role != "train"]
     assert len(context["heldout"]) == 2 * len(heldout)
     assert context["units"] == {"current": "A", "displacement": "mm", "velocity": "mm/s"}
     trial = data.compare["trials"][0]
@@ -105,13 +127,13 @@ def test_the_comparison_has_a_row_for_each_held_out_motor_in_millimetres(data):
 
 def test_held_out_trials_come_first_in_the_overlay(data):
     roles = [t["role"] for t in SECTIONS["comparison"].get_context(data)["signals"]["trials"]]
-    assert roles == sorted(roles)
+    assert roles == sorted(roles, key=["heldout", "validate", "train"].index)
 
 
 def test_the_worst_regime_comes_first(data):
     regimes = [row["regime"] for row in SECTIONS["failure"].get_context(data)["rows"]]
-    assert regimes[0] == "pulling in under high load"
-    assert regimes[-1] == "slack tendon"
+    assert regimes[0] == "winding in"
+    assert regimes[-1] == "low load"
 
 
 def test_the_named_candidate_is_marked(data):
@@ -129,6 +151,21 @@ def test_a_parameter_at_its_bound_is_flagged_at_the_end_of_its_track(data):
 def test_the_paper_stands_beside_our_figures(data):
     shown = text("object_size", data)
     assert all(number in shown for number in ("1.12", "0.98", "3.95", "0.76", "1.31", "3.42"))
+
+
+def test_the_error_of_size_has_an_interval_around_it(data):
+    from_predictions = data.predictions[data.predictions["domain"] == "robot"]
+    error = (from_predictions["predicted_mm"] - from_predictions["true_mm"]).abs()
+    low, high = (float(text) for text in mae_interval(data.predictions, "robot").split(" to "))
+    assert low < error.mean() < high
+    spread = 2 * 1.96 * error.std() / len(error) ** 0.5
+    assert high - low == pytest.approx(spread, rel=0.1)
+    assert mae_interval(data.predictions.head(3), "simulation") == ""
+
+
+def test_the_transfer_is_compared_with_the_paper(data):
+    context = SECTIONS["object_size"].get_context(data)
+    assert "2.6 times as large, in the paper 3.5 times" in context["transfer"]
 
 
 def test_without_a_sweep_the_command_is_given(sparse):

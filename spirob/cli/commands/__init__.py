@@ -1,1 +1,5 @@
-"""One file for each subcommand: `HELP`, `add_arguments(parser)`, `run(arguments) -> exit code`."""
+"""One file for each subcommand: `HELP`, `add_arguments(parser)`, `run(arguments) -> exit code`.
+
+`ORDER` (60 if absent) is its place in the list of commands.  A file named like a keyword of Python
+ends in an underscore: `import_.py` is `spirob import`.
+"""

@@ -7,6 +7,7 @@ import argparse
 import sys
 
 HELP = "name the missing effect of any motor rig from its logs"
+ORDER = 50
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,7 @@ import argparse
 import re
 
 HELP = "list, show, begin or check physical effects"
+ORDER = 70
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

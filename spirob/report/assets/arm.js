@@ -1,68 +1,51 @@
 "use strict";
-// The arm from its hinge angles: each unit turns about its hinge and carries the next.
+// The arm of the model, on top of the robot's where that is known, with a slider over time.
 function startArm() {
   const stored = readJson("arm-data");
   const canvas = document.getElementById("arm");
   if (!stored || !canvas || !stored.trials.length) return;
-  const [play, slider, clock, choice] = ["play", "time", "clock", "trial"].map(
+  const [play, slider, clock, choice, distance] = ["play", "time", "clock", "trial", "apart"].map(
     (name) => document.getElementById(`arm-${name}`));
-  const { length, halfWidth, faceSlope, guideBefore, guideAfter } = stored.geometry;
-  const units = length.length;
-  const straight = new Float64Array(units);
   const context = canvas.getContext("2d");
-  let trial, box, tip, playing = null;
+  const model = Body(stored.geometry);
+  const robot = stored.robot && Body(stored.robot.geometry);
+  let shown, seen, box, tip, playing = null;
 
-  // Pose of each unit: [x, y, cos, sin] of its hinge, and last the tip.
-  function poses(angles, first) {
-    const found = [];
-    let x = 0, y = 0, heading = 0;
-    for (let i = 0; i < units; i++) {
-      heading += angles[first + i];
-      const c = Math.cos(heading), s = Math.sin(heading);
-      found.push([x, y, c, s]);
-      x += length[i] * c;
-      y += length[i] * s;
+  const frames = (entry) => ({ name: entry.name, time: unpack(entry.time), angles: unpack(entry.angles) });
+  function at(times, seconds) { // frame that is on at that time
+    let low = 0, high = times.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (times[middle] <= seconds + 1e-6) low = middle; else high = middle - 1;
     }
-    found.push([x, y, 1, 0]);
-    return found;
-  }
-  const place = ([x, y, c, s], px, py) => [x + c * px - s * py, y + s * px + c * py];
-
-  function outline(pose, i) {
-    const w = halfWidth[i], taper = i + 1 < units ? (halfWidth[i + 1] / w) ** 0.25 : 0.977;
-    const wide = w / taper, slim = w * taper, end = length[i];
-    return [[0, 0], [wide * faceSlope, wide], [end - slim * faceSlope, slim], [end, 0],
-      [end - slim * faceSlope, -slim], [wide * faceSlope, -wide]].map(([a, b]) => place(pose, a, b));
-  }
-  function tendon(found, side) {
-    const points = [[0, side * guideBefore[0][1]]];
-    for (let i = 0; i < units; i++) {
-      if (i) points.push(place(found[i - 1], length[i - 1] + guideBefore[i][0], side * guideBefore[i][1]));
-      points.push(place(found[i], guideAfter[i][0], side * guideAfter[i][1]));
-    }
-    return points;
+    return low;
   }
 
   function load(k) {
-    trial = { time: unpack(stored.trials[k].time), angles: unpack(stored.trials[k].angles) };
+    shown = frames(stored.trials[k]);
+    const twin = robot && stored.robot.trials.find((entry) => entry.name === shown.name);
+    seen = twin ? frames(twin) : null;
     tip = [];
     box = { left: 0, right: 0, low: 0, high: 0 };
     let most = -1, poster = 0;
-    const cover = (pose) => pose.forEach(([x, y], i) => {
-      const margin = halfWidth[Math.min(i, units - 1)];
+    const cover = (body, pose) => pose.forEach(([x, y], i) => {
+      const margin = body.halfWidth[Math.min(i, body.units - 1)];
       box.left = Math.min(box.left, x - margin); box.right = Math.max(box.right, x + margin);
       box.low = Math.min(box.low, y - margin); box.high = Math.max(box.high, y + margin);
     });
-    cover(poses(straight, 0));
-    for (let frame = 0; frame < trial.time.length; frame++) {
-      const found = poses(trial.angles, frame * units);
-      cover(found);
-      tip.push(found[units]);
-      if (Math.abs(found[units][1]) > most) { most = Math.abs(found[units][1]); poster = frame; }
+    cover(model, model.straight);
+    for (let frame = 0; frame < shown.time.length; frame++) {
+      const found = model.poses(shown.angles, frame * model.units);
+      cover(model, found);
+      tip.push(found[model.units]);
+      if (Math.abs(found[model.units][1]) > most) { most = Math.abs(found[model.units][1]); poster = frame; }
     }
-    slider.max = trial.time.length - 1;
+    for (let frame = 0; seen && frame < seen.time.length; frame++) {
+      cover(robot, robot.poses(seen.angles, frame * robot.units));
+    }
+    slider.max = shown.time.length - 1;
     slider.value = poster;
-    draw();
+    show();
   }
 
   function draw() {
@@ -81,17 +64,27 @@ function startArm() {
       if (fill) { context.fillStyle = fill; context.fill(); }
       if (colour) { context.strokeStyle = colour; context.lineWidth = width; context.stroke(); }
     };
-    const frame = Number(slider.value), colour = theme.colour;
-    poses(straight, 0).slice(0, units).forEach((pose, i) => line(outline(pose, i), colour("--line"), 1, null));
+    const frame = Number(slider.value), colour = theme.colour, seconds = shown.time[frame];
+    line(model.silhouette(model.straight), colour("--line"), 1, null);
     line(tip.slice(0, frame + 1), colour("--neutral"), 1);
-    const found = poses(trial.angles, frame * units);
-    found.slice(0, units).forEach((pose, i) => line(outline(pose, i), colour("--named"), 1, colour("--arm")));
-    [1, -1].forEach((side) => line(tendon(found, side), colour("--ink"), 1.2));
-    line([[0, -1.25 * halfWidth[0]], [0, 1.25 * halfWidth[0]]], colour("--ink"), 3);
+    const found = model.poses(shown.angles, frame * model.units);
+    const real = seen && robot.poses(seen.angles, at(seen.time, seconds) * robot.units);
+    if (real) {
+      real.slice(0, robot.units).forEach((pose, i) => line(robot.outline(pose, i), null, 0, colour("--robot")));
+      line(robot.silhouette(real), colour("--measured"), 1.2, null);
+    }
+    const inside = real ? null : colour("--arm");
+    found.slice(0, model.units).forEach((pose, i) => line(model.outline(pose, i), colour("--named"), 1.2, inside));
+    if (!real) [1, -1].forEach((side) => line(model.tendon(found, side), colour("--ink"), 1.2));
+    line([[0, -1.25 * model.halfWidth[0]], [0, 1.25 * model.halfWidth[0]]], colour("--ink"), 3);
     ruler(scale, high, colour);
-    const seconds = trial.time[frame] - trial.time[0];
-    clock.textContent = `${seconds.toFixed(1)} s`;
-    slider.setAttribute("aria-valuetext", `${seconds.toFixed(1)} seconds`);
+    const since = seconds - shown.time[0];
+    clock.textContent = `${since.toFixed(1)} s`;
+    slider.setAttribute("aria-valuetext", `${since.toFixed(1)} seconds`);
+    if (distance && real) {
+      const [a, b] = [found[model.units], real[robot.units]];
+      distance.textContent = `tips ${Math.hypot(a[0] - b[0], a[1] - b[1]).toFixed(0)} mm apart`;
+    }
   }
   function ruler(scale, high, colour) {
     context.strokeStyle = context.fillStyle = colour("--muted");
@@ -100,30 +93,42 @@ function startArm() {
     context.font = "12px system-ui, sans-serif";
     context.fillText("100 mm", 1 + 100 * scale + 8, high - 2);
   }
+  function show() {
+    draw();
+    moment.set(shown.name, shown.time[slider.value], "arm");
+  }
 
   function stop() { cancelAnimationFrame(playing); playing = null; play.textContent = "Play"; }
   function start() {
-    const last = trial.time.length - 1;
+    const last = shown.time.length - 1;
     if (Number(slider.value) >= last) slider.value = 0;
-    const offset = trial.time[slider.value];
+    const offset = shown.time[slider.value];
     let began = null;
     const step = (now) => {
       began ??= now;
-      const until = offset + (now - began) / 1000;
-      let frame = Number(slider.value);
-      while (frame < last && trial.time[frame + 1] <= until) frame++;
-      slider.value = frame;
-      draw();
-      if (frame >= last) stop(); else playing = requestAnimationFrame(step);
+      slider.value = Math.max(Number(slider.value), at(shown.time, offset + (now - began) / 1000));
+      show();
+      if (Number(slider.value) >= last) stop(); else playing = requestAnimationFrame(step);
     };
     play.textContent = "Pause";
     playing = requestAnimationFrame(step);
   }
+  function follow(source) { // somebody else looks at another moment
+    if (source === "arm") return;
+    const k = stored.trials.findIndex((entry) => entry.name === moment.trial);
+    if (k < 0) return;
+    stop();
+    if (stored.trials[k].name !== shown.name) { choice.value = k; load(k); }
+    if (moment.seconds === null) return;
+    slider.value = at(shown.time, moment.seconds);
+    show();
+  }
   stored.trials.forEach((entry, k) => choice.add(new Option(entry.name, k)));
   play.addEventListener("click", () => (playing === null ? start() : stop()));
-  slider.addEventListener("input", () => { stop(); draw(); });
+  slider.addEventListener("input", () => { stop(); show(); });
   choice.addEventListener("change", () => { stop(); load(choice.value); });
   new ResizeObserver(draw).observe(canvas);
   theme.listeners.push(draw);
   load(0);
+  moment.listeners.push(follow);
 }

@@ -3,5 +3,14 @@
 document.querySelectorAll(".plot").forEach((place) => {
   if (place.id !== "overlay") plots.show(place.id, readJson(`${place.id}-figure`));
 });
+startSwitches();
 startOverlay();
 startArm();
+// A link to something folded unfolds it.
+function unfold() {
+  const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const folded = target && target.closest("details");
+  if (folded) { folded.open = true; target.scrollIntoView(); }
+}
+addEventListener("hashchange", unfold);
+unfold();

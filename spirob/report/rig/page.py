@@ -15,10 +15,20 @@ from spirob.report.rig.repairs import Repairs
 from spirob.report.rig.verdict import RigVerdict
 from spirob.report.sections.failure import Failure
 from spirob.report.sections.ladder import Ladder
+from spirob.report.sections.library import Library
 from spirob.report.sections.parameters import Parameters
 from spirob.report.sections.provenance import ProvenanceSection
 
-SECTIONS = (RigVerdict, RigOverlay, Failure, Ladder, Parameters, Repairs, ProvenanceSection)
+SECTIONS = (
+    RigVerdict,
+    RigOverlay,
+    Failure,
+    Ladder,
+    Parameters,
+    Repairs,
+    Library,
+    ProvenanceSection,
+)
 
 
 def build_rig_page(
@@ -45,6 +55,7 @@ def build_rig_page(
     provenance = type(found)(
         commit=found.commit,
         dirty=found.dirty,
+        changed=found.changed,
         seed="0",
         command=command,
         versions=found.versions,

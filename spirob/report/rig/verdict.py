@@ -25,7 +25,7 @@ class RigVerdict(Section):
             "explanation": diagnosis["explanation"],
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": figures.Plot(
-                "ladder",
+                "steps",
                 "Bars of the held-out error of each model; the table of section Ladder has them",
                 figures.ladder(rungs, noise_floor, unit),
             ),

@@ -3,9 +3,11 @@
 from typing import Any
 
 from spirob.report import overlay
+from spirob.report.combinations import switchable
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
 from spirob.report.numbers import column, fixed, shown
+from spirob.report.regimes import driven
 from spirob.report.sections.section import Section
 
 METRICS = ("mae", "rmse", "r2")
@@ -25,7 +27,8 @@ class Comparison(Section):
             channel: shown(_unit(trials, channel, si))[0] for channel, si in overlay.UNITS.items()
         }
         short, full = names(data.diagnosis)
-        signals = overlay.payload(data.overlay, short)
+        table, effects = switchable(data)
+        signals = overlay.payload(table, short, driven(data.compare), effects)
         motors = list(dict.fromkeys(data.overlay["motor"].astype(str)))
         return {
             "units": units,
@@ -33,6 +36,7 @@ class Comparison(Section):
             "train": rows([t for t in trials if t.get("role") == "train"]),
             "poor_fit": POOR_FIT,
             "signals": signals,
+            "regimes": [regime["regime"] for regime in data.diagnosis["atlas"]],
             "overlay": Plot(
                 "overlay",
                 "Measured and modelled signals of the chosen trial, residuals under them",

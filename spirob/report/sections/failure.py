@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from spirob.report import figures
+from spirob.report import figures, regime_figures
 from spirob.report.data import ReportData
 from spirob.report.numbers import column, is_number, percent
 from spirob.report.sections.section import Section
@@ -22,7 +22,7 @@ class Failure(Section):
             plot = figures.Plot(
                 "atlas",
                 "Share of squared error beside share of time for each regime",
-                figures.atlas(regimes),
+                regime_figures.atlas(regimes),
             )
         return {
             "sentences": data.diagnosis.get("atlas_sentences", []),

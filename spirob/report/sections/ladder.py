@@ -2,7 +2,9 @@
 
 from typing import Any
 
+from spirob.effects import all_effects
 from spirob.report.data import ReportData
+from spirob.report.effect_card import card
 from spirob.report.numbers import column, fixed, interval, is_number, percent, unit_text
 from spirob.report.sections.section import Section
 
@@ -25,8 +27,15 @@ class Ladder(Section):
             "next_experiment": diagnosis.get("next_experiment", ""),
             "candidates": candidates(diagnosis["candidates"], chosen),
             "rungs": rungs(diagnosis["ladder"]),
-            "effects": [effect_entry(effect) for effect in diagnosis["effects"]],
+            "effects": [effect_entry(effect, declared(data)) for effect in diagnosis["effects"]],
         }
+
+
+def declared(data: ReportData) -> dict[str, dict[str, Any]]:
+    """What the library says of each named effect; a user's own file is not in it."""
+    known = all_effects()
+    names = [effect["name"] for effect in data.diagnosis["effects"]]
+    return {name: card(known[name]) for name in names if name in known}
 
 
 def candidates(found: list[dict[str, Any]], chosen: set[str]) -> list[dict[str, Any]]:
@@ -52,20 +61,25 @@ def rungs(ladder: list[dict[str, Any]]) -> list[dict[str, Any]]:
     errors.append(column([(rung.get("heldout") or {}).get("mae") for rung in ladder]))
     errors.append([fixed((rung.get("heldout") or {}).get("r2"), 3) for rung in ladder])
     return [
-        {"label": rung["label"], "cells": [texts[k] for texts in errors]}
+        {"label": rung["label"].replace("_", " "), "cells": [texts[k] for texts in errors]}
         for k, rung in enumerate(ladder)
     ]
 
 
-def effect_entry(effect: dict[str, Any]) -> dict[str, Any]:
-    """A named effect with its fitted numbers and what it cannot be told from."""
+def effect_entry(effect: dict[str, Any], cards: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """A named effect with its law, its fitted numbers and what it cannot be told from."""
+    about = cards.get(effect["name"])
+    symbols = {number["name"]: number["symbol"] for number in about["numbers"]} if about else {}
     return {
         "title": effect["title"],
+        "name": effect["name"],
+        "about": about,
         "probability": percent(effect.get("probability")),
         "equivalents": effect.get("equivalents") or [],
         "parameters": [
             {
                 "name": name.replace("_", " "),
+                "symbol": symbols.get(name, ""),
                 "unit": unit_text(fitted["unit"]),
                 "texts": interval(fitted["value"], fitted.get("low"), fitted.get("high")),
             }

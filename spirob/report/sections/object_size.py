@@ -2,14 +2,18 @@
 
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
 from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.numbers import fixed
+from spirob.report.numbers import fixed, is_number
 from spirob.report.sections.section import Section
 
 PAPER = {"simulation": {"mae": 1.12, "r2": 0.98}, "robot": {"mae": 3.95, "r2": 0.76}}
 DOMAINS = {"simulation": "Simulation", "robot": "Robot"}
 COLUMNS = (("mae", 2), ("rmse", 2), ("std", 2), ("r2", 3))
+RESAMPLES, SEED, FEWEST = 2000, 0, 5
 
 
 class ObjectSize(Section):
@@ -32,17 +36,48 @@ class ObjectSize(Section):
             )
         metrics = data.metrics.get("size")
         reason = data.absent.get("size_metrics") or data.absent.get("predictions", "")
-        return {"plot": plot, "rows": rows(metrics) if metrics else [], "reason": reason}
+        return {
+            "plot": plot,
+            "rows": rows(metrics, data.predictions) if metrics else [],
+            "transfer": transfer_sentence(metrics) if metrics else "",
+            "reason": reason,
+        }
 
 
-def rows(metrics: dict[str, Any]) -> list[dict[str, Any]]:
-    """For each domain our figures [mm] and, under them, the paper's."""
+def rows(metrics: dict[str, Any], predictions: pd.DataFrame | None = None) -> list[dict[str, Any]]:
+    """For each domain our figures [mm], with an interval of the MAE, and the paper's below."""
     found = []
     for domain, title in DOMAINS.items():
         for source, numbers in (("here", metrics.get(domain) or {}), ("paper", PAPER[domain])):
             cells = [_cell(numbers, key, decimals, source) for key, decimals in COLUMNS]
-            found.append({"domain": title, "source": source, "cells": cells})
+            span = mae_interval(predictions, domain) if source == "here" else ""
+            found.append({"domain": title, "source": source, "cells": cells, "span": span})
     return found
+
+
+def mae_interval(predictions: pd.DataFrame | None, domain: str) -> str:
+    """95 % of the MAE [mm] over resampled objects; empty with too few to resample."""
+    if predictions is None:
+        return ""
+    kept = predictions[predictions["domain"] == domain].dropna()
+    errors = np.abs(kept["predicted_mm"].to_numpy(float) - kept["true_mm"].to_numpy(float))
+    if len(errors) < FEWEST:
+        return ""
+    drawn = np.random.default_rng(SEED).choice(errors, (RESAMPLES, len(errors)))
+    low, high = np.quantile(drawn.mean(axis=1), (0.025, 0.975))
+    return f"{fixed(float(low), 2)} to {fixed(float(high), 2)}"
+
+
+def transfer_sentence(metrics: dict[str, Any]) -> str:
+    """How much the error grows from simulation to robot, here and in the paper."""
+    ours = [(metrics.get(domain) or {}).get("mae") for domain in DOMAINS]
+    if not (is_number(ours[0]) and is_number(ours[1]) and ours[0] > 0):
+        return ""
+    paper = PAPER["robot"]["mae"] / PAPER["simulation"]["mae"]
+    return (
+        f"Trained in simulation alone; on the robot the MAE is {fixed(ours[1] / ours[0], 1)} times "
+        f"as large, in the paper {fixed(paper, 1)} times."
+    )
 
 
 def _cell(numbers: dict[str, Any], key: str, decimals: int, source: str) -> str:

@@ -4,7 +4,8 @@ import math
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.numbers import given, interval, is_number, number, shown, unit_text
+from spirob.report.numbers import fixed, given, interval, is_number, number, shown, unit_text
+from spirob.report.resolution import null_space, pairs, spoken
 from spirob.report.sections.section import Section
 
 WIDE = 50.0  # bounds further apart than this factor are drawn on a logarithmic scale
@@ -19,11 +20,16 @@ class Parameters(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.identified["parameters"]
+        resolution = data.identified.get("resolution")
+        left = (data.identified.get("train") or {}).get("rmse")
         return {
             "rows": [row(name, parameter) for name, parameter in found.items()],
-            "at_bound": [name.replace("_", " ") for name, p in found.items() if p.get("at_bound")],
+            "at_bound": [spoken(name) for name, p in found.items() if p.get("at_bound")],
             "identifiability": data.identified.get("identifiability", ""),
             "train": train_sentence(data.identified.get("train")),
+            "pairs": pairs(resolution) if resolution else [],
+            "null_space": null_space(resolution, left) if resolution else "",
+            "correlation": correlation(resolution) if resolution else [],
         }
 
 
@@ -39,6 +45,21 @@ def train_sentence(train: dict[str, Any] | None) -> str:
     )
 
 
+def correlation(resolution: dict[str, Any]) -> list[dict[str, Any]]:
+    """The lower half of the matrix: a row for each number, text and strength of each cell."""
+    names, table = resolution["names"], resolution["correlation"]
+    return [
+        {
+            "name": spoken(name),
+            "cells": [
+                {"text": fixed(value, 2), "share": round(100 * abs(value)), "sign": value >= 0}
+                for value in table[k][:k]
+            ],
+        }
+        for k, name in enumerate(names)
+    ]
+
+
 def row(name: str, parameter: dict[str, Any]) -> dict[str, Any]:
     """Texts of one parameter and the positions, 0 to 100, of its marks between the bounds."""
     low, high = parameter.get("low"), parameter.get("high")
@@ -48,7 +69,7 @@ def row(name: str, parameter: dict[str, Any]) -> dict[str, Any]:
         key: position(parameter.get(key), *bounds) for key in ("value", "low", "high", "nominal")
     }
     return {
-        "name": name.replace("_", " "),
+        "name": spoken(name),
         "meaning": parameter.get("meaning", ""),
         "unit": unit_text(parameter["unit"]),
         "value": value,

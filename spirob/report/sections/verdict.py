@@ -1,10 +1,13 @@
 """The first screen: the verdict, how much it explains, and the arm in motion."""
 
+import math
 from typing import Any
+
+import numpy as np
 
 from spirob.report import arm, figures
 from spirob.report.data import ReportData
-from spirob.report.numbers import EFFORT, column, is_number, percent
+from spirob.report.numbers import EFFORT, column, fixed, is_number, percent
 from spirob.report.sections.section import Section
 
 KINDS = {
@@ -13,6 +16,7 @@ KINDS = {
     "nothing_missing": "Nothing is missing",
     "unknown": "Something is missing that the library does not hold",
 }
+FEW = 5.0  # per cent; where less is missing, decimals are of use
 
 
 class Verdict(Section):
@@ -29,14 +33,17 @@ class Verdict(Section):
         return {
             "kind": KINDS.get(diagnosis["verdict"], diagnosis["verdict"]),
             "sentence": diagnosis["sentence"],
+            "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": figures.Plot(
-                "ladder",
+                "steps",
                 "Bars of the held-out error of each model; the table of section Ladder has them",
                 figures.ladder(rungs, noise_floor, unit),
             ),
-            "arm": None if data.motion is None else arm.payload(data.motion),
+            "arm": None if data.motion is None else arm.payload(data.motion, data.posture),
             "no_arm": data.absent.get("motion", ""),
+            "no_robot": data.absent.get("posture", ""),
+            "apart": apart_sentence(data),
             "score": data.score,
         }
 
@@ -58,6 +65,38 @@ def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: 
     else:
         change = f"does not fall ({numbers[0]} before, {numbers[1]} {unit} after)"
     return f"On held-out trials the RMSE of {effort} {change}{floor}."
+
+
+def explained_sentence(rungs: list[dict[str, Any]], unit: str) -> str:
+    """How much of the effort's variance the model explains, without and with the named effects."""
+    if not rungs or not is_number(before := (rungs[0].get("heldout") or {}).get("r2")):
+        return ""
+    effort = EFFORT.get(unit, "effort")
+    sentence = f"The fitted model explains {share(before)} of the {effort} that it has not seen"
+    grown = max(rungs, key=lambda rung: len(rung.get("effects") or ()))
+    after = (grown.get("heldout") or {}).get("r2") if grown.get("effects") else None
+    return f"{sentence}; with the effect {share(after)}." if is_number(after) else f"{sentence}."
+
+
+def share(r2: float) -> str:
+    """R² in per cent, with as many decimals as show what is missing to all of it."""
+    value = 100 * max(r2, 0.0)
+    missing = 100 - value
+    if missing >= FEW or missing < 1e-4:
+        return f"{fixed(value, 0)} %"
+    decimals = min(4, max(1, -math.floor(math.log10(missing))))
+    return f"{fixed(value, decimals)} %"
+
+
+def apart_sentence(data: ReportData) -> str:
+    """How far the tips of robot and model are apart; empty where one of them is not known."""
+    if data.motion is None or data.posture is None:
+        return ""
+    distances = 1e3 * arm.apart(data.motion, data.posture)
+    if not len(distances):
+        return ""
+    middle, most = (f"{value:.0f}" for value in (np.median(distances), distances.max()))
+    return f"Their tips are {middle} mm apart in the median and {most} mm at most."
 
 
 def heldout(rung: dict[str, Any]) -> float | None:

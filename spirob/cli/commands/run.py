@@ -1,0 +1,31 @@
+"""Run the pipeline: play the trials, fit, compare, diagnose, estimate sizes, write the report.
+
+Choices KEY=VALUE replace those in params.yaml and stay there until others are made; without any,
+params.yaml is left as it is.  Only what a change touches runs again.
+"""
+
+import argparse
+
+from spirob.cli.choices import add_choices, advance
+
+HELP = "the whole pipeline; only what a change touches runs again"
+ORDER = 10
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `spirob run`."""
+    add_choices(parser)
+    parser.add_argument("--until", metavar="STAGE", help="stop after this stage")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run, then say the verdict and where the page is."""
+    import json
+
+    code, project = advance(arguments, arguments.until)
+    if code == 0 and arguments.until in (None, "diagnose", "report"):
+        found = json.loads((project / "data/diagnosis/diagnosis.json").read_text(encoding="utf-8"))
+        print(found["sentence"])
+    if code == 0 and arguments.until in (None, "report"):
+        print(f"report: {project / 'reports/index.html'}")
+    return code

@@ -1,0 +1,77 @@
+"""Public names of the package, read from its source without importing it: nothing is executed."""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[2]  # spirob
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True)
+class Member:
+    """A class or function: how it is written, what it says of itself, and what it holds.
+
+    kind  "class", "function" or "property"
+    """
+
+    name: str
+    kind: str
+    signature: str
+    text: str
+    members: tuple["Member", ...] = ()
+
+
+@dataclass(frozen=True)
+class Module:
+    """A module by its dotted name, with its docstring and its public classes and functions."""
+
+    name: str
+    text: str
+    members: tuple[Member, ...] = field(default=())
+
+
+def modules(root: Path = PACKAGE) -> list[Module]:
+    """All public modules under the package's folder `root`, by name."""
+    return sorted(_read(root), key=lambda module: module.name)
+
+
+def _read(root: Path) -> Iterator[Module]:
+    for path in root.rglob("*.py"):
+        parts = path.relative_to(root.parent).with_suffix("").parts
+        if parts[-1] == "__init__":
+            parts = parts[:-1]
+        if any(part.startswith("_") for part in parts):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+        yield Module(".".join(parts), ast.get_docstring(tree) or "", _members(tree))
+
+
+def _members(node: ast.Module | ast.ClassDef) -> tuple[Member, ...]:
+    found = []
+    for child in node.body:
+        if isinstance(child, ast.ClassDef | Function) and not child.name.startswith("_"):
+            found.append(_member(child))
+    return tuple(found)
+
+
+def _member(node: ast.ClassDef | Function) -> Member:
+    text = ast.get_docstring(node) or ""
+    if isinstance(node, ast.ClassDef):
+        return Member(node.name, "class", _class_line(node), text, _members(node))
+    decorators = [ast.unparse(decorator) for decorator in node.decorator_list]
+    kind = "property" if "property" in decorators else "function"
+    returns = f" -> {ast.unparse(node.returns)}" if node.returns else ""
+    arguments = "" if kind == "property" else f"({ast.unparse(node.args)})"
+    return Member(node.name, kind, f"{node.name}{arguments}{returns}", text)
+
+
+def _class_line(node: ast.ClassDef) -> str:
+    """The class with its bases and, as for a dataclass, its fields."""
+    bases = ", ".join(ast.unparse(base) for base in node.bases)
+    lines = [f"class {node.name}({bases})" if bases else f"class {node.name}"]
+    for child in node.body:
+        if isinstance(child, ast.AnnAssign) and not ast.unparse(child.target).startswith("_"):
+            lines.append(f"    {ast.unparse(child)}")
+    return "\n".join(lines)

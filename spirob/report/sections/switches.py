@@ -1,0 +1,83 @@
+"""Watch the error fall by hand: candidate effects as switches."""
+
+from typing import Any
+
+from spirob.report import figures, regime_figures
+from spirob.report.combinations import Combination, combinations, switchable
+from spirob.report.data import ReportData
+from spirob.report.numbers import column
+from spirob.report.regimes import driven
+from spirob.report.sections.section import Section
+
+MILLI = 1e3  # the page shows mA
+
+
+class Switches(Section):
+    """Switching an effect on redraws error, regimes and the overlay; all is computed before."""
+
+    order = 15
+    title = "By hand"
+    template = "switches.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        table, effects = switchable(data)
+        on = {effect["name"] for effect in data.diagnosis["effects"]}
+        found = combinations(table, effects, driven(data.compare), on) if effects else []
+        titles = {c["name"]: c["title"] for c in data.diagnosis["candidates"]}
+        return {
+            "switches": [
+                {"name": name, "title": titles[name], "on": name in on}
+                for name in (effects if found else [])
+            ],
+            "combinations": [entry(one) for one in found],
+            "rows": rows(found, titles),
+            "plot": _plot(found[0]) if found else None,
+            "reason": data.absent.get("finalists", "No candidate passed the screening."),
+        }
+
+
+def entry(one: Combination) -> dict[str, Any]:
+    """What the page's script needs of a combination; errors in mA."""
+    weights = one.weights and {name: round(weight, 4) for name, weight in one.weights.items()}
+    return {
+        "effects": list(one.effects),
+        "weights": weights,
+        "rmse": {role: round(MILLI * value, 3) for role, value in one.rmse.items()},
+        "regimes": {name: round(MILLI * value, 3) for name, value in one.regimes.items()},
+        "how": how(one),
+    }
+
+
+def how(one: Combination) -> str:
+    """How a combination was computed."""
+    if one.weights is None:
+        return "full simulation, the verdict's model"
+    if not one.effects:
+        return "full simulation, fitted numbers only"
+    return "full simulation, everything refitted" if one.full else "first order"
+
+
+def rows(found: list[Combination], titles: dict[str, str]) -> list[dict[str, Any]]:
+    """The same for those who read tables: a line for each combination."""
+    errors = {
+        role: column([MILLI * one.rmse[role] if role in one.rmse else None for one in found])
+        for role in ("validate", "heldout")
+    }
+    return [
+        {
+            "label": " + ".join(titles[name] for name in one.effects) or "none",
+            "how": how(one),
+            "validate": errors["validate"][k],
+            "heldout": errors["heldout"][k],
+        }
+        for k, one in enumerate(found)
+    ]
+
+
+def _plot(base: Combination) -> figures.Plot:
+    errors = {name: MILLI * value for name, value in base.regimes.items()}
+    return figures.Plot(
+        "regimes",
+        "Error in each regime, base model and chosen effects",
+        regime_figures.regimes(errors),
+    )

@@ -1,0 +1,76 @@
+"""Progress: plain lines where nobody watches, a bar with the time left on a terminal."""
+
+import io
+import os
+
+import pytest
+
+from spirob.cli.progress import Progress
+from spirob.cli.time_left import TimeLeft, clock
+
+
+def test_elsewhere_one_plain_line_for_each_unit():
+    stream = io.StringIO()
+    with Progress(["fit", "judge"], stream=stream) as progress:
+        for unit in ("fit", "judge"):
+            progress.begin(unit)
+            progress.done(unit, "unchanged" if unit == "judge" else "")
+    first, second = stream.getvalue().splitlines()
+    assert first.startswith("fit: ")
+    assert first.endswith(" s (1 of 2)")
+    assert second == "judge: unchanged (2 of 2)"
+    assert "\x1b" not in stream.getvalue()
+
+
+def on_a_terminal(monkeypatch, colourless):
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    if colourless:
+        monkeypatch.setenv("NO_COLOR", "1")
+    leader, follower = os.openpty()
+    with open(follower, "w") as stream:
+        with Progress(["fit", "judge"], {"fit": 3.0, "judge": 60.0}, stream) as progress:
+            progress.begin("fit")
+            progress.tell("a line above")
+            progress.done("fit")
+        stream.flush()
+        seen = os.read(leader, 100_000).decode()
+    os.close(leader)
+    return seen
+
+
+def test_on_a_terminal_a_bar_with_the_time_left(monkeypatch):
+    seen = on_a_terminal(monkeypatch, colourless=False)
+    assert "1:00 left" in seen
+    assert "1/2" in seen
+    assert "a line above" in seen
+    assert "\x1b[38;5;" in seen or "\x1b[3" in seen
+
+
+def test_no_colours_where_they_are_not_wanted(monkeypatch):
+    seen = on_a_terminal(monkeypatch, colourless=True)
+    assert "1:00 left" in seen
+    assert "\x1b[38;5;" not in seen
+
+
+def test_the_forecast_uses_last_times_else_the_mean_of_this_run():
+    left = TimeLeft(["a", "b", "c"], {"a": 10.0, "b": 20.0})
+    assert left.seconds() is None  # nothing tells how long c will be
+    left.done("a", 8.0)
+    assert left.seconds(in_current=5.0) == pytest.approx(15.0 + 8.0)
+    left.done("b", 0.0, worked=False)
+    assert left.seconds() == pytest.approx(8.0)
+    left.done("c", 8.0)
+    assert left.seconds() == 0.0
+
+
+def test_a_unit_that_overruns_leaves_no_negative_time():
+    assert TimeLeft(["a"], {"a": 1.0}).seconds(in_current=9.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "shown"), [(None, "–:––"), (0.4, "0:00"), (61, "1:01"), (600.2, "10:00")]
+)
+def test_the_clock(seconds, shown):
+    assert clock(seconds) == shown

@@ -1,0 +1,130 @@
+"""`spirob run` on a pipeline of three tiny stages, with DVC itself."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from spirob.cli.main import main
+from spirob.cli.project import read_overrides
+from spirob.cli.stages import TIMES, stages
+
+DVC = """stages:
+  config:
+    cmd: python stage.py config
+    deps: [params.yaml, stage.py]
+    outs: [data/config]
+  diagnose:
+    cmd: python stage.py diagnose
+    deps: [data/config]
+    outs: [data/diagnosis]
+  report:
+    cmd: python stage.py report
+    deps: [data/diagnosis]
+    outs: [reports/index.html]
+  aside:
+    cmd: python stage.py aside
+    deps: [stage.py]
+    outs: [data/aside]
+"""
+STAGE = """import pathlib, sys, time, yaml
+name = sys.argv[1]
+print(f"{name} speaks")
+if name == "config" and "bad=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
+    print("config: bad may not be 1", file=sys.stderr)
+    sys.exit(2)
+if name == "diagnose" and "bug=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
+    raise ZeroDivisionError("ours")
+if name == "diagnose" and "slow=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
+    pathlib.Path("asleep").touch()
+    time.sleep(60)
+if name == "report":
+    pathlib.Path("reports").mkdir(exist_ok=True)
+    pathlib.Path("reports/index.html").write_text("page")
+else:
+    folder = pathlib.Path("data", name.replace("diagnose", "diagnosis"))
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{folder.name}.json").write_text('{"sentence": "Nothing is missing."}')
+    (folder / "choices").write_text(open("params.yaml").read())
+"""
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    root = tmp_path_factory.mktemp("project")
+    (root / "pipeline").mkdir()
+    (root / "dvc.yaml").write_text(DVC.replace("python stage", f"{sys.executable} stage"))
+    (root / "stage.py").write_text(STAGE)
+    (root / "params.yaml").write_text("# choices\noverrides: []\n")
+    subprocess.run(["git", "init", "-q"], cwd=root, check=True)
+    subprocess.run([sys.executable, "-m", "dvc", "init", "-q"], cwd=root, check=True)
+    return root
+
+
+def run(project, *arguments):
+    return main(["run", *arguments, "--project", str(project)])
+
+
+def test_a_run_says_the_verdict_and_every_stage_and_a_second_has_nothing_to_do(project, capfd):
+    assert run(project, "speed=3", "--until", "report") == 0
+    out, err = capfd.readouterr()
+    assert out.splitlines() == ["Nothing is missing.", f"report: {project / 'reports/index.html'}"]
+    assert [line.split(":")[0] for line in err.splitlines()] == ["config", "diagnose", "report"]
+    assert read_overrides(project) == ["speed=3"]
+    assert set(json.loads((project / TIMES).read_text())) == {"config", "diagnose", "report"}
+    assert run(project, "--until", "report") == 0
+    assert capfd.readouterr().err.count("unchanged") == 3
+
+
+def test_a_refused_choice_is_one_sentence_and_is_taken_back(project, capfd):
+    before = read_overrides(project)
+    assert run(project, "bad=1", "--until", "report") == 2
+    _, err = capfd.readouterr()
+    assert "config: bad may not be 1" in err
+    assert "Traceback" not in err
+    assert "ERROR" not in err
+    assert read_overrides(project) == before
+
+
+def test_a_bug_shows_its_traceback_and_is_code_1(project, capfd):
+    assert run(project, "bug=1", "--until", "report") == 1
+    assert "ZeroDivisionError" in capfd.readouterr().err
+
+
+def test_stopping_by_hand_is_130_and_the_next_run_goes_on(project, capfd):
+    started = subprocess.Popen(
+        [sys.executable, "-m", "spirob.cli.main", "run", "slow=1", "--until", "report"],
+        cwd=project,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    deadline = time.monotonic() + 30
+    while not (project / "asleep").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    os.killpg(started.pid, signal.SIGINT)
+    assert started.wait(20) == 130
+    assert "Traceback" not in started.stderr.read()
+    assert run(project, "--defaults", "--until", "report") == 0
+    assert read_overrides(project) == []
+
+
+def test_verbose_lets_the_stages_speak(project, capfd):
+    assert run(project, "loud=1", "--until", "config", "--verbose") == 0
+    assert "config speaks" in capfd.readouterr().err
+
+
+def test_a_stage_that_is_none_changes_nothing(project, capfd):
+    assert run(project, "a=1", "--until", "magic") == 2
+    assert "no stage 'magic'" in capfd.readouterr().err
+    assert read_overrides(project) != ["a=1"]
+
+
+def test_the_stages_up_to_a_target_leave_out_what_it_does_not_need(project):
+    assert stages(project, "report") == ["config", "diagnose", "report"]
+    assert stages(project) == ["config", "diagnose", "report", "aside"]
