@@ -44,7 +44,7 @@ def read_log(path: Path | str, torn: bool = False) -> Trace:
     Raises MissingLog, MissingChannel, TooShort (shorter than the current filter) and DataError
     (torn, corrupt, not a log of a trial), each naming the file.
     """
-    content = read_content(path, torn)
+    content = read_content(path, torn, (RAW_TOPIC, COMMAND_TOPIC))
     try:
         return _trace(str(path), content)
     except (MissingChannel, TooShort):
