@@ -23,6 +23,7 @@ from spirob.robot import MOTORS
 from spirob.trace import Trace, moving_average
 
 FILTER_WINDOW = 100  # samples of the current filter in the paper's set-up
+SAFE_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # plain data only, both of them
 DOCUMENT_LIMIT = 2**20  # bytes of trial.yaml
 REFERENCE_UNITS = {CURRENT: "A", VELOCITY: "m/s", DISPLACEMENT: "m", FORCE: "N"}
 CHANNELS = {
@@ -95,7 +96,7 @@ def _document(content: Content) -> dict[str, Any]:
     if len(text) > DOCUMENT_LIMIT:
         raise DataError(f"'{TRIAL_FILE}' has {len(text)} bytes, more than {DOCUMENT_LIMIT}")
     try:
-        document = yaml.safe_load(text)
+        document = yaml.load(text, Loader=SAFE_LOADER)
         trial = document["trial"]
         complete = isinstance(trial, dict) and {"name", "role"} <= set(trial)
         complete = complete and isinstance(document["rig"], str)

@@ -1,5 +1,6 @@
 """The records of an MCAP file, messages in bulk; trusts no length and no checksum unseen."""
 
+import os
 import struct
 import zlib
 from collections.abc import Collection, Iterator
@@ -65,14 +66,15 @@ def read_bytes(path: Path | str) -> bytes:
     """A whole MCAP file; raises MissingLog, and DataError where it is none or far too large."""
     try:
         with open(path, "rb") as file:
-            raw = file.read(FILE_LIMIT + 1)
+            size = os.fstat(file.fileno()).st_size
+            raw = file.read(min(size, FILE_LIMIT))
     except FileNotFoundError:
         raise MissingLog(f"{path}: there is no such log") from None
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     if not raw.startswith(MAGIC):
         raise DataError(f"{path}: this is not an MCAP file")
-    if len(raw) > FILE_LIMIT:
+    if size > FILE_LIMIT:
         raise DataError(f"{path}: more than {FILE_LIMIT >> 20} MiB; record shorter trials")
     return raw
 
