@@ -9,6 +9,7 @@ import can
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene
+from spirob.safety import Stopped
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 SILENCE_NS = 10_000_000  # ten feedback frames lost in a row: the drive is gone
@@ -24,26 +25,32 @@ class CanRobot:
 
     bus         open, owned from now on: `close` shuts it down
     silence_ns  how long a drive may say nothing
-    ask         told what to do before a trial; returns when it is done
+    ask         told what to do before a trial and asked to arm; returns the operator's answer
+
+    Until `arm` no current is sent: a command that is not zero is an error.  Limits beyond that are
+    the guard's (`spirob.safety`), which every trial is played through.
     """
 
     def __init__(
         self,
         bus: can.BusABC,
         silence_ns: int = SILENCE_NS,
-        ask: Callable[[str], object] = input,
+        ask: Callable[[str], str] = input,
     ):
         self.overruns = 0
+        self.armed = False
         self._bus = bus
         self._silence_ns = silence_ns
         self._ask = ask
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
         self._deadline: int | None = None
         self._heard: dict[int, int] = {}
+        self._frames: list[CanFrame] = []
         self._open = True
 
     def prepare(self, scene: Scene) -> None:
-        """Hold zero current and ask the operator to set the scene."""
+        """Disarm, hold zero current and ask the operator to set the scene."""
+        self.armed = False
         self._send(ZERO)
         around = scene.cylinder
         put = "nothing near the arm"
@@ -55,17 +62,31 @@ class CanRobot:
         self._ask(f"Arm straight and at rest, tendons just taut, {put}; then press Enter. ")
         self._deadline = None
 
+    def arm(self) -> None:
+        """Let currents flow once the operator has typed it; HardwareError on any other answer."""
+        answer = self._ask("The motors will move. Keep clear, then type 'arm': ")
+        if answer.strip().lower() != "arm":
+            raise HardwareError("the robot was not armed, so no current was sent")
+        self.armed = True
+        self._deadline = None
+
     def exchange(self, command: bytes) -> list[CanFrame]:
         """One cycle: send, then collect frames up to its deadline.
 
-        Raises HardwareError, after commanding zero, when the bus fails or a drive is silent.
+        Raises HardwareError, after commanding zero, when the bus fails or a drive is silent
+        (Stopped, which holds what had arrived in the cycle), or when a current is asked for while
+        the robot is not armed.
         """
+        self._frames = []
+        if not self.armed and any(command):
+            self._fail("a current was asked for, but the robot is not armed", None)
         now = time.monotonic_ns()
         if self._deadline is None:
             self._start(now)
             now = time.monotonic_ns()
         deadline = self._next_deadline(now)
-        frames = [self._send(command)]
+        frames = self._frames
+        frames.append(self._send(command))
         while (left := deadline - time.monotonic_ns()) > 0:
             self._receive(frames, left / 1e9)
         self._drain(frames)  # what had arrived by the deadline still counts
@@ -74,6 +95,7 @@ class CanRobot:
 
     def close(self) -> None:
         """Command zero current and shut the bus down; safe to call twice."""
+        self.armed = False
         if self._open:
             self._open = False
             with suppress(can.CanError, OSError):
@@ -135,7 +157,7 @@ class CanRobot:
     def _fail(self, what: str, cause: Exception | None) -> None:
         with suppress(can.CanError, OSError):
             self._bus.send(_message(ZERO))
-        raise HardwareError(f"{self._bus.channel_info}: {what}") from cause
+        raise Stopped(f"{self._bus.channel_info}: {what}", self._frames) from cause
 
 
 def _message(payload: bytes) -> can.Message:

@@ -17,7 +17,7 @@ from spirob.errors import ConfigError, DataError, MissingChannel, TooShort
 from spirob.logs.cycles import Cycles
 from spirob.logs.messages import unpack_commands, unpack_frames
 from spirob.logs.records import Content, read_content
-from spirob.logs.schema import ABOUT, COMMAND_TOPIC, RAW_TOPIC, TRIAL_FILE
+from spirob.logs.schema import ABOUT, COMMAND_TOPIC, RAW_TOPIC, STOPPED, TRIAL_FILE
 from spirob.logs.transmission import Transmission
 from spirob.robot import MOTORS
 from spirob.trace import Trace, moving_average
@@ -86,6 +86,8 @@ def _trace(where: str, content: Content) -> Trace:
         "frames": {"malformed": dropped, **cycles.counts},
         "torn": content.torn,
     }
+    if STOPPED in content.metadata:
+        meta[STOPPED] = content.metadata[STOPPED].get("reason", "")
     return Trace(str(trial["name"]), cycles.time_ns, signals, units, meta)
 
 

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -21,6 +22,7 @@ from spirob.logs.schema import (
     JOINTS_TOPIC,
     RAW_TOPIC,
     SCHEMAS,
+    STOPPED,
     TRIAL_FILE,
 )
 from spirob.logs.transmission import Transmission
@@ -33,7 +35,8 @@ class TrialLog:
     """Writes a trial's log; a context manager.
 
     The log grows under `<name>.part` beside `path` and gets its name when the block ends well.
-    After an exception the `.part` file stays: closed, readable, for looking into the fault.
+    After an exception the `.part` file stays: closed, readable, for looking into the fault, whose
+    sentence is its metadata 'stopped'.
     All stamps are the robot's own, so a simulated trial gives the same bytes every time.
 
     path          of the finished log, `*.mcap`
@@ -43,7 +46,7 @@ class TrialLog:
     config        bytes of the resolved configuration; must not hold the emulator's truth
     about         further provenance as text, e.g. git_commit, start_time
 
-    Raises DataError where the file cannot be opened.
+    Raises DataError where the file cannot be opened or written.
     """
 
     def __init__(
@@ -101,10 +104,13 @@ class TrialLog:
 
     def frames(self, frames: Sequence[CanFrame]) -> None:
         """Keep frames just as they were received, in the order they were."""
-        for frame in frames:
-            stamp = frame.stamp_ns
-            data = pack_frame(stamp, frame.arbitration_id, frame.data)
-            self._writer.add_message(self._raw, stamp, data, stamp, self._sequence)
+        try:
+            for frame in frames:
+                stamp = frame.stamp_ns
+                data = pack_frame(stamp, frame.arbitration_id, frame.data)
+                self._writer.add_message(self._raw, stamp, data, stamp, self._sequence)
+        except OSError as error:
+            raise self._unwritable(error) from error
 
     def cycle(
         self,
@@ -125,9 +131,12 @@ class TrialLog:
         """
         add, sequence = self._writer.add_message, self._sequence
         joints = self._joints(stamp_ns, positions, velocities, efforts)
-        add(self._joint_states, stamp_ns, joints, stamp_ns, sequence)
         command = pack_command(stamp_ns, currents, references, rates, modes)
-        add(self._command, stamp_ns, command, stamp_ns, sequence)
+        try:
+            add(self._joint_states, stamp_ns, joints, stamp_ns, sequence)
+            add(self._command, stamp_ns, command, stamp_ns, sequence)
+        except OSError as error:
+            raise self._unwritable(error) from error
         self._sequence = sequence + 1
 
     def __exit__(
@@ -137,8 +146,20 @@ class TrialLog:
         trace: TracebackType | None,
     ) -> None:
         try:
+            if error is not None:
+                self._writer.add_metadata(STOPPED, {"reason": str(error) or type(error).__name__})
             self._writer.finish()
-        finally:
             self._file.close()
+        except OSError as failed:
+            with suppress(OSError):
+                self._file.close()  # flushes again, fails again, and closes
+            if error is None:
+                raise self._unwritable(failed) from failed
         if kind is None:
             publish(self.partial, self.path)
+
+    def _unwritable(self, error: OSError) -> DataError:
+        return DataError(
+            f"{self.path}: the log cannot be written: {error.strerror}; what came before is in "
+            f"{self.partial.name}, see `spirob recover`"
+        )
