@@ -20,6 +20,7 @@ from spirob.logs.provenance import git_commit, versions
 from spirob.logs.transmission import Transmission
 from spirob.plant import Plant, Rig
 from spirob.robot import Robot, Scene
+from spirob.safety import Limits
 
 
 def record_all(
@@ -39,6 +40,8 @@ def _record(
 ) -> dict[str, Any]:
     config = Config.model_validate(plain)
     trial, rig = Trial.from_plain(trial_plain), Rig.from_mapping(config.rig)
+    limits = Limits.from_mapping(config.robot.safety)
+    assert isinstance(limits, Limits)
     robot = build(config, rig, hidden)
 
     def prepare(scene: Scene) -> None:
@@ -63,6 +66,7 @@ def _record(
             config=yaml.safe_dump(public, sort_keys=False).encode(),
             about=about,
             prepare=prepare,
+            limits=limits,
         )
     finally:
         robot.close()
@@ -84,7 +88,8 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
             current_noise=robot.current_noise,
         )
         effect = HiddenSettings(str(hidden["effect"]), float(hidden["strength"]))
-        return EmulatedRobot(machine, effect, int(hidden["seed"]))
+        return EmulatedRobot(machine, effect, int(hidden["seed"]), robot.faults)
     if robot.kind == "simulated":
         return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)
-    return CanRobot(open_bus(robot.interface, robot.channel, robot.bitrate))
+    bus = open_bus(robot.interface, robot.channel, robot.bitrate, **robot.options)
+    return CanRobot(bus, silence_ns=round(1e9 * Limits(**robot.safety).silence))
