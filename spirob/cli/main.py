@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="store_true", help="print the version and stop")
     choices = parser.add_subparsers(title="commands", metavar="COMMAND")
     for module in subcommands():
-        name = module.__name__.rsplit(".", 1)[-1]
+        name = command_name(module)
         one = choices.add_parser(name, help=module.HELP, description=module.__doc__)
         module.add_arguments(one)
         one.set_defaults(run=module.run)
@@ -41,6 +41,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.print_help()
         return MISTAKE
     return _guarded(chosen)
+
+
+def command_name(module: ModuleType) -> str:
+    """What a subcommand is called; `import_.py` is `import`, which no file of Python can be."""
+    return module.__name__.rsplit(".", 1)[-1].rstrip("_")
 
 
 def _guarded(chosen: argparse.Namespace) -> int:
