@@ -100,6 +100,16 @@ def decode_feedback(data: bytes) -> Feedback:
     return Feedback(*_FEEDBACK.unpack(data))
 
 
+def feedback_payloads(
+    angle: np.ndarray, speed: np.ndarray, current: np.ndarray, temperature: np.ndarray
+) -> np.ndarray:
+    """Many feedback payloads, (n, 8) uint8, from counts."""
+    out = np.zeros(len(angle), _FEEDBACK_ARRAY)
+    out["angle"], out["speed"] = angle, speed
+    out["current"], out["temperature"] = current, temperature
+    return out.view(np.uint8).reshape(-1, 8)
+
+
 def decode_feedback_array(data: np.ndarray) -> np.ndarray:
     """Many feedback payloads, (n, 8) uint8, as a structured array of counts."""
     return np.ascontiguousarray(data, dtype=np.uint8).view(_FEEDBACK_ARRAY)[:, 0]

@@ -11,6 +11,7 @@ from pathlib import Path
 from spirob.bench.trial import Trial
 from spirob.can_protocol import encode_command
 from spirob.control.law import Gains, current_command
+from spirob.drives import Drive, Translator
 from spirob.errors import HardwareError
 from spirob.logs.transmission import Transmission
 from spirob.logs.writer import TrialLog
@@ -36,11 +37,13 @@ def record(
     progress: Callable[[float], None] | None = None,
     prepare: Callable[[Scene], None] | None = None,
     limits: Limits | None = None,
+    drive: Drive | None = None,
 ) -> Path:
     """Prepare the scene, arm, play the trial and write its log; the finished log's path.
 
     prepare  instead of the robot's own `prepare`, where that needs more than the scene
     limits   of the guard that is put around the robot
+    drive    what the robot's drives are where they are not C620-style
     See `TrialLog` for rig, config and about, `play` for the rest.
     """
     log = TrialLog(
@@ -50,8 +53,9 @@ def record(
         rig=rig,
         config=config,
         about=about,
+        drive=drive,
     )
-    guarded = guard(robot, transmission, limits)
+    guarded = guard(robot, transmission, limits, drive)
     (prepare or robot.prepare)(trial.scene)
     guarded.arm()
     with log:
@@ -59,10 +63,18 @@ def record(
     return log.path
 
 
-def guard(robot: Robot, transmission: Transmission, limits: Limits | None = None) -> GuardedRobot:
+def guard(
+    robot: Robot,
+    transmission: Transmission,
+    limits: Limits | None = None,
+    drive: Drive | None = None,
+) -> GuardedRobot:
     """The robot behind limits, in metres at its tendons; not yet armed."""
     scale = (transmission.metre_per_count, transmission.metre_per_second_per_rpm)
-    return GuardedRobot(robot, limits or Limits(), *scale)
+    guarded = GuardedRobot(robot, limits or Limits(), *scale)
+    if drive:
+        guarded.interpret = Translator(drive)
+    return guarded
 
 
 def play(

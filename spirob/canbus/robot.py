@@ -7,6 +7,7 @@ from contextlib import suppress
 import can
 
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
+from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene
 from spirob.safety import Stopped
@@ -25,6 +26,7 @@ class CanRobot:
 
     bus         open, owned from now on: `close` shuts it down
     silence_ns  how long a drive may say nothing
+    drive       what the drives are where they are not C620-style; frames are then its own
     ask         told what to do before a trial and asked to arm; returns the operator's answer
 
     Until `arm` no current is sent: a command that is not zero is an error.  Limits beyond that are
@@ -36,12 +38,18 @@ class CanRobot:
         bus: can.BusABC,
         silence_ns: int = SILENCE_NS,
         ask: Callable[[str], str] = input,
+        drive: Drive | None = None,
     ):
         self.overruns = 0
         self.armed = False
         self._bus = bus
         self._silence_ns = silence_ns
         self._ask = ask
+        self._drive = drive
+        self._answers = [
+            drive.frame_id(drive.motors[m].angle.message) if drive else FEEDBACK_ID + 1 + m
+            for m in range(len(MOTORS))
+        ]
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
         self._deadline: int | None = None
         self._heard: dict[int, int] = {}
@@ -67,6 +75,8 @@ class CanRobot:
         answer = self._ask("The motors will move. Keep clear, then type 'arm': ")
         if answer.strip().lower() != "arm":
             raise HardwareError("the robot was not armed, so no current was sent")
+        if self._drive:
+            self._send_all(self._drive.sent(self._drive.about.arm))
         self.armed = True
         self._deadline = None
 
@@ -86,7 +96,7 @@ class CanRobot:
             now = time.monotonic_ns()
         deadline = self._next_deadline(now)
         frames = self._frames
-        frames.append(self._send(command))
+        frames += self._send(command)
         while (left := deadline - time.monotonic_ns()) > 0:
             self._receive(frames, left / 1e9)
         self._drain(frames)  # what had arrived by the deadline still counts
@@ -98,15 +108,17 @@ class CanRobot:
         self.armed = False
         if self._open:
             self._open = False
-            with suppress(can.CanError, OSError):
-                self._bus.send(_message(ZERO))
+            self._send_zero()
+            if self._drive:
+                with suppress(HardwareError):
+                    self._send_all(self._drive.sent(self._drive.about.disarm))
             self._bus.shutdown()
 
     def _start(self, now: int) -> None:
         # What came in while the operator was busy is old; a drive is not silent before the start.
         self._drain([])
         self._deadline = now
-        self._heard = {FEEDBACK_ID + 1 + m: time.monotonic_ns() for m in range(len(MOTORS))}
+        self._heard = dict.fromkeys(self._answers, time.monotonic_ns())
 
     def _next_deadline(self, now: int) -> int:
         assert self._deadline is not None
@@ -118,13 +130,25 @@ class CanRobot:
         self._deadline = deadline
         return deadline
 
-    def _send(self, payload: bytes) -> CanFrame:
+    def _send(self, payload: bytes) -> list[CanFrame]:
+        return self._send_all(self._on_bus(payload))
+
+    def _on_bus(self, payload: bytes) -> list[tuple[int, bytes]]:
+        return self._drive.commands(payload) if self._drive else [(COMMAND_ID, payload)]
+
+    def _send_all(self, messages: list[tuple[int, bytes]]) -> list[CanFrame]:
         stamp = self._epoch_ns + time.monotonic_ns()
         try:
-            self._bus.send(_message(payload))
+            for number, data in messages:
+                self._bus.send(_message(number, data))
         except (can.CanError, OSError) as error:
             self._fail(f"a command could not be sent: {error}", error)
-        return CanFrame(stamp, COMMAND_ID, payload)
+        return [CanFrame(stamp, number, data) for number, data in messages]
+
+    def _send_zero(self) -> None:
+        for number, data in self._on_bus(ZERO):
+            with suppress(can.CanError, OSError):
+                self._bus.send(_message(number, data))
 
     def _receive(self, frames: list[CanFrame], timeout: float) -> bool:
         try:
@@ -155,10 +179,9 @@ class CanRobot:
                 self._fail(f"no feedback from motor {motor} for {silent:.0f} ms", None)
 
     def _fail(self, what: str, cause: Exception | None) -> None:
-        with suppress(can.CanError, OSError):
-            self._bus.send(_message(ZERO))
+        self._send_zero()
         raise Stopped(f"{self._bus.channel_info}: {what}", self._frames) from cause
 
 
-def _message(payload: bytes) -> can.Message:
-    return can.Message(arbitration_id=COMMAND_ID, data=payload, is_extended_id=False)
+def _message(number: int, data: bytes) -> can.Message:
+    return can.Message(arbitration_id=number, data=data, is_extended_id=False)

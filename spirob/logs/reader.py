@@ -13,11 +13,21 @@ import numpy as np
 import yaml
 
 from spirob.control.law import CURRENT, DISPLACEMENT, FORCE, VELOCITY
+from spirob.drives import Drive
+from spirob.drives.recorded import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, TooShort
 from spirob.logs.cycles import Cycles
 from spirob.logs.messages import unpack_commands, unpack_frames
 from spirob.logs.records import Content, read_content
-from spirob.logs.schema import ABOUT, COMMAND_TOPIC, RAW_TOPIC, STOPPED, TRIAL_FILE
+from spirob.logs.schema import (
+    ABOUT,
+    COMMAND_TOPIC,
+    DBC_FILE,
+    DRIVE_FILE,
+    RAW_TOPIC,
+    STOPPED,
+    TRIAL_FILE,
+)
 from spirob.logs.transmission import Transmission
 from spirob.robot import MOTORS
 from spirob.trace import Trace, moving_average
@@ -63,6 +73,8 @@ def _trace(where: str, content: Content) -> Trace:
     transmission = Transmission.from_mapping(document["transmission"])
     assert isinstance(transmission, Transmission)
     raw, dropped = unpack_frames(content.messages[RAW_TOPIC])
+    if "drive" in document:
+        raw = translated(_drive(content), raw)
     asked = unpack_commands(content.messages[COMMAND_TOPIC])
     cycles = Cycles(where, raw, asked)
     if cycles.count < FILTER_WINDOW:
@@ -89,6 +101,14 @@ def _trace(where: str, content: Content) -> Trace:
     if STOPPED in content.metadata:
         meta[STOPPED] = content.metadata[STOPPED].get("reason", "")
     return Trace(str(trial["name"]), cycles.time_ns, signals, units, meta)
+
+
+def _drive(content: Content) -> Drive:
+    texts = [content.attachments.get(name) for name in (DRIVE_FILE, DBC_FILE)]
+    if any(text is None or len(text) > DOCUMENT_LIMIT for text in texts):
+        raise DataError(f"it needs attachments '{DRIVE_FILE}' and '{DBC_FILE}' of at most 1 MiB")
+    text, dbc = (text.decode("utf-8", errors="replace") for text in texts if text is not None)
+    return Drive.from_texts(text, dbc, DRIVE_FILE)
 
 
 def _document(content: Content) -> dict[str, Any]:

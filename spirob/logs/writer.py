@@ -11,6 +11,7 @@ import yaml
 from mcap.writer import CompressionType, Writer
 
 from spirob.can_protocol import CanFrame
+from spirob.drives import Drive
 from spirob.errors import DataError
 from spirob.logs.atomic import publish
 from spirob.logs.messages import JointPacker, pack_command, pack_frame
@@ -19,6 +20,8 @@ from spirob.logs.schema import (
     ABOUT,
     COMMAND_TOPIC,
     CONFIG_FILE,
+    DBC_FILE,
+    DRIVE_FILE,
     JOINTS_TOPIC,
     RAW_TOPIC,
     SCHEMAS,
@@ -44,6 +47,7 @@ class TrialLog:
     transmission  nominal, from counts to SI
     rig           name of the machine
     config        bytes of the resolved configuration; must not hold the emulator's truth
+    drive         whose frames these are where they are not C620-style; its files are attached
     about         further provenance as text, e.g. git_commit, start_time
 
     Raises DataError where the file cannot be opened or written.
@@ -58,6 +62,7 @@ class TrialLog:
         rig: str,
         config: bytes = b"",
         about: Mapping[str, str] | None = None,
+        drive: Drive | None = None,
     ):
         self.path = Path(path)
         self.partial = self.path.with_name(self.path.name + ".part")
@@ -69,11 +74,18 @@ class TrialLog:
             **(about or {}),
         }
         numbers = {name: getattr(transmission, name) for name in transmission.parameters()}
-        document = {"trial": dict(trial), "rig": rig, "transmission": numbers}
+        document: dict[str, Any] = {"trial": dict(trial), "rig": rig, "transmission": numbers}
+        if drive:
+            document["drive"] = drive.about.name
         self._attachments = {
             CONFIG_FILE: config,
             TRIAL_FILE: yaml.safe_dump(document, sort_keys=False, allow_unicode=True).encode(),
         }
+        if drive:
+            self._attachments |= {
+                DRIVE_FILE: drive.text.encode(),
+                DBC_FILE: drive.dbc_text.encode(),
+            }
         self._joints = JointPacker(MOTORS)
         self._sequence = 0
 

@@ -32,6 +32,7 @@ class GuardedRobot:
 
     transmission scale   metres a count of rotor angle, m/s a rpm, for travel and speed
     keep   takes in the frames of every cycle, also of the one that ended in a stop
+    interpret   frames of other drives as C620-style ones, the first standing for the command
     states   what each motor last said, by position in MOTORS
     """
 
@@ -43,6 +44,7 @@ class GuardedRobot:
         speed_per_rpm: float,
         keep: Callable[[Sequence[CanFrame]], None] = lambda frames: None,
     ):
+        self.interpret: Callable[[Sequence[CanFrame]], Sequence[CanFrame]] = lambda frames: frames
         self._robot, self._limits, self.keep = robot, limits, keep
         self._scale = (metre_per_count, speed_per_rpm)
         self.armed = False
@@ -122,7 +124,7 @@ class GuardedRobot:
         for m, motor in enumerate(self._watched):
             motor.command(self._limiter.amperes(m))
         heard = set()
-        for frame in frames:
+        for frame in self.interpret(frames):
             m = frame.arbitration_id - FEEDBACK_ID - 1
             if 0 <= m < len(MOTORS) and len(frame.data) == 8:
                 state = self.states[m]

@@ -12,6 +12,7 @@ from spirob.control.law import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.robot import MOTORS, Cylinder, Scene
+from spirob.safety import Limits
 from tests.bench.trials import plain_trial
 from tests.canbus.fake_drives import FakeDrives
 
@@ -139,6 +140,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
             transmission=Transmission(),
             gains=Gains(),
             rig="virtual",
+            limits=Limits(silence=1e-9 * PATIENT_NS),
         )
         robot.close()
         assert drives.wait_for(lambda commands: commands[-1] == (0.0, 0.0))
