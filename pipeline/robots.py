@@ -12,6 +12,7 @@ from pipeline.stage import tell, workers
 from spirob.bench import Trial, record
 from spirob.bench.simulated import SimulatedRobot
 from spirob.canbus import CanRobot, open_bus
+from spirob.drives import Drive, find_drive
 from spirob.effects import find_effects
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
@@ -67,6 +68,7 @@ def _record(
             about=about,
             prepare=prepare,
             limits=limits,
+            drive=drive_of(config),
         )
     finally:
         robot.close()
@@ -92,4 +94,11 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
     if robot.kind == "simulated":
         return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)
     bus = open_bus(robot.interface, robot.channel, robot.bitrate, **robot.options)
-    return CanRobot(bus, silence_ns=round(1e9 * Limits(**robot.safety).silence))
+    silence_ns = round(1e9 * Limits(**robot.safety).silence)
+    return CanRobot(bus, silence_ns=silence_ns, drive=drive_of(config))
+
+
+def drive_of(config: Config) -> Drive | None:
+    """What the robot's drives are; None for C620-style ones, as the other robots have."""
+    robot = config.robot
+    return find_drive(robot.drive) if robot.kind == "can" and robot.drive != "c620" else None

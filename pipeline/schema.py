@@ -47,6 +47,7 @@ class Can(Strict):
     interface: str
     channel: str
     bitrate: int = Field(1_000_000, gt=0)
+    drive: str = "c620"  # or another of `spirob.drives`, or a description of your own
     options: dict[str, Any] = {}  # further ones of this python-can interface
     safety: dict[str, float] = {}
 
