@@ -57,6 +57,10 @@ class Codec:
             known = ", ".join(self._layouts)
             raise ConfigError(f"{self._where}: no message '{name}'; known: {known}") from None
 
+    def messages(self) -> list[Message]:
+        """All of them."""
+        return list(self._database.messages)
+
     def unit(self, message: str, signal: str) -> str:
         """The unit of a signal; raises ConfigError where there is no such signal."""
         return self._signal(message, signal).unit or ""
