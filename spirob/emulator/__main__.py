@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
-    print(f"{dropped} cycles dropped")
+    print(f"{dropped} cycles without a word, because the computer was late")
     return 0
 
 

@@ -7,6 +7,7 @@ drives stop by themselves when nobody speaks to them.
 """
 
 import can
+import numpy as np
 
 from spirob.can_protocol import (
     COMMAND_ID,
@@ -44,8 +45,11 @@ class DriveNode:
         self.now_ns = self._idle = 0
         self._command = IDLE
 
-    def cycle(self) -> None:
-        """One millisecond under the latest command that is waiting, or else under the last."""
+    def cycle(self, silent: bool = False) -> None:
+        """One millisecond under the latest command that is waiting, or else under the last.
+
+        silent  nothing is told of it
+        """
         self._idle += 1
         while (message := self._bus.recv(timeout=0)) is not None:
             if message.arbitration_id == COMMAND_ID and not message.is_extended_id:
@@ -54,11 +58,12 @@ class DriveNode:
             self._command = IDLE
         if self._wire:
             self.machine.numbers["supply"] = self._wire.supply(self._volts)
-        self._answer(self._command)
-
-    def _answer(self, payload: bytes) -> None:
-        counts = self.machine.cycle(decode_command(payload, len(MOTORS)))
+        counts = self.machine.cycle(decode_command(self._command, len(MOTORS)))
         self.now_ns += CYCLE_NS
+        if not silent:
+            self._tell(counts)
+
+    def _tell(self, counts: np.ndarray) -> None:
         for drive, (angle, speed, current, temperature) in enumerate(counts.tolist(), start=1):
             feedback = Feedback(angle, speed, current, temperature)
             if self._wire:
