@@ -7,6 +7,7 @@ from contextlib import suppress
 import can
 
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
+from spirob.canbus.urgency import Urgency
 from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene
@@ -29,6 +30,9 @@ class CanRobot:
     drive       what the drives are where they are not C620-style; frames are then its own
     ask         told what to do before a trial and asked to arm; returns the operator's answer
 
+    urgent      from the first cycle to the next `prepare` or `close` the loop runs at real-time
+                priority and without garbage collection, where that is allowed
+
     Until `arm` no current is sent: a command that is not zero is an error.  Limits beyond that are
     the guard's (`spirob.safety`), which every trial is played through.
     """
@@ -39,6 +43,7 @@ class CanRobot:
         silence_ns: int = SILENCE_NS,
         ask: Callable[[str], str] = input,
         drive: Drive | None = None,
+        urgent: bool = False,
     ):
         self.overruns = 0
         self.armed = False
@@ -46,6 +51,7 @@ class CanRobot:
         self._silence_ns = silence_ns
         self._ask = ask
         self._drive = drive
+        self.urgency = Urgency() if urgent else None
         self._answers = [
             drive.frame_id(drive.motors[m].angle.message) if drive else FEEDBACK_ID + 1 + m
             for m in range(len(MOTORS))
@@ -59,6 +65,8 @@ class CanRobot:
     def prepare(self, scene: Scene) -> None:
         """Disarm, hold zero current and ask the operator to set the scene."""
         self.armed = False
+        if self.urgency:
+            self.urgency.give_back()
         self._send(ZERO)
         around = scene.cylinder
         put = "nothing near the arm"
@@ -106,6 +114,8 @@ class CanRobot:
     def close(self) -> None:
         """Command zero current and shut the bus down; safe to call twice."""
         self.armed = False
+        if self.urgency:
+            self.urgency.give_back()
         if self._open:
             self._open = False
             self._send_zero()
@@ -115,6 +125,8 @@ class CanRobot:
             self._bus.shutdown()
 
     def _start(self, now: int) -> None:
+        if self.urgency:
+            self.urgency.take()
         # What came in while the operator was busy is old; a drive is not silent before the start.
         self._drain([])
         self._deadline = now

@@ -72,7 +72,7 @@ def _check(arguments: argparse.Namespace) -> int:
         raise ConfigError("`spirob can check` needs --interface; `spirob can scan` lists them")
     drive = None if arguments.drive == "c620" else find_drive(arguments.drive)
     bus = open_bus(arguments.interface, arguments.channel, arguments.bitrate)
-    robot = CanRobot(bus, silence_ns=500_000_000, drive=drive)
+    robot = CanRobot(bus, silence_ns=500_000_000, drive=drive, urgent=True)
     try:
         found = check(robot, arguments.seconds, drive)
     finally:
@@ -84,6 +84,8 @@ def _check(arguments: argparse.Namespace) -> int:
         )
     print(f"cycles: {found.cycles}, {found.skipped} skipped; lateness {_micro(found.lateness)}")
     print(f"clock: {1e6 * found.drift:+.0f} ppm against the wall clock")
+    if robot.urgency and robot.urgency.lacking:
+        print(f"note: {robot.urgency.lacking}")
     for fault in found.faults:
         print(f"not ready: {fault}")
     print("ready to be armed" if not found.faults else "do not arm")

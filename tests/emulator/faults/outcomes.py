@@ -27,7 +27,7 @@ FAULTS = {
     "late 3 ms": [{"kind": "late", "delay": 0.003}],
     "duplicated 10 %": [{"kind": "duplicated"}],
     "out of order 10 %": [{"kind": "out_of_order"}],
-    "corrupted 0.1 %": [{"kind": "corrupted", "probability": 0.001}],
+    "corrupted 1 %": [{"kind": "corrupted"}],
     "corrupted 10 %": [{"kind": "corrupted", "probability": 0.1}],
     "silent motor": [{"kind": "silent_motor", "motor": "left"}],
     "bus off": [{"kind": "bus_off"}],
