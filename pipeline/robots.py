@@ -95,7 +95,7 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
         return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)
     bus = open_bus(robot.interface, robot.channel, robot.bitrate, **robot.options)
     silence_ns = round(1e9 * Limits(**robot.safety).silence)
-    return CanRobot(bus, silence_ns=silence_ns, drive=drive_of(config))
+    return CanRobot(bus, silence_ns=silence_ns, drive=drive_of(config), urgent=True)
 
 
 def drive_of(config: Config) -> Drive | None:
