@@ -24,6 +24,7 @@ from spirob.errors import ConfigError
 MOTORS = ("left", "right")
 LARGEST = 2**20  # bytes of a description or a DBC file
 FULL = 32767
+FRAME_BYTES = 8  # of the frames that logs decode
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,14 @@ class Drive:
                     raise ConfigError(
                         f"{where}: motors.{name}.{kind}: the DBC file gives '{unit}' for "
                         f"{source.signal}; known: {', '.join(UNITS[kind])}"
+                    )
+        for motor in self.motors:
+            names = [motor.command.message, *(s.message for s in sources(motor).values())]
+            for message in map(self.codec.message, names):
+                if message.length != FRAME_BYTES or message.is_extended_frame:
+                    raise ConfigError(
+                        f"{where}: {message.name} is not a frame of {FRAME_BYTES} bytes "
+                        "with an 11-bit id"
                     )
         for one in (*self.about.arm, *self.about.disarm):
             for signal in one.values:

@@ -14,6 +14,7 @@ import numpy as np
 from mcap.opcode import Opcode
 
 RECORD = struct.Struct("<BQ")  # opcode, length of what follows
+MOST_OTHERS = 100_000  # schemas and channels at once; more is a file made to fill the memory
 MESSAGE_HEAD = 22  # channel, sequence, two stamps: before the payload
 _MESSAGE = struct.Struct("<BQH")
 _INDEX = struct.Struct("<HI")  # channel, bytes of the entries that follow
@@ -100,8 +101,14 @@ def _between(chunk: bytes, offsets: np.ndarray, ends: np.ndarray) -> Others | No
         for opcode, start, end in records(chunk, int(begin[k]), int(stop[k])):
             if opcode == Opcode.MESSAGE:
                 return None
-            others.append((opcode, start, end))
+            _add(others, opcode, start, end)
     return others
+
+
+def _add(others: Others, opcode: int, start: int, stop: int) -> None:
+    if len(others) >= MOST_OTHERS:
+        raise ValueError(f"more than {MOST_OTHERS} records of its chunks are no messages")
+    others.append((opcode, start, stop))
 
 
 def _by_walking(chunk: bytes, bases: Sequence[int]) -> tuple[Places, Others]:
@@ -126,7 +133,7 @@ def _walk_one(
         if at > end:
             raise ValueError("a record runs past the end of its chunk")
         if opcode != Opcode.MESSAGE:
-            others.append((opcode, start, at))
+            _add(others, opcode, start, at)
             continue
         if length < MESSAGE_HEAD:
             raise ValueError("a message is shorter than its own head")

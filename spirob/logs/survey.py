@@ -2,7 +2,7 @@
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from mcap.opcode import Opcode
@@ -96,11 +96,12 @@ class Survey:
         if self._budget < 0:
             raise ValueError("all chunks together unpack to far more than the file's size")
         content = unpack_chunk(record)
-        inside = list(records(content, 0, len(content)))
-        if any(stop - start < MESSAGE_HEAD for op, start, stop in inside if op == Opcode.MESSAGE):
-            raise ValueError("a message is shorter than its own head")
-        for opcode, start, stop in inside:
-            self._declaration(opcode, content[start:stop])
+        for opcode, start, stop in records(content, 0, len(content)):
+            if opcode == Opcode.MESSAGE and stop - start < MESSAGE_HEAD:
+                raise ValueError("a message is shorter than its own head")
+        for opcode, start, stop in records(content, 0, len(content)):
+            if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._declaration(opcode, content[start:stop])
         self.report.chunks += 1
 
     def _declaration(self, opcode: int, content: bytes) -> None:
@@ -114,11 +115,12 @@ class Survey:
     def messages(self) -> Iterator[tuple[int, int, int, int, bytes]]:
         """Channel, sequence, log time, publish time and payload of each message."""
         for place in self.places:
+            inside: Iterable[tuple[int, int, int]]
             if place.opcode == Opcode.MESSAGE:
                 content, inside = self._raw, [(place.opcode, place.start, place.stop)]
             else:
                 content = unpack_chunk(Chunk.read(stream(self._raw[place.start : place.stop])))
-                inside = list(records(content, 0, len(content)))
+                inside = records(content, 0, len(content))
             for opcode, start, stop in inside:
                 if opcode == Opcode.MESSAGE:
                     yield *_HEAD.unpack_from(content, start), content[start + MESSAGE_HEAD : stop]

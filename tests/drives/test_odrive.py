@@ -106,6 +106,7 @@ def test_units_come_from_the_dbc_and_signs_from_the_description():
         (DRIVE.text.replace("Iq_Measured", "Torque", 1), None, "has no signal 'Torque'"),
         (DRIVE.text.replace("odrive.dbc", "../odrive.dbc"), None, "key 'dbc'"),
         (DRIVE.text, "rubbish", "is no DBC file"),
+        (DRIVE.text, DRIVE.dbc_text.replace("Get_Iq: 8", "Get_Iq: 12"), "not a frame of 8 bytes"),
         (DRIVE.text, DRIVE.dbc_text.replace('"rev"', '"furlong"'), "gives 'furlong' for Pos_Estim"),
     ],
 )

@@ -52,6 +52,16 @@ def mcap_bomb(path):
     return path
 
 
+def mcap_of_empty_records(path):
+    """A chunk of seven million records of nothing."""
+    content = struct.pack("<BQ", 3, 0) * 7_000_000
+    packed = zstandard.compress(content)
+    chunk = struct.pack("<QQQI", 0, 0, len(content), zlib.crc32(content))
+    chunk += struct.pack("<I4sQ", 4, b"zstd", len(packed)) + packed
+    path.write_bytes(MAGIC + struct.pack("<BQ", 6, len(chunk)) + chunk)
+    return path
+
+
 def mcap_of_empty_heads(path):
     """Bytes that might begin a record everywhere."""
     path.write_bytes(MAGIC + (b"\x06" + bytes(8)) * 300_000)
@@ -99,10 +109,13 @@ def refused(read):
 def main(folder):
     bomb = mcap_bomb(folder / "bomb.mcap")
     heads = mcap_of_empty_heads(folder / "heads.mcap")
+    empty = mcap_of_empty_records(folder / "empty.mcap")
     parquet, mat = parquet_bomb(folder / "bomb.parquet"), mat_bomb(folder / "bomb.mat")
     said = {
         "mcap": refused(lambda: read_log(bomb, torn=True)),
         "survey": str(Survey(read_bytes(bomb)).report.notes[0]),
+        "empty": refused(lambda: read_log(empty, torn=True)),
+        "empty survey": str(Survey(read_bytes(empty)).report.notes[0]),
         "heads": refused(lambda: recover(heads, folder / "none.mcap")),
         "parquet": refused(lambda: read_parquet(parquet)),
         "parquet import": refused(lambda: read_foreign(parquet, None, [])),

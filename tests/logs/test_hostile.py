@@ -47,6 +47,8 @@ def test_small_files_that_unpack_to_gigabytes_are_refused_in_less_than_one(tmp_p
     assert "unpacks to more than" in said["mcap"]
     assert "unpack to far more than the file's size" in said["survey"]
     assert "is whole" in said["heads"]
+    assert "are no messages" in said["empty"]
+    assert "is lost" in said["empty survey"]
     for kind in ("parquet", "parquet import", "mat"):
         assert "unpacks to more than" in said[kind]
     assert "key 'name'" in said["yaml"]

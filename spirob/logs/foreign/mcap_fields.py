@@ -6,6 +6,7 @@ latest value before.
 
 import json
 import re
+from array import array
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,7 @@ def read_fields(path: Path | str, mapping: Mapping, notes: list[str]) -> dict[st
             notes.append(f"{path}: {topic} is held at its latest value")
         order = np.argsort(stamps, kind="stable")
         latest = np.searchsorted(stamps[order], base, side="right") - 1
-        table = np.array(rows, float).reshape(len(rows), len(wanted[topic]))[order]
+        table = rows.reshape(len(stamps), len(wanted[topic]))[order]
         held = np.where(latest[:, None] >= 0, table[np.maximum(latest, 0)], np.nan)
         for k, field in enumerate(wanted[topic]):
             columns[f"{topic}:{field}"] = table[:, k] if stamps is base else held[:, k]
@@ -53,12 +54,12 @@ def read_fields(path: Path | str, mapping: Mapping, notes: list[str]) -> dict[st
 
 def _series(
     where: str, survey: Survey, wanted: dict[str, list[str]]
-) -> dict[str, tuple[np.ndarray, list[list[float]]]]:
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     topics = {channel.id: channel for channel in survey.channels.values()}
     decoders: dict[int, Decode] = {}
     paths = {topic: [_path(where, field) for field in of] for topic, of in wanted.items()}
-    stamps: dict[str, list[int]] = {topic: [] for topic in wanted}
-    rows: dict[str, list[list[float]]] = {topic: [] for topic in wanted}
+    stamps = {topic: array("Q") for topic in wanted}
+    rows = {topic: array("d") for topic in wanted}
     for number, _, logged, _, data in survey.messages():
         channel = topics.get(number)
         if channel is None or channel.topic not in wanted:
@@ -71,11 +72,14 @@ def _series(
         except (ValueError, RecursionError, TypeError) as error:
             raise DataError(f"{where}: a message of {channel.topic} is broken: {error}") from None
         stamps[channel.topic].append(logged)
-        rows[channel.topic].append([_value(message, path) for path in paths[channel.topic]])
+        rows[channel.topic].extend(_value(message, path) for path in paths[channel.topic])
     for topic, of in stamps.items():
         if not of:
             raise MissingChannel(where, topic, sorted({c.topic for c in topics.values()})[:40])
-    return {t: (np.array(of, np.uint64).astype(np.float64), rows[t]) for t, of in stamps.items()}
+    return {
+        topic: (np.frombuffer(of, np.uint64).astype(float), np.frombuffer(rows[topic], float))
+        for topic, of in stamps.items()
+    }
 
 
 def _decoder(where: str, topic: str, encoding: str, schema: Schema | None) -> Decode:

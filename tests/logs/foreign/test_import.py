@@ -235,13 +235,14 @@ def test_a_wrong_mapping_is_told_in_a_sentence(plain, error, sentence):
         made(plain=plain)
 
 
-def test_what_is_no_matlab_file_of_version_5_is_refused(tmp_path):
+def test_what_is_no_matlab_file_of_version_5_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "x.mat"
     path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(600))
     with pytest.raises(DataError, match="save it with -v7"):
         read_mat(path)
-    savemat(path, {"bomb": np.zeros(2**26)}, do_compression=True)
-    with pytest.raises(DataError, match="unpacks to more than 256 MiB"):
+    savemat(path, {"bomb": np.zeros(2**18)}, do_compression=True)
+    monkeypatch.setattr("spirob.logs.foreign.mat.LARGEST", 2**20)
+    with pytest.raises(DataError, match="unpacks to more than 1 MiB"):
         read_mat(path)
 
 
