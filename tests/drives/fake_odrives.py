@@ -8,7 +8,7 @@ from math import pi
 import can
 
 TORQUE_CONSTANT = 0.0203
-SPEED_PER_AMPERE = 40.0  # rotor rad/s, with a lag
+SPEED_PER_AMPERE = 4.0  # rotor rad/s, with a lag; slow, so that a stall hides no whole turn
 LAG = 0.05
 
 
