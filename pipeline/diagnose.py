@@ -9,7 +9,7 @@ from pipeline.overlay import finalists, motion, overlay
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document, metrics
-from spirob.diagnose.ladder import Settings, climb
+from spirob.diagnose.ladder import Settings, climb, label
 from spirob.diagnose.noise import noise_floor
 from spirob.diagnose.verdict import judge
 from spirob.effects import all_effects, find_effects
@@ -42,7 +42,7 @@ def stage(root: Path) -> None:
     overlay(root, residuals, base.changes, last.fit.changes)
     motion(root, residuals, last.fit.changes)
     first = search.rounds[0] if search.rounds else []
-    finalists(root, residuals, {c.effect.name(): c.fit.changes for c in first})
+    finalists(root, residuals, {label(c.effects): c.fit.changes for c in first})
     write_json(root / "reports/metrics/diagnose.json", metrics(search, verdict, effort))
     tell(verdict.sentence)
 

@@ -1,7 +1,6 @@
 """How well the data resolve the fitted numbers: their correlation, and the combination least known.
 
-Both are in the coordinates of the fit, where a step of one is a factor of e for a number that spans
-decades and its nominal size for the others.
+A step of one is a factor of e for a number that spans decades and its nominal size for the others.
 """
 
 from typing import Any
@@ -10,6 +9,7 @@ import numpy as np
 
 from spirob.identify.fit import Fit, block_covariance
 from spirob.identify.problem import Problem
+from spirob.identify.scaling import Scaling
 
 TENTH = 0.1  # a change of about ten per cent
 
@@ -23,12 +23,15 @@ def resolution(found: Fit, residual: Problem, scale: float) -> dict[str, Any]:
                  combination, in its unit
     """
     names = list(found.estimates)
+    scaling = Scaling(residual.table, names)
+    slopes = scaling.relative(scaling.scaled(found.changes))
     covariance = block_covariance(
         found.jacobian, found.residual, residual.edges, scale, residual.block
     )
+    covariance = slopes @ covariance @ slopes.T
     deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     correlation = np.clip(covariance / np.outer(deviation, deviation), -1.0, 1.0)
-    _, singular, rows = np.linalg.svd(found.jacobian, full_matrices=False)
+    _, singular, rows = np.linalg.svd(found.jacobian @ np.linalg.inv(slopes), full_matrices=False)
     weakest = rows[-1] * np.sign(rows[-1][np.argmax(np.abs(rows[-1]))])
     size = TENTH / np.sqrt(len(found.residual))
     return {

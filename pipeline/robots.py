@@ -13,6 +13,7 @@ from pipeline.stage import tell, workers
 from spirob.bench import Trial, record
 from spirob.bench.simulated import SimulatedRobot
 from spirob.canbus import CanRobot, open_bus
+from spirob.drives import Drive, find_drive
 from spirob.effects import find_effects
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
@@ -21,6 +22,7 @@ from spirob.logs.provenance import git_commit, versions
 from spirob.logs.transmission import Transmission
 from spirob.plant import Plant, Rig
 from spirob.robot import Robot, Scene
+from spirob.safety import Limits
 
 
 def record_all(
@@ -40,6 +42,8 @@ def _record(
 ) -> dict[str, Any]:
     config = Config.model_validate(plain)
     trial, rig = Trial.from_plain(trial_plain), Rig.from_mapping(config.rig)
+    limits = Limits.from_mapping(config.robot.safety)
+    assert isinstance(limits, Limits)
     robot = build(config, rig, hidden)
     watched = WatchedRobot(robot) if isinstance(robot, EmulatedRobot) else None
 
@@ -65,6 +69,8 @@ def _record(
             config=yaml.safe_dump(public, sort_keys=False).encode(),
             about=about,
             prepare=prepare,
+            limits=limits,
+            drive=drive_of(config),
         )
     finally:
         robot.close()
@@ -88,7 +94,15 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
             current_noise=robot.current_noise,
         )
         effect = HiddenSettings(str(hidden["effect"]), float(hidden["strength"]))
-        return EmulatedRobot(machine, effect, int(hidden["seed"]))
+        return EmulatedRobot(machine, effect, int(hidden["seed"]), robot.faults)
     if robot.kind == "simulated":
         return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)
-    return CanRobot(open_bus(robot.interface, robot.channel, robot.bitrate))
+    bus = open_bus(robot.interface, robot.channel, robot.bitrate, **robot.options)
+    silence_ns = round(1e9 * Limits(**robot.safety).silence)
+    return CanRobot(bus, silence_ns=silence_ns, drive=drive_of(config), urgent=True)
+
+
+def drive_of(config: Config) -> Drive | None:
+    """What the robot's drives are; None for C620-style ones, as the other robots have."""
+    robot = config.robot
+    return find_drive(robot.drive) if robot.kind == "can" and robot.drive != "c620" else None

@@ -26,6 +26,8 @@ class Emulated(Strict):
 
     kind: Literal["emulated"]
     current_noise: float = Field(0.005, ge=0, le=0.2)
+    faults: list[dict[str, Any]] = []  # checked by `spirob.emulator.faults`
+    safety: dict[str, float] = {}  # checked by `spirob.safety.Limits`
     hidden: Hidden | None = None  # taken out before any other stage sees the configuration
 
 
@@ -35,6 +37,7 @@ class Simulated(Strict):
     kind: Literal["simulated"]
     effects: list[str] = []
     changes: dict[str, float] = {}
+    safety: dict[str, float] = {}
 
 
 class Can(Strict):
@@ -44,6 +47,9 @@ class Can(Strict):
     interface: str
     channel: str
     bitrate: int = Field(1_000_000, gt=0)
+    drive: str = "c620"  # or another of `spirob.drives`, or a description of your own
+    options: dict[str, Any] = {}  # further ones of this python-can interface
+    safety: dict[str, float] = {}
 
 
 class PlantConfig(Strict):

@@ -76,6 +76,18 @@ def decode_command(data: bytes, motors: int = 2) -> tuple[float, ...]:
     return tuple(c * AMPERE_PER_COUNT for c in _COMMAND.unpack(data)[:motors])
 
 
+def command_counts(data: bytes) -> tuple[int, ...]:
+    """The four currents of a command payload in counts; raises DataError on another size."""
+    if len(data) != _COMMAND.size:
+        raise DataError(f"a command frame has {len(data)} bytes; the DBC file says 8")
+    return _COMMAND.unpack(data)
+
+
+def command_payload(counts: tuple[int, ...]) -> bytes:
+    """The command frame's payload for four currents in counts."""
+    return _COMMAND.pack(*counts)
+
+
 def encode_feedback(feedback: Feedback) -> bytes:
     """The feedback frame's payload."""
     return _FEEDBACK.pack(feedback.angle, feedback.speed, feedback.current, feedback.temperature)
@@ -86,6 +98,16 @@ def decode_feedback(data: bytes) -> Feedback:
     if len(data) != _FEEDBACK.size:
         raise DataError(f"a feedback frame has {len(data)} bytes; the DBC file says 8")
     return Feedback(*_FEEDBACK.unpack(data))
+
+
+def feedback_payloads(
+    angle: np.ndarray, speed: np.ndarray, current: np.ndarray, temperature: np.ndarray
+) -> np.ndarray:
+    """Many feedback payloads, (n, 8) uint8, from counts."""
+    out = np.zeros(len(angle), _FEEDBACK_ARRAY)
+    out["angle"], out["speed"] = angle, speed
+    out["current"], out["temperature"] = current, temperature
+    return out.view(np.uint8).reshape(-1, 8)
 
 
 def decode_feedback_array(data: np.ndarray) -> np.ndarray:

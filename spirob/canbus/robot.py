@@ -7,8 +7,11 @@ from contextlib import suppress
 import can
 
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
+from spirob.canbus.urgency import Urgency
+from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene
+from spirob.safety import Stopped
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 SILENCE_NS = 10_000_000  # ten feedback frames lost in a row: the drive is gone
@@ -24,26 +27,46 @@ class CanRobot:
 
     bus         open, owned from now on: `close` shuts it down
     silence_ns  how long a drive may say nothing
-    ask         told what to do before a trial; returns when it is done
+    drive       what the drives are where they are not C620-style; frames are then its own
+    ask         told what to do before a trial and asked to arm; returns the operator's answer
+
+    urgent      from the first cycle to the next `prepare` or `close` the loop runs at real-time
+                priority and without garbage collection, where that is allowed
+
+    Until `arm` no current is sent: a command that is not zero is an error.  Limits beyond that are
+    the guard's (`spirob.safety`), which every trial is played through.
     """
 
     def __init__(
         self,
         bus: can.BusABC,
         silence_ns: int = SILENCE_NS,
-        ask: Callable[[str], object] = input,
+        ask: Callable[[str], str] = input,
+        drive: Drive | None = None,
+        urgent: bool = False,
     ):
         self.overruns = 0
+        self.armed = False
         self._bus = bus
         self._silence_ns = silence_ns
         self._ask = ask
+        self._drive = drive
+        self.urgency = Urgency() if urgent else None
+        self._answers = [
+            drive.frame_id(drive.motors[m].angle.message) if drive else FEEDBACK_ID + 1 + m
+            for m in range(len(MOTORS))
+        ]
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
         self._deadline: int | None = None
         self._heard: dict[int, int] = {}
+        self._frames: list[CanFrame] = []
         self._open = True
 
     def prepare(self, scene: Scene) -> None:
-        """Hold zero current and ask the operator to set the scene."""
+        """Disarm, hold zero current and ask the operator to set the scene."""
+        self.armed = False
+        if self.urgency:
+            self.urgency.give_back()
         self._send(ZERO)
         around = scene.cylinder
         put = "nothing near the arm"
@@ -55,17 +78,33 @@ class CanRobot:
         self._ask(f"Arm straight and at rest, tendons just taut, {put}; then press Enter. ")
         self._deadline = None
 
+    def arm(self) -> None:
+        """Let currents flow once the operator has typed it; HardwareError on any other answer."""
+        answer = self._ask("The motors will move. Keep clear, then type 'arm': ")
+        if answer.strip().lower() != "arm":
+            raise HardwareError("the robot was not armed, so no current was sent")
+        if self._drive:
+            self._send_all(self._drive.sent(self._drive.about.arm))
+        self.armed = True
+        self._deadline = None
+
     def exchange(self, command: bytes) -> list[CanFrame]:
         """One cycle: send, then collect frames up to its deadline.
 
-        Raises HardwareError, after commanding zero, when the bus fails or a drive is silent.
+        Raises HardwareError, after commanding zero, when the bus fails or a drive is silent
+        (Stopped, which holds what had arrived in the cycle), or when a current is asked for while
+        the robot is not armed.
         """
+        self._frames = []
+        if not self.armed and any(command):
+            self._fail("a current was asked for, but the robot is not armed", None)
         now = time.monotonic_ns()
         if self._deadline is None:
             self._start(now)
             now = time.monotonic_ns()
         deadline = self._next_deadline(now)
-        frames = [self._send(command)]
+        frames = self._frames
+        frames += self._send(command)
         while (left := deadline - time.monotonic_ns()) > 0:
             self._receive(frames, left / 1e9)
         self._drain(frames)  # what had arrived by the deadline still counts
@@ -74,17 +113,24 @@ class CanRobot:
 
     def close(self) -> None:
         """Command zero current and shut the bus down; safe to call twice."""
+        self.armed = False
+        if self.urgency:
+            self.urgency.give_back()
         if self._open:
             self._open = False
-            with suppress(can.CanError, OSError):
-                self._bus.send(_message(ZERO))
+            self._send_zero()
+            if self._drive:
+                with suppress(HardwareError):
+                    self._send_all(self._drive.sent(self._drive.about.disarm))
             self._bus.shutdown()
 
     def _start(self, now: int) -> None:
+        if self.urgency:
+            self.urgency.take()
         # What came in while the operator was busy is old; a drive is not silent before the start.
         self._drain([])
         self._deadline = now
-        self._heard = {FEEDBACK_ID + 1 + m: time.monotonic_ns() for m in range(len(MOTORS))}
+        self._heard = dict.fromkeys(self._answers, time.monotonic_ns())
 
     def _next_deadline(self, now: int) -> int:
         assert self._deadline is not None
@@ -96,13 +142,25 @@ class CanRobot:
         self._deadline = deadline
         return deadline
 
-    def _send(self, payload: bytes) -> CanFrame:
+    def _send(self, payload: bytes) -> list[CanFrame]:
+        return self._send_all(self._on_bus(payload))
+
+    def _on_bus(self, payload: bytes) -> list[tuple[int, bytes]]:
+        return self._drive.commands(payload) if self._drive else [(COMMAND_ID, payload)]
+
+    def _send_all(self, messages: list[tuple[int, bytes]]) -> list[CanFrame]:
         stamp = self._epoch_ns + time.monotonic_ns()
         try:
-            self._bus.send(_message(payload))
+            for number, data in messages:
+                self._bus.send(_message(number, data))
         except (can.CanError, OSError) as error:
             self._fail(f"a command could not be sent: {error}", error)
-        return CanFrame(stamp, COMMAND_ID, payload)
+        return [CanFrame(stamp, number, data) for number, data in messages]
+
+    def _send_zero(self) -> None:
+        for number, data in self._on_bus(ZERO):
+            with suppress(can.CanError, OSError):
+                self._bus.send(_message(number, data))
 
     def _receive(self, frames: list[CanFrame], timeout: float) -> bool:
         try:
@@ -133,10 +191,9 @@ class CanRobot:
                 self._fail(f"no feedback from motor {motor} for {silent:.0f} ms", None)
 
     def _fail(self, what: str, cause: Exception | None) -> None:
-        with suppress(can.CanError, OSError):
-            self._bus.send(_message(ZERO))
-        raise HardwareError(f"{self._bus.channel_info}: {what}") from cause
+        self._send_zero()
+        raise Stopped(f"{self._bus.channel_info}: {what}", self._frames) from cause
 
 
-def _message(payload: bytes) -> can.Message:
-    return can.Message(arbitration_id=COMMAND_ID, data=payload, is_extended_id=False)
+def _message(number: int, data: bytes) -> can.Message:
+    return can.Message(arbitration_id=number, data=data, is_extended_id=False)

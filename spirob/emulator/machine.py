@@ -36,9 +36,9 @@ class Machine:
         self.settings = settings
         self.seed = seed
         self.dt = CYCLE / rig.steps_per_cycle
-        self.drawn = truth.draw(self._generator("machine"))
+        self.drawn = truth.draw(self.generator("machine"))
         self.numbers = truth.machine(rig, self.drawn, self.dt)
-        self.hidden = hidden.apply(settings, self._generator, self.numbers)
+        self.hidden = hidden.apply(settings, self.generator, self.numbers)
         self.state = np.zeros(1, STATE)
         self.counts = np.zeros((2, 4), dtype=np.int64)
         self._scratch = np.zeros(1, SCRATCH)
@@ -47,7 +47,7 @@ class Machine:
     def start(self, scene: Scene, trial: str) -> None:
         """Bring the machine to rest in a scene, tendons just taut, currents zero."""
         self._trial = trial
-        self._noise_source = self._generator(f"trial {trial}")
+        self._noise_source = self.generator(f"trial {trial}")
         rotors = self._noise_source.uniform(0.0, 2 * np.pi, size=2)
         self._noise = np.empty((0, 2))
         self._cycle = 0
@@ -117,5 +117,6 @@ class Machine:
         self._advance(self.numbers, np.zeros(2), steps=0)
         self.state["wound"] = self._scratch["shortening"]
 
-    def _generator(self, purpose: str) -> np.random.Generator:
+    def generator(self, purpose: str) -> np.random.Generator:
+        """A source of chance that depends on nothing but the seed and its purpose."""
         return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])

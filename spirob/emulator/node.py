@@ -2,43 +2,72 @@
 
 Time is the machine's own and in lockstep with the commands: cycle k runs from k ms to k+1 ms, the
 command carries the stamp of its start, the feedback that of its end, and nothing depends on when
-the computer got round to it.
+the computer got round to it.  In a cycle without a command the last one holds, but not for ever:
+drives stop by themselves when nobody speaks to them.
 """
 
 import can
+import numpy as np
 
-from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, Feedback, decode_command, encode_feedback
+from spirob.can_protocol import (
+    COMMAND_ID,
+    FEEDBACK_ID,
+    Feedback,
+    decode_command,
+    encode_command,
+    encode_feedback,
+)
+from spirob.emulator.faults import Wire
 from spirob.emulator.machine import Machine
 from spirob.robot import CYCLE_NS, MOTORS
 
 SECOND_NS = 1e9
+HOLD_CYCLES = 100  # that a drive goes on with its last command
+IDLE = encode_command((0.0,) * len(MOTORS))
 
 
 class DriveNode:
     """Two drives that share one command frame.
 
     now_ns  simulated time since the trial began
+    wire    what goes wrong inside the drives
     """
 
-    def __init__(self, bus: can.BusABC, machine: Machine):
+    def __init__(self, bus: can.BusABC, machine: Machine, wire: Wire | None = None):
         self.machine = machine
-        self.now_ns = 0
         self._bus = bus
+        self._wire = wire or Wire()
+        self._volts = float(machine.numbers["supply"][0])
+        self.begin()
 
-    def serve(self) -> int:
-        """Answer every command frame that is waiting; returns how many there were."""
-        answered = 0
+    def begin(self) -> None:
+        """A new trial at time zero, without any command yet."""
+        self.now_ns = self._idle = 0
+        self._command = IDLE
+
+    def cycle(self, silent: bool = False) -> None:
+        """One millisecond under the latest command that is waiting, or else under the last.
+
+        silent  nothing is told of it
+        """
+        self._idle += 1
         while (message := self._bus.recv(timeout=0)) is not None:
             if message.arbitration_id == COMMAND_ID and not message.is_extended_id:
-                self._answer(bytes(message.data))
-                answered += 1
-        return answered
-
-    def _answer(self, payload: bytes) -> None:
-        counts = self.machine.cycle(decode_command(payload, len(MOTORS)))
+                self._command, self._idle = bytes(message.data), 0
+        if self._idle > HOLD_CYCLES:
+            self._command = IDLE
+        if self._wire:
+            self.machine.numbers["supply"] = self._wire.supply(self._volts)
+        counts = self.machine.cycle(decode_command(self._command, len(MOTORS)))
         self.now_ns += CYCLE_NS
+        if not silent:
+            self._tell(counts)
+
+    def _tell(self, counts: np.ndarray) -> None:
         for drive, (angle, speed, current, temperature) in enumerate(counts.tolist(), start=1):
             feedback = Feedback(angle, speed, current, temperature)
+            if self._wire:
+                feedback = self._wire.sensed(drive - 1, feedback)
             self._bus.send(
                 can.Message(
                     timestamp=self.now_ns / SECOND_NS,

@@ -2,17 +2,19 @@
 
 import itertools
 import os
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import can
 import numpy as np
 
-from spirob.can_protocol import COMMAND_ID, CanFrame, encode_command
+from spirob.can_protocol import COMMAND_ID, CanFrame
+from spirob.emulator.faults import wire_from
 from spirob.emulator.machine import Machine
-from spirob.emulator.node import SECOND_NS, DriveNode
+from spirob.emulator.node import IDLE, SECOND_NS, DriveNode
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import HardwareError
-from spirob.robot import MOTORS, Scene
+from spirob.robot import Scene
 
 _instances = itertools.count()
 
@@ -26,6 +28,8 @@ class EmulatedRobot:
         robot = EmulatedRobot(EmulatedRig(), HiddenSettings("guide_friction", 1.0), seed=7)
         robot.prepare(Scene(), "extreme_curl_1")
         frames = robot.exchange(encode_command((0.5, 0.1)))
+
+    faults  what goes wrong on the way, as plain data (see `spirob.emulator.faults`)
     """
 
     def __init__(
@@ -33,13 +37,16 @@ class EmulatedRobot:
         rig: EmulatedRig | None = None,
         hidden: HiddenSettings | None = None,
         seed: int = 0,
+        faults: Sequence[Mapping[str, Any]] = (),
     ):
         self.machine = Machine(rig or EmulatedRig(), hidden or HiddenSettings(), seed)
         channel = f"spirob-emulator-{os.getpid()}-{next(_instances)}"
         self._bus = _virtual_bus(channel)
         self._node_bus = _virtual_bus(channel)
-        self.node = DriveNode(self._node_bus, self.machine)
+        self._wire = wire_from(faults)
+        self.node = DriveNode(self._node_bus, self.machine, self._wire)
         self._open = True
+        self._begin("trial")
 
     def prepare(self, scene: Scene, trial: str = "trial") -> None:
         """Bring the arm to rest in this scene, at simulated time zero.
@@ -48,34 +55,31 @@ class EmulatedRobot:
         """
         self._require_open()
         self.machine.start(scene, trial)
-        self.node.now_ns = 0
+        self._begin(trial)
+
+    def _begin(self, trial: str) -> None:
+        self.node.begin()
+        self._wire.begin(lambda name: self.machine.generator(f"{name} of trial {trial}"))
 
     def exchange(self, command: bytes) -> list[CanFrame]:
         """Send one command payload; returns it and the feedback of the cycle that it ruled.
+
+        With faults more or fewer than two may come back.
 
         Raises HardwareError when the machine's state is lost; its currents are then zero, because
         it stands still until it is prepared again.
         """
         self._require_open()
         sent = CanFrame(self.node.now_ns, COMMAND_ID, bytes(command))
-        self._bus.send(
-            can.Message(
-                timestamp=sent.stamp_ns / SECOND_NS,
-                arbitration_id=COMMAND_ID,
-                is_extended_id=False,
-                data=command,
-            )
-        )
-        self.node.serve()
-        frames = [sent]
+        self._wire.cycle(sent.stamp_ns)
+        for frame in self._wire.commands([sent]):
+            self._bus.send(_message(frame))
+        self.node.cycle()
+        arrived = []
         while (message := self._bus.recv(timeout=0)) is not None:
             stamp = round(message.timestamp * SECOND_NS)
-            frames.append(CanFrame(stamp, message.arbitration_id, bytes(message.data)))
-        if len(frames) != 1 + len(MOTORS):
-            raise HardwareError(
-                f"emulated robot: {len(frames) - 1} of {len(MOTORS)} drives answered the command"
-            )
-        return frames
+            arrived.append(CanFrame(stamp, message.arbitration_id, bytes(message.data)))
+        return [sent, *self._wire.feedback(arrived)]
 
     def truth(self) -> dict[str, Any]:
         """What a real machine would never tell: its hidden effects and its true numbers.
@@ -101,17 +105,22 @@ class EmulatedRobot:
         """Command zero current and release the bus; safe to call twice."""
         if self._open:
             self._open = False
-            self._bus.send(
-                can.Message(
-                    arbitration_id=COMMAND_ID, is_extended_id=False, data=encode_command((0.0, 0.0))
-                )
-            )
+            self._bus.send(_message(CanFrame(self.node.now_ns, COMMAND_ID, IDLE)))
             self._bus.shutdown()
             self._node_bus.shutdown()
 
     def _require_open(self) -> None:
         if not self._open:
             raise HardwareError("emulated robot: the bus is closed; make a new robot")
+
+
+def _message(frame: CanFrame) -> can.Message:
+    return can.Message(
+        timestamp=frame.stamp_ns / SECOND_NS,
+        arbitration_id=frame.arbitration_id,
+        is_extended_id=False,
+        data=frame.data,
+    )
 
 
 def _virtual_bus(channel: str) -> can.BusABC:

@@ -35,7 +35,8 @@ def probe(residual: Problem, names: Sequence[str], start: Mapping[str, float]) -
     scaling = Scaling(table, names)
     values = {n: start.get(n, float(table.values[table.position(n)])) for n in names}
     fixed = {k: v for k, v in start.items() if k not in names}
-    jacobian = differences(residual, scaling, scaling.scaled(values), fixed)
+    u = scaling.scaled(values)
+    jacobian = differences(residual, scaling, u, fixed) @ np.linalg.inv(scaling.relative(u))
     strength = np.sqrt(np.mean(jacobian**2, axis=0))
     least = SILENT * effort_rms(residual)
     silent = [n for n, s in zip(names, strength, strict=True) if s < least]

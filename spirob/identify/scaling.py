@@ -46,7 +46,8 @@ class Scaling:
         self._load = np.array([joint and _is_load(n, table.about[n]) for n in names])
         self._times = [self._factor(a) if joint else -1 for a in self._about]
         self._ratio = self._load & np.array([a.low > 0 for a in self._about])
-        self.log = np.array([a.log for a in self._about]) & ~self._load
+        self._decades = np.array([a.log for a in self._about])
+        self._log = self._decades & ~self._load
         self._low = np.array([a.low for a in self._about])
         self._high = np.array([a.high for a in self._about])
         self.low, self.high = self._box()
@@ -60,26 +61,34 @@ class Scaling:
         p = np.clip(self._values(u), self._low, self._high)
         return {n: float(v) for n, v in zip(self.names, p, strict=True)}
 
+    def relative(self, u: np.ndarray) -> np.ndarray:
+        """Slopes of the relative numbers by the coordinates, (n, n).
+
+        Relative is ln p for a number that spans decades, p over its size for any other.
+        """
+        step = 1e-6
+        slopes = [
+            (self._relative(u + step * e) - self._relative(u - step * e)) / (2 * step)
+            for e in np.eye(len(u))
+        ]
+        return np.column_stack(slopes)
+
     def spread(self, u: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Ends of the 95 % intervals of the physical values, cut to their bounds, (n,) each.
 
         Propagated to first order, on the logarithm of numbers that span decades.
         """
-        logs = np.array([a.log for a in self._about])
-
-        def seen(at: np.ndarray) -> np.ndarray:
-            p = self._values(at)
-            return np.where(logs, np.log(np.maximum(p, 1e-300)), p)
-
-        step = 1e-6
-        slopes = np.column_stack(
-            [(seen(u + step * e) - seen(u - step * e)) / (2 * step) for e in np.eye(len(u))]
+        slopes = self.relative(u)
+        half = 1.96 * np.sqrt(np.maximum(0.0, np.diag(slopes @ covariance @ slopes.T)))
+        ends = [self._relative(u) - half, self._relative(u) + half]
+        low, high = (
+            np.where(self._decades, np.exp(np.minimum(e, 700.0)), e * self._size) for e in ends
         )
-        variance = np.diag(slopes @ covariance @ slopes.T)
-        half = 1.96 * np.sqrt(np.maximum(0.0, variance))
-        ends = [seen(u) - half, seen(u) + half]
-        low, high = (np.where(logs, np.exp(np.minimum(e, 700.0)), e) for e in ends)
         return np.clip(low, self._low, self._high), np.clip(high, self._low, self._high)
+
+    def _relative(self, u: np.ndarray) -> np.ndarray:
+        p = self._values(u)
+        return np.where(self._decades, np.log(np.maximum(p, 1e-300)), p / self._size)
 
     def _factor(self, about: Parameter) -> int:
         return self.names.index(about.times) if about.times in self.names else -1
@@ -89,7 +98,7 @@ class Scaling:
             logs = np.log(p / self._nominal)
             shift = np.where(self._load, 0.0, self._nominal)
             plain = np.where(self._ratio, p / self._nominal, (p - shift) / self._size)
-        return np.where(self.log, logs, plain)
+        return np.where(self._log, logs, plain)
 
     def _coordinates(self, p: np.ndarray) -> np.ndarray:
         u = self._own(p)
@@ -121,7 +130,7 @@ class Scaling:
         shift = np.where(self._load, 0.0, self._nominal)
         plain = np.where(ratio, self._nominal * u, shift + u * self._size)
         with np.errstate(over="ignore"):
-            return np.where(self.log, self._nominal * np.exp(np.where(self.log, u, 0.0)), plain)
+            return np.where(self._log, self._nominal * np.exp(np.where(self._log, u, 0.0)), plain)
 
     def _box(self) -> tuple[np.ndarray, np.ndarray]:
         """The smallest box of coordinates that holds the box of physical values."""

@@ -95,14 +95,24 @@ def unpack_frames(messages: np.ndarray | list[bytes]) -> tuple[np.ndarray, int]:
     records = _at_once(messages, FRAME, _FRAME_TAGS)
     if records is not None:
         return records, 0
-    rows = []
-    for message in messages:
-        found = fields(bytes(message))
-        data = found.get(3, b"")
-        if isinstance(data, bytes) and len(data) == 8:
-            stamp, number = integer(found.get(1)), integer(found.get(2)) & 0xFFFFFFFF
-            rows.append((_STAMP, stamp, _ID, number, _DATA, np.frombuffer(data, np.uint8)))
+    one_by_one = [bytes(message) for message in messages]
+    usual = [message for message in one_by_one if len(message) == FRAME.itemsize]
+    records = np.frombuffer(b"".join(usual), FRAME)
+    if all(np.all(records[name] == t) for name, t in _FRAME_TAGS.items()):
+        strangers = [message for message in one_by_one if len(message) != FRAME.itemsize]
+        if not any(_frame_row(message) for message in strangers):
+            return records, len(strangers)
+    rows = [row for row in map(_frame_row, one_by_one) if row]
     return np.array(rows, FRAME), len(messages) - len(rows)
+
+
+def _frame_row(message: bytes) -> tuple[object, ...] | None:
+    found = fields(message)
+    data = found.get(3, b"")
+    if not isinstance(data, bytes) or len(data) != 8:
+        return None
+    stamp, number = integer(found.get(1)), integer(found.get(2)) & 0xFFFFFFFF
+    return _STAMP, stamp, _ID, number, _DATA, np.frombuffer(data, np.uint8)
 
 
 def unpack_commands(messages: np.ndarray | list[bytes]) -> np.ndarray:

@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs.atomic import replacing
+from spirob.logs.bounds import check_table
 from spirob.trace import Trace
 
 TIME = "time_ns"
@@ -50,6 +51,7 @@ def read_parquet(path: Path | str, channels: list[str] | None = None) -> Trace:
         raise MissingLog(f"{path}: there is no such trace")
     try:
         with pq.ParquetFile(path, page_checksum_verification=True) as file:
+            check_table(file)
             present = file.schema_arrow.names
             for channel in [TIME, *(channels or [])]:
                 if channel not in present:

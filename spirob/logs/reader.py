@@ -13,16 +13,27 @@ import numpy as np
 import yaml
 
 from spirob.control.law import CURRENT, DISPLACEMENT, FORCE, VELOCITY
+from spirob.drives import Drive
+from spirob.drives.recorded import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, TooShort
 from spirob.logs.cycles import Cycles
 from spirob.logs.messages import unpack_commands, unpack_frames
 from spirob.logs.records import Content, read_content
-from spirob.logs.schema import ABOUT, COMMAND_TOPIC, RAW_TOPIC, TRIAL_FILE
+from spirob.logs.schema import (
+    ABOUT,
+    COMMAND_TOPIC,
+    DBC_FILE,
+    DRIVE_FILE,
+    RAW_TOPIC,
+    STOPPED,
+    TRIAL_FILE,
+)
 from spirob.logs.transmission import Transmission
 from spirob.robot import MOTORS
 from spirob.trace import Trace, moving_average
 
 FILTER_WINDOW = 100  # samples of the current filter in the paper's set-up
+SAFE_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # plain data only, both of them
 DOCUMENT_LIMIT = 2**20  # bytes of trial.yaml
 REFERENCE_UNITS = {CURRENT: "A", VELOCITY: "m/s", DISPLACEMENT: "m", FORCE: "N"}
 CHANNELS = {
@@ -44,7 +55,7 @@ def read_log(path: Path | str, torn: bool = False) -> Trace:
     Raises MissingLog, MissingChannel, TooShort (shorter than the current filter) and DataError
     (torn, corrupt, not a log of a trial), each naming the file.
     """
-    content = read_content(path, torn)
+    content = read_content(path, torn, (RAW_TOPIC, COMMAND_TOPIC))
     try:
         return _trace(str(path), content)
     except (MissingChannel, TooShort):
@@ -62,6 +73,8 @@ def _trace(where: str, content: Content) -> Trace:
     transmission = Transmission.from_mapping(document["transmission"])
     assert isinstance(transmission, Transmission)
     raw, dropped = unpack_frames(content.messages[RAW_TOPIC])
+    if "drive" in document:
+        raw = translated(_drive(content), raw)
     asked = unpack_commands(content.messages[COMMAND_TOPIC])
     cycles = Cycles(where, raw, asked)
     if cycles.count < FILTER_WINDOW:
@@ -86,7 +99,17 @@ def _trace(where: str, content: Content) -> Trace:
         "torn": content.torn,
         "first_angle": cycles.first_angle,
     }
+    if STOPPED in content.metadata:
+        meta[STOPPED] = content.metadata[STOPPED].get("reason", "")
     return Trace(str(trial["name"]), cycles.time_ns, signals, units, meta)
+
+
+def _drive(content: Content) -> Drive:
+    texts = [content.attachments.get(name) for name in (DRIVE_FILE, DBC_FILE)]
+    if any(text is None or len(text) > DOCUMENT_LIMIT for text in texts):
+        raise DataError(f"it needs attachments '{DRIVE_FILE}' and '{DBC_FILE}' of at most 1 MiB")
+    text, dbc = (text.decode("utf-8", errors="replace") for text in texts if text is not None)
+    return Drive.from_texts(text, dbc, DRIVE_FILE)
 
 
 def _document(content: Content) -> dict[str, Any]:
@@ -96,7 +119,7 @@ def _document(content: Content) -> dict[str, Any]:
     if len(text) > DOCUMENT_LIMIT:
         raise DataError(f"'{TRIAL_FILE}' has {len(text)} bytes, more than {DOCUMENT_LIMIT}")
     try:
-        document = yaml.safe_load(text)
+        document = yaml.load(text, Loader=SAFE_LOADER)
         trial = document["trial"]
         complete = isinstance(trial, dict) and {"name", "role"} <= set(trial)
         complete = complete and isinstance(document["rig"], str)

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -10,6 +11,7 @@ import yaml
 from mcap.writer import CompressionType, Writer
 
 from spirob.can_protocol import CanFrame
+from spirob.drives import Drive
 from spirob.errors import DataError
 from spirob.logs.atomic import publish
 from spirob.logs.messages import JointPacker, pack_command, pack_frame
@@ -18,9 +20,12 @@ from spirob.logs.schema import (
     ABOUT,
     COMMAND_TOPIC,
     CONFIG_FILE,
+    DBC_FILE,
+    DRIVE_FILE,
     JOINTS_TOPIC,
     RAW_TOPIC,
     SCHEMAS,
+    STOPPED,
     TRIAL_FILE,
 )
 from spirob.logs.transmission import Transmission
@@ -33,7 +38,8 @@ class TrialLog:
     """Writes a trial's log; a context manager.
 
     The log grows under `<name>.part` beside `path` and gets its name when the block ends well.
-    After an exception the `.part` file stays: closed, readable, for looking into the fault.
+    After an exception the `.part` file stays: closed, readable, for looking into the fault, whose
+    sentence is its metadata 'stopped'.
     All stamps are the robot's own, so a simulated trial gives the same bytes every time.
 
     path          of the finished log, `*.mcap`
@@ -41,9 +47,10 @@ class TrialLog:
     transmission  nominal, from counts to SI
     rig           name of the machine
     config        bytes of the resolved configuration; must not hold the emulator's truth
+    drive         whose frames these are where they are not C620-style; its files are attached
     about         further provenance as text, e.g. git_commit, start_time
 
-    Raises DataError where the file cannot be opened.
+    Raises DataError where the file cannot be opened or written.
     """
 
     def __init__(
@@ -55,6 +62,7 @@ class TrialLog:
         rig: str,
         config: bytes = b"",
         about: Mapping[str, str] | None = None,
+        drive: Drive | None = None,
     ):
         self.path = Path(path)
         self.partial = self.path.with_name(self.path.name + ".part")
@@ -66,11 +74,18 @@ class TrialLog:
             **(about or {}),
         }
         numbers = {name: getattr(transmission, name) for name in transmission.parameters()}
-        document = {"trial": dict(trial), "rig": rig, "transmission": numbers}
+        document: dict[str, Any] = {"trial": dict(trial), "rig": rig, "transmission": numbers}
+        if drive:
+            document["drive"] = drive.about.name
         self._attachments = {
             CONFIG_FILE: config,
             TRIAL_FILE: yaml.safe_dump(document, sort_keys=False, allow_unicode=True).encode(),
         }
+        if drive:
+            self._attachments |= {
+                DRIVE_FILE: drive.text.encode(),
+                DBC_FILE: drive.dbc_text.encode(),
+            }
         self._joints = JointPacker(MOTORS)
         self._sequence = 0
 
@@ -101,10 +116,13 @@ class TrialLog:
 
     def frames(self, frames: Sequence[CanFrame]) -> None:
         """Keep frames just as they were received, in the order they were."""
-        for frame in frames:
-            stamp = frame.stamp_ns
-            data = pack_frame(stamp, frame.arbitration_id, frame.data)
-            self._writer.add_message(self._raw, stamp, data, stamp, self._sequence)
+        try:
+            for frame in frames:
+                stamp = frame.stamp_ns
+                data = pack_frame(stamp, frame.arbitration_id, frame.data)
+                self._writer.add_message(self._raw, stamp, data, stamp, self._sequence)
+        except OSError as error:
+            raise self._unwritable(error) from error
 
     def cycle(
         self,
@@ -125,9 +143,12 @@ class TrialLog:
         """
         add, sequence = self._writer.add_message, self._sequence
         joints = self._joints(stamp_ns, positions, velocities, efforts)
-        add(self._joint_states, stamp_ns, joints, stamp_ns, sequence)
         command = pack_command(stamp_ns, currents, references, rates, modes)
-        add(self._command, stamp_ns, command, stamp_ns, sequence)
+        try:
+            add(self._joint_states, stamp_ns, joints, stamp_ns, sequence)
+            add(self._command, stamp_ns, command, stamp_ns, sequence)
+        except OSError as error:
+            raise self._unwritable(error) from error
         self._sequence = sequence + 1
 
     def __exit__(
@@ -137,8 +158,20 @@ class TrialLog:
         trace: TracebackType | None,
     ) -> None:
         try:
+            if error is not None:
+                self._writer.add_metadata(STOPPED, {"reason": str(error) or type(error).__name__})
             self._writer.finish()
-        finally:
             self._file.close()
+        except OSError as failed:
+            with suppress(OSError):
+                self._file.close()  # flushes again, fails again, and closes
+            if error is None:
+                raise self._unwritable(failed) from failed
         if kind is None:
             publish(self.partial, self.path)
+
+    def _unwritable(self, error: OSError) -> DataError:
+        return DataError(
+            f"{self.path}: the log cannot be written: {error.strerror}; what came before is in "
+            f"{self.partial.name}, see `spirob recover`"
+        )

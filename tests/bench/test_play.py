@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial, play
+from spirob.bench import Trial, guard, play
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.control.law import Gains
 from spirob.errors import HardwareError
@@ -86,15 +86,15 @@ def test_a_late_first_answer_is_waited_for(tmp_path):
 def test_progress_runs_to_one(tmp_path):
     told = []
     trial = Trial.from_plain(plain_trial(1.2))
-    robot = FakeRobot()
+    robot = guard(FakeRobot(), Transmission())
     robot.prepare(Scene())
+    robot.arm()
     log = TrialLog(tmp_path / "t.mcap", trial=trial.plain, transmission=Transmission(), rig="fake")
     with log:
         play(
             trial,
             robot,
             log,
-            transmission=Transmission(),
             gains=Gains(),
             progress=told.append,
         )

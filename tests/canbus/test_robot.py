@@ -12,6 +12,7 @@ from spirob.control.law import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.robot import MOTORS, Cylinder, Scene
+from spirob.safety import Limits
 from tests.bench.trials import plain_trial
 from tests.canbus.fake_drives import FakeDrives
 
@@ -24,9 +25,14 @@ def channel(request):
     return f"test-{request.node.name}"
 
 
+def agree(question):
+    return "arm"
+
+
 def ready(channel, **options):
-    robot = CanRobot(open_bus("virtual", channel), ask=lambda text: None, **options)
+    robot = CanRobot(open_bus("virtual", channel), ask=agree, **options)
     robot.prepare(Scene())
+    robot.arm()
     return robot
 
 
@@ -89,10 +95,28 @@ def test_closing_commands_zero_and_can_be_repeated(channel):
 
 def test_a_dead_bus_is_a_hardware_error(channel):
     bus = open_bus("virtual", channel)
-    robot = CanRobot(bus, ask=lambda text: None)
+    robot = CanRobot(bus, ask=agree)
     bus.shutdown()
     with pytest.raises(HardwareError, match="closed bus"):
+        robot.exchange(bytes(8))
+
+
+def test_no_current_flows_before_the_operator_has_armed(channel):
+    answers = iter(["", "no", " ARM "])
+    with FakeDrives(channel) as drives:
+        robot = CanRobot(
+            open_bus("virtual", channel), silence_ns=PATIENT_NS, ask=lambda text: next(answers)
+        )
+        robot.prepare(Scene())
+        with pytest.raises(HardwareError, match="not armed"):
+            robot.exchange(HALF_AMPERE)
+        with pytest.raises(HardwareError, match="was not armed"):
+            robot.arm()
+        assert all(command == (0.0, 0.0) for command in drives.commands)
+        robot.arm()
         robot.exchange(HALF_AMPERE)
+        assert drives.wait_for(lambda commands: any(c[0] > 0.4 for c in commands))
+        robot.close()
 
 
 def test_the_operator_is_told_what_to_set_up(channel):
@@ -108,7 +132,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
     motors["left"] = dict(motors["right"])
     trial = Trial.from_plain(plain_trial(0.3, motors=motors))
     with FakeDrives(channel) as drives:
-        robot = CanRobot(open_bus("virtual", channel), silence_ns=PATIENT_NS, ask=lambda text: None)
+        robot = CanRobot(open_bus("virtual", channel), silence_ns=PATIENT_NS, ask=agree)
         path = record(
             trial,
             robot,
@@ -116,6 +140,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
             transmission=Transmission(),
             gains=Gains(),
             rig="virtual",
+            limits=Limits(silence=1e-9 * PATIENT_NS),
         )
         robot.close()
         assert drives.wait_for(lambda commands: commands[-1] == (0.0, 0.0))

@@ -30,7 +30,7 @@ def test_help_is_there_within_half_a_second():
 def test_every_subcommand_has_a_help(capsys):
     for module in command.subcommands():
         with pytest.raises(SystemExit) as stopped:
-            main([module.__name__.rsplit(".", 1)[-1], "--help"])
+            main([command.name_of(module), "--help"])
         assert stopped.value.code == 0
         assert module.HELP
     assert capsys.readouterr().out

@@ -61,7 +61,7 @@ def test_without_data_the_anchor_holds():
     )
     assert found.u == pytest.approx(anchor.place, abs=1e-6)
     assert anchor.cost(anchor.place) == 0.0
-    assert anchor.cost(anchor.place + [0.5, 0.0]) == pytest.approx(0.5)
+    assert anchor.cost(anchor.place + np.array([0.5, 0.0])) == pytest.approx(0.5)
 
 
 def test_outliers_pull_a_linear_step_less():

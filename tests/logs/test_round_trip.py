@@ -12,7 +12,7 @@ from spirob.can_protocol import (
     decode_command,
     decode_feedback,
 )
-from spirob.errors import DataError, MissingChannel, MissingLog, TooShort
+from spirob.errors import DataError, HardwareError, MissingChannel, MissingLog, TooShort
 from spirob.logs import Transmission, TrialLog, read_log, scene_of, schedule_of
 from spirob.logs.messages import unpack_frames
 from spirob.logs.records import read_content
@@ -155,13 +155,15 @@ def test_skipped_cycles_leave_an_even_time_base(tmp_path):
     assert trace.meta["frames"]["empty_cycles"] == 5
 
 
-def test_a_motor_that_falls_silent_is_counted(tmp_path):
+def test_a_motor_that_falls_silent_is_counted_and_named(tmp_path):
     def tamper(k, frames):
-        return frames[:2] if k > 1 else frames
+        return frames[:2] if k > 200 else frames
 
-    path = record_on(Recorder(tamper), tmp_path)
-    trace = read_log(path)
-    assert trace.meta["frames"]["right.missing"] == 399
+    with pytest.raises(HardwareError, match="motor right: no feedback for 10 ms"):
+        record_on(Recorder(tamper), tmp_path)
+    trace = read_log(tmp_path / "trial.mcap.part")
+    assert 8 <= trace.meta["frames"]["right.missing"] <= 10
+    assert "motor right" in trace.meta["stopped"]
 
 
 def log_of(path, cycles, raw=True, command=True):

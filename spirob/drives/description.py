@@ -1,0 +1,100 @@
+"""What a drive's description may hold; the DBC file beside it says the rest, units included.
+
+    name: odrive
+    dbc: odrive.dbc
+    motors:
+      left:
+        command: {message: Axis0_Set_Input_Torque, signal: Input_Torque, per_ampere: 0.0203}
+        angle: {message: Axis0_Get_Encoder_Estimates, signal: Pos_Estimate}
+        speed: {message: Axis0_Get_Encoder_Estimates, signal: Vel_Estimate}
+        current: {message: Axis0_Get_Iq, signal: Iq_Measured}
+        temperature: {message: Axis0_Get_Temperature, signal: Motor_Temperature}
+      right: ...
+    arm: [{message: Axis0_Set_Axis_State, values: {Axis_Requested_State: 8}}]
+    disarm: ...
+
+`per_ampere`: what the signal is for one ampere of the motor's current; negative where the drive
+counts the other way round, as `sign: -1` is for feedback.
+"""
+
+from math import pi
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from spirob.errors import ConfigError
+
+Text = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+TURNS = {"turn": 1.0, "rev": 1.0, "rad": 1 / (2 * pi), "deg": 1 / 360, "count": 1 / 8192}
+RPM = {"rpm": 1.0, "rev/s": 60.0, "turn/s": 60.0, "rad/s": 60 / (2 * pi), "deg/s": 1 / 6}
+AMPERES = {"A": 1.0, "mA": 1e-3}
+CELSIUS = {"degC": 1.0, "°C": 1.0, "C": 1.0}
+UNITS = {"angle": TURNS, "speed": RPM, "current": AMPERES, "temperature": CELSIUS}
+
+
+class Strict(BaseModel):
+    """No key that is not declared."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class Source(Strict):
+    """One signal of one message."""
+
+    message: Text
+    signal: Text
+    sign: Literal[1, -1] = 1
+
+
+class Command(Strict):
+    """The signal that commands a motor's current."""
+
+    message: Text
+    signal: Text
+    per_ampere: float = 1.0
+
+
+class Motor(Strict):
+    """One motor: how it is commanded, and what it says; `angle` comes last in a cycle."""
+
+    command: Command
+    angle: Source
+    speed: Source
+    current: Source
+    temperature: Source | None = None
+
+
+class Sent(Strict):
+    """A message with fixed values."""
+
+    message: Text
+    values: dict[Text, float] = {}
+
+
+class Motors(Strict):
+    """Both motors of the arm."""
+
+    left: Motor
+    right: Motor
+
+
+class Description(Strict):
+    """A whole description."""
+
+    name: Text
+    dbc: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}$")]
+    motors: Motors
+    arm: list[Sent] = Field([], max_length=50)
+    disarm: list[Sent] = Field([], max_length=50)
+
+
+def description_from(plain: object, where: str) -> Description:
+    """A description from plain data; raises ConfigError naming `where` and the key."""
+    try:
+        return Description.model_validate(plain)
+    except (ValidationError, RecursionError) as error:
+        if isinstance(error, RecursionError):
+            raise ConfigError(f"{where}: is nested too deeply") from None
+        first = error.errors(include_input=False, include_url=False)[0]
+        key = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise ConfigError(f"{where}: key '{key[:200]}': {first['msg']}") from None

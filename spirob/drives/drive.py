@@ -1,0 +1,191 @@
+"""A kind of drive: what goes out for a command, and what its frames say, one by one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import yaml
+
+from spirob.can_protocol import (
+    AMPERE_PER_COUNT,
+    COMMAND_ID,
+    COUNTS_PER_TURN,
+    FEEDBACK_ID,
+    CanFrame,
+    Feedback,
+    command_counts,
+    encode_feedback,
+)
+from spirob.drives.codec import Codec
+from spirob.drives.description import UNITS, Description, Motor, Sent, Source, description_from
+from spirob.errors import ConfigError
+
+MOTORS = ("left", "right")
+LARGEST = 2**20  # bytes of a description or a DBC file
+FULL = 32767
+FRAME_BYTES = 8  # of the frames that logs decode
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A description with its DBC file; raises ConfigError where they do not fit.
+
+    text, dbc_text  both files as they were, for the log
+    """
+
+    text: str
+    dbc_text: str
+    about: Description
+    codec: Codec
+
+    @classmethod
+    def from_texts(cls, text: str, dbc_text: str, where: str) -> "Drive":
+        """A drive from the content of both files."""
+        try:
+            plain = yaml.safe_load(text)
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
+            raise ConfigError(f"{where}: is not YAML: {' '.join(str(error).split())}") from None
+        about = description_from(plain, where)
+        drive = cls(text, dbc_text, about, Codec(dbc_text, f"{where}: {about.dbc}"))
+        drive._check(where)
+        return drive
+
+    def _check(self, where: str) -> None:
+        for name, motor in zip(MOTORS, self.motors, strict=True):
+            self.codec.unit(motor.command.message, motor.command.signal)
+            for kind, source in sources(motor).items():
+                unit = self.codec.unit(source.message, source.signal)
+                if unit not in UNITS[kind]:
+                    raise ConfigError(
+                        f"{where}: motors.{name}.{kind}: the DBC file gives '{unit}' for "
+                        f"{source.signal}; known: {', '.join(UNITS[kind])}"
+                    )
+        for motor in self.motors:
+            names = [motor.command.message, *(s.message for s in sources(motor).values())]
+            for message in map(self.codec.message, names):
+                if message.length != FRAME_BYTES or message.is_extended_frame:
+                    raise ConfigError(
+                        f"{where}: {message.name} is not a frame of {FRAME_BYTES} bytes "
+                        "with an 11-bit id"
+                    )
+        for one in (*self.about.arm, *self.about.disarm):
+            for signal in one.values:
+                self.codec.unit(one.message, signal)
+
+    @property
+    def motors(self) -> tuple[Motor, Motor]:
+        """Both, in the order of MOTORS."""
+        return self.about.motors.left, self.about.motors.right
+
+    def frame_id(self, message: str) -> int:
+        """The arbitration id of a message."""
+        return self.codec.message(message).frame_id
+
+    def commands(self, payload: bytes) -> list[tuple[int, bytes]]:
+        """What to send for a command payload of ours: id and data, one for each motor."""
+        out = []
+        for motor, count in zip(self.motors, command_counts(payload), strict=False):
+            asked = motor.command
+            value = count * AMPERE_PER_COUNT * asked.per_ampere
+            out.append(
+                (
+                    self.frame_id(asked.message),
+                    self.codec.encode(asked.message, {asked.signal: value}),
+                )
+            )
+        return out
+
+    def sent(self, messages: Sequence[Sent]) -> list[tuple[int, bytes]]:
+        """Messages of fixed values, such as those that arm: id and data."""
+        return [
+            (self.frame_id(m.message), self.codec.encode(m.message, m.values)) for m in messages
+        ]
+
+
+def sources(motor: Motor) -> dict[str, Source]:
+    """The feedback signals of a motor by kind."""
+    found = {"angle": motor.angle, "speed": motor.speed, "current": motor.current}
+    return found | ({"temperature": motor.temperature} if motor.temperature else {})
+
+
+def factor(drive: Drive, kind: str, source: Source) -> float:
+    """From the DBC's unit to turns, rpm, A or °C, with the sign."""
+    return source.sign * UNITS[kind][drive.codec.unit(source.message, source.signal)]
+
+
+class Translator:
+    """A drive's frames as C620-style ones, as they come; other frames say nothing.
+
+    A feedback frame of ours comes with each angle, and holds the latest of the other signals.
+    """
+
+    def __init__(self, drive: Drive):
+        self._drive = drive
+        self._latest = [dict.fromkeys(UNITS, 0.0) for _ in MOTORS]
+        self._by_id: dict[int, list[tuple[int, str, Source, float]]] = {}
+        for m, motor in enumerate(drive.motors):
+            for kind, source in sources(motor).items():
+                row = (m, kind, source, factor(drive, kind, source))
+                self._by_id.setdefault(drive.frame_id(source.message), []).append(row)
+
+    def __call__(self, frames: Sequence[CanFrame]) -> list[CanFrame]:
+        """The command (the first frame stands for it) and feedback frames of ours."""
+        out = [CanFrame(frames[0].stamp_ns, COMMAND_ID, bytes(8))] if frames else []
+        for frame in frames[1:]:
+            rows = self._by_id.get(frame.arbitration_id, ())
+            if not rows or len(frame.data) < self._drive.codec.message(rows[0][2].message).length:
+                continue
+            said = self._drive.codec.decode(rows[0][2].message, frame.data)
+            for m, kind, source, to_ours in rows:
+                self._latest[m][kind] = to_ours * said[source.signal]
+            for m in {row[0] for row in rows if row[1] == "angle"}:
+                data = encode_feedback(_feedback(self._latest[m]))
+                out.append(CanFrame(frame.stamp_ns, FEEDBACK_ID + 1 + m, data))
+        return out
+
+
+def _feedback(latest: dict[str, float]) -> Feedback:
+    return Feedback(
+        angle=_round(latest["angle"] * COUNTS_PER_TURN, 2**53) % COUNTS_PER_TURN,
+        speed=_round(latest["speed"], FULL),
+        current=_round(latest["current"] / AMPERE_PER_COUNT, FULL),
+        temperature=max(0, _round(latest["temperature"], 255)),
+    )
+
+
+def _round(value: float, most: int) -> int:
+    """The nearest count within ± most; what is no number is the most, so that it stops a trial."""
+    return round(max(-most, min(most, value))) if value == value else most
+
+
+def find_drive(name: str) -> Drive:
+    """A drive of the library by name, or the description in a file of your own.
+
+    Raises ConfigError naming the file.
+    """
+    own = Path(name)
+    if own.suffix in (".yaml", ".yml"):
+        text = _read(own)
+        about = description_from(yaml.safe_load(text), str(own))
+        return Drive.from_texts(text, _read(own.parent / about.dbc), str(own))
+    folder = resources.files("spirob.drives")
+    known = sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".yaml"))
+    if name not in known:
+        raise ConfigError(f"no drive '{name}'; known: c620, {', '.join(known)}, or a .yaml file")
+    text = folder.joinpath(f"{name}.yaml").read_text(encoding="utf-8")
+    dbc = description_from(yaml.safe_load(text), name).dbc
+    return Drive.from_texts(text, folder.joinpath(dbc).read_text(encoding="utf-8"), name)
+
+
+def _read(path: Path) -> str:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(content) > LARGEST:
+        raise ConfigError(f"{path}: more than {LARGEST >> 10} KiB is no description of a drive")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")  # as older DBC editors write

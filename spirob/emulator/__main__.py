@@ -1,0 +1,44 @@
+"""`python -m spirob.emulator`: the emulated robot as a process on a real or a network bus.
+
+The rehearsal for a laboratory: it answers `conf/robot/can.yaml` exactly as drives would.
+
+    python -m spirob.emulator --interface udp_multicast --channel 239.74.163.2 --seconds 60
+"""
+
+import argparse
+import sys
+
+import can
+
+from spirob.emulator.machine import Machine
+from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.emulator.service import serve
+from spirob.errors import SpirobError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Serve until the time is over; 2 where the bus cannot be opened."""
+    parser = argparse.ArgumentParser(prog="spirob.emulator", description=__doc__)
+    parser.add_argument("--interface", default="udp_multicast", help="of python-can")
+    parser.add_argument("--channel", default="239.74.163.2", help="of that interface")
+    parser.add_argument("--seconds", type=float, default=3600.0, help="how long to serve")
+    parser.add_argument("--hidden", default="none", help="what the model does not know")
+    parser.add_argument("--seed", type=int, default=1, help="which machine of its kind")
+    chosen = parser.parse_args(arguments)
+    try:
+        machine = Machine(EmulatedRig(), HiddenSettings(chosen.hidden), chosen.seed)
+        machine.cycle((0.0, 0.0))  # compiled before time counts
+        with can.Bus(interface=chosen.interface, channel=chosen.channel) as bus:
+            print(f"serving on {chosen.interface}:{chosen.channel}", flush=True)
+            dropped = serve(bus, machine, chosen.seconds)
+    except (SpirobError, can.CanError, OSError, ImportError) as error:
+        print(f"spirob.emulator: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    print(f"{dropped} cycles without a word, because the computer was late")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

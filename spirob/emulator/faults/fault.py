@@ -1,0 +1,72 @@
+"""What a fault can change: frames on the bus, a drive's readings, its supply."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+from numpy.random import Generator
+
+from spirob.can_protocol import CanFrame, Feedback
+from spirob.parameter import Numbers, bounded
+from spirob.robot import CYCLE_NS
+
+
+@dataclass
+class Course:
+    """How one fault goes in one trial.
+
+    rng     its own, decided by seed and trial
+    now_ns  start of this cycle;  active  whether the fault is on in this cycle
+    held    frames on their way: when they arrive, whether after the newer ones, which
+    kept    what a fault remembers of each motor
+    """
+
+    rng: Generator
+    now_ns: int = 0
+    active: bool = False
+    held: list[tuple[int, bool, CanFrame]] = field(default_factory=list)
+    kept: dict[int, Feedback] = field(default_factory=dict)
+
+    def hold(self, frame: CanFrame, cycles: int, after: bool = False) -> None:
+        """Let a frame arrive some cycles later, before the newer ones or after them."""
+        self.held.append((self.now_ns + cycles * CYCLE_NS, after, frame))
+
+    def happens(self, probability: float) -> bool:
+        """Whether it happens this time."""
+        return bool(self.rng.random() < probability)
+
+
+class Fault(Numbers):
+    """One thing that goes wrong; subclasses override one of the methods below."""
+
+    owner = "fault"
+    frames: ClassVar[str] = "feedback"  # which ones, where a configuration does not say
+
+    start: float = bounded(0.0, 0.0, 86400.0, "s", "t_0", "since the trial began")
+    duration: float = bounded(86400.0, 0.001, 86400.0, "s", "T", "of the fault")
+
+    def on_bus(self, frame: CanFrame, course: Course) -> list[CanFrame]:
+        """What arrives at once when this frame is sent while the fault is on."""
+        return [frame]
+
+    def sensed(self, motor: int, said: Feedback, course: Course) -> Feedback:
+        """What a drive reports instead of what it should, while the fault is on."""
+        return said
+
+    def supply(self, volts: float, course: Course) -> float:
+        """The supply voltage [V] of the drives, while the fault is on."""
+        return volts
+
+    def during(self, now_ns: int) -> bool:
+        """Whether the fault is on."""
+        return self.start <= now_ns * 1e-9 < self.start + self.duration
+
+    def passed(self, frames: Sequence[CanFrame], course: Course) -> list[CanFrame]:
+        """What arrives in this cycle; a frame that comes late is stamped when it comes."""
+        due = [entry for entry in course.held if entry[0] <= course.now_ns]
+        course.held = [entry for entry in course.held if entry[0] > course.now_ns]
+        late = [(after, replace(frame, stamp_ns=when + CYCLE_NS)) for when, after, frame in due]
+        fresh = [
+            f for sent in frames for f in (self.on_bus(sent, course) if course.active else [sent])
+        ]
+        return [f for after, f in late if not after] + fresh + [f for after, f in late if after]

@@ -1,0 +1,117 @@
+"""The mapping file: which column, or which field of which topic, is which channel, in what unit.
+
+    name: lab_run_7
+    time: {column: t, unit: ms}
+    channels:
+      left.current: {column: "I left [mA]", unit: mA}
+      left.displacement: {column: x1, unit: mm, sign: -1}
+      left.velocity: {topic: /joints, field: "joints[0].velocity", unit: m/s}
+    meta: {role: train, rig: bench}
+
+`sign: -1` where the file counts the other way round: positive current and length wind in.
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from spirob.errors import ConfigError, DataError, MissingLog
+from spirob.logs.foreign.units import unit
+
+LARGEST = 2**18  # bytes of a mapping file
+SI = {  # of channels that the program knows, after the motor's name
+    "current": "A",
+    "current_filtered": "A",
+    "command": "A",
+    "displacement": "m",
+    "velocity": "m/s",
+    "tension": "N",
+    "temperature": "degC",
+}
+Text = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+
+
+class Strict(BaseModel):
+    """No key that is not declared."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
+
+
+class Column(Strict):
+    """Where one channel comes from: a `column`, or a `field` of a `topic` in an MCAP file."""
+
+    column: Text = ""
+    topic: Text = ""
+    field: Text = ""
+    unit: Text
+    sign: Literal[1, -1] = 1
+
+    @property
+    def key(self) -> str:
+        """Its name among the columns that were read."""
+        return self.column or f"{self.topic}:{self.field}"
+
+
+class Time(Strict):
+    """Where time comes from; without a column, an MCAP file's own log time."""
+
+    column: Text = ""
+    unit: Text = "s"
+
+
+class Mapping(Strict):
+    """A whole mapping file."""
+
+    name: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}$")]
+    time: Time = Time()
+    channels: dict[Text, Column] = Field(min_length=1, max_length=500)
+    meta: dict[Text, Text | int | float | bool] = {}
+
+
+def read_mapping(path: Path | str) -> Mapping:
+    """Read and check a mapping file.
+
+    Raises MissingLog, DataError (no YAML) and ConfigError naming the file and the key.
+    """
+    try:
+        with open(path, "rb") as file:
+            content = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise MissingLog(f"{path}: there is no such mapping file") from None
+    if len(content) > LARGEST:
+        raise DataError(f"{path}: more than {LARGEST >> 10} KiB is no mapping file")
+    try:
+        plain = yaml.safe_load(content)
+    except (yaml.YAMLError, UnicodeError, ValueError, RecursionError) as error:
+        raise DataError(f"{path}: is not YAML: {' '.join(str(error).split())}") from None
+    return mapping_from(plain, str(path))
+
+
+def mapping_from(plain: object, where: str) -> Mapping:
+    """A mapping from plain data; raises ConfigError naming `where` and the key."""
+    try:
+        mapping = Mapping.model_validate(plain)
+    except (ValidationError, RecursionError) as error:
+        raise ConfigError(f"{where}: {_first(error)}") from None
+    unit(mapping.time.unit, f"{where}: time")
+    if unit(mapping.time.unit, where).si != "s":
+        raise ConfigError(f"{where}: time: unit '{mapping.time.unit}' is no unit of time")
+    for channel, column in mapping.channels.items():
+        place = f"{where}: channels.{channel}"
+        if bool(column.column) == bool(column.topic and column.field):
+            raise ConfigError(f"{place} needs either 'column', or 'topic' and 'field'")
+        si = unit(column.unit, place).si
+        wanted = SI.get(channel.rsplit(".", 1)[-1], si)
+        if si != wanted:
+            raise ConfigError(f"{place}: unit '{column.unit}' is not of the kind of {wanted}")
+    return mapping
+
+
+def _first(error: ValidationError | RecursionError) -> str:
+    if isinstance(error, RecursionError):
+        return "is nested too deeply"
+    first = error.errors(include_input=False, include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"]) or "the file"
+    return f"key '{key[:200]}': {first['msg']}"

@@ -1,0 +1,73 @@
+"""Units of a file to SI: value_SI = factor · (value + offset)."""
+
+from dataclasses import dataclass
+from math import pi
+
+from spirob.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What a unit is in SI."""
+
+    si: str
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+_INCH = 0.0254
+UNITS = {
+    "s": Unit("s"),
+    "ms": Unit("s", 1e-3),
+    "us": Unit("s", 1e-6),
+    "µs": Unit("s", 1e-6),
+    "ns": Unit("s", 1e-9),
+    "min": Unit("s", 60.0),
+    "A": Unit("A"),
+    "mA": Unit("A", 1e-3),
+    "V": Unit("V"),
+    "mV": Unit("V", 1e-3),
+    "m": Unit("m"),
+    "cm": Unit("m", 1e-2),
+    "mm": Unit("m", 1e-3),
+    "um": Unit("m", 1e-6),
+    "µm": Unit("m", 1e-6),
+    "in": Unit("m", _INCH),
+    "m/s": Unit("m/s"),
+    "mm/s": Unit("m/s", 1e-3),
+    "cm/s": Unit("m/s", 1e-2),
+    "in/s": Unit("m/s", _INCH),
+    "rad": Unit("rad"),
+    "mrad": Unit("rad", 1e-3),
+    "deg": Unit("rad", pi / 180),
+    "°": Unit("rad", pi / 180),
+    "turn": Unit("rad", 2 * pi),
+    "rev": Unit("rad", 2 * pi),
+    "rad/s": Unit("rad/s"),
+    "deg/s": Unit("rad/s", pi / 180),
+    "rpm": Unit("rad/s", 2 * pi / 60),
+    "turn/s": Unit("rad/s", 2 * pi),
+    "rev/s": Unit("rad/s", 2 * pi),
+    "N": Unit("N"),
+    "mN": Unit("N", 1e-3),
+    "kN": Unit("N", 1e3),
+    "kgf": Unit("N", 9.80665),
+    "lbf": Unit("N", 4.4482216152605),
+    "N·m": Unit("N·m"),
+    "Nm": Unit("N·m"),
+    "N*m": Unit("N·m"),
+    "mNm": Unit("N·m", 1e-3),
+    "degC": Unit("degC"),
+    "°C": Unit("degC"),
+    "K": Unit("degC", 1.0, -273.15),
+    "degF": Unit("degC", 5 / 9, -32.0),
+    "1": Unit("1"),
+    "%": Unit("1", 0.01),
+}
+
+
+def unit(name: str, where: str) -> Unit:
+    """The unit of that name; raises ConfigError with the known ones."""
+    if name not in UNITS:
+        raise ConfigError(f"{where}: unit '{name}' is unknown; known: {', '.join(UNITS)}")
+    return UNITS[name]

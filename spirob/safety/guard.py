@@ -1,0 +1,140 @@
+"""The robot that a controller drives: within limits, armed by hand, zero current first."""
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Protocol, runtime_checkable
+
+from spirob.can_protocol import FEEDBACK_ID, CanFrame, encode_command
+from spirob.errors import HardwareError
+from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
+from spirob.safety.command import CommandLimiter
+from spirob.safety.limits import Limits
+from spirob.safety.motor import MotorState
+from spirob.safety.stop import Stopped
+from spirob.safety.watching import Watched, reason_to_stop
+
+ZERO = encode_command((0.0,) * len(MOTORS))
+
+
+@runtime_checkable
+class Armable(Protocol):
+    """A robot that asks before it lets currents flow."""
+
+    def arm(self) -> None:
+        """Let currents flow from now on; raises HardwareError where the operator does not agree."""
+
+
+class GuardedRobot:
+    """A `Robot` around another: no command reaches the drives but through its limits.
+
+    Until `arm` only zero current passes.  When a limit is broken, the bus fails, or the keeping
+    of a frame does, zero current is sent first and the guard is disarmed; then the error is raised.
+
+    transmission scale   metres a count of rotor angle, m/s a rpm, for travel and speed
+    keep   takes in the frames of every cycle, also of the one that ended in a stop
+    interpret   frames of other drives as C620-style ones, the first standing for the command
+    states   what each motor last said, by position in MOTORS
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        limits: Limits,
+        metre_per_count: float,
+        speed_per_rpm: float,
+        keep: Callable[[Sequence[CanFrame]], None] = lambda frames: None,
+    ):
+        self.interpret: Callable[[Sequence[CanFrame]], Sequence[CanFrame]] = lambda frames: frames
+        self._robot, self._limits, self.keep = robot, limits, keep
+        self._scale = (metre_per_count, speed_per_rpm)
+        self.armed = False
+        self._reset()
+
+    def _reset(self) -> None:
+        self._limiter = CommandLimiter(self._limits)
+        self.states = [MotorState() for _ in MOTORS]
+        self._watched: list[Watched] | None = None
+        self._stopped = False
+
+    def prepare(self, scene: Scene) -> None:
+        """Disarm, and bring the robot to rest in a scene."""
+        self.armed = False
+        self._reset()
+        self._robot.prepare(scene)
+
+    def arm(self) -> None:
+        """Let currents flow from now on; a robot with an operator asks for it."""
+        if isinstance(self._robot, Armable):
+            self._robot.arm()
+        self.armed = True
+
+    def exchange(self, command: bytes) -> list[CanFrame]:
+        """One cycle within the limits.
+
+        Raises Stopped where a limit is broken, HardwareError where currents are asked for while
+        disarmed, and whatever robot or `keep` raise; zero current was then sent before.
+        """
+        try:
+            return self._exchange(command)
+        except Stopped as stopped:
+            self.stop(stopped.frames)
+            raise
+        except BaseException:
+            self.stop()
+            raise
+
+    def _exchange(self, command: bytes) -> list[CanFrame]:
+        if not self.armed and any(command):
+            raise HardwareError("a current was asked for, but the robot is not armed")
+        allowed = self._limiter(command)
+        self._stopped = False
+        frames = self._robot.exchange(allowed)
+        reason = self._watch(frames)
+        if reason:
+            raise Stopped(reason, frames)
+        self.keep(frames)
+        return frames
+
+    def stop(self, frames: Sequence[CanFrame] = ()) -> None:
+        """Send zero current at once and disarm, then keep `frames`; never raises an Exception.
+
+        Once stopped, it stays so until the next exchange; a second call does nothing.
+        """
+        self.armed = False
+        if self._stopped:
+            return
+        self._stopped = True
+        self._limiter.stop()
+        kept = list(frames)  # first those that arrived before the stop
+        with suppress(Exception):  # the first error is the one to tell
+            kept += self._robot.exchange(ZERO)
+        with suppress(Exception):
+            if frames:
+                self.keep(kept)
+
+    def close(self) -> None:
+        """Disarm, command zero current and release the bus; safe to call twice."""
+        self.armed = False
+        self._robot.close()
+
+    def _watch(self, frames: Sequence[CanFrame]) -> str | None:
+        now = frames[0].stamp_ns
+        if self._watched is None:
+            self._watched = [Watched(state, now) for state in self.states]
+        for m, motor in enumerate(self._watched):
+            motor.command(self._limiter.amperes(m))
+        heard = set()
+        for frame in self.interpret(frames):
+            m = frame.arbitration_id - FEEDBACK_ID - 1
+            if 0 <= m < len(MOTORS) and len(frame.data) == 8:
+                state = self.states[m]
+                before = state.changed_ns
+                state.update(frame.data, frame.stamp_ns, *self._scale)
+                if state.changed_ns != before:
+                    self._watched[m].changed()
+                heard.add(m)
+        for m, motor in enumerate(self._watched):
+            reason = reason_to_stop(motor, self._limits, now + CYCLE_NS, m in heard)
+            if reason:
+                return f"motor {MOTORS[m]}: {reason}; the current is zero"
+        return None

@@ -1,0 +1,141 @@
+"""A bus is looked at before the first motion: what is on it, and whether it keeps time."""
+
+import threading
+import time
+
+import can
+import pytest
+
+from spirob.can_protocol import COMMAND_ID, decode_command
+from spirob.canbus import CanRobot, open_bus
+from spirob.canbus.checking import check
+from spirob.canbus.listening import listen
+from spirob.cli.main import main
+from spirob.drives import find_drive
+from spirob.emulator.machine import Machine
+from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.emulator.service import serve
+from spirob.errors import HardwareError
+from tests.canbus.fake_drives import FakeDrives
+from tests.drives.fake_odrives import FakeODrives
+
+PATIENT_NS = 500_000_000
+
+
+class Quiet:
+    """A robot of plain Python in exact time, with feedback that a test can thin out."""
+
+    overruns = 0
+
+    def __init__(self, change=lambda k, frames: frames):
+        from tests.bench.fake_robot import FakeRobot
+
+        self.robot, self.change, self.k = FakeRobot(), change, 0
+
+    def exchange(self, command):
+        frames = self.change(self.k, self.robot.exchange(command))
+        self.k += 1
+        return frames
+
+
+def test_a_good_bus_has_no_faults_but_those_of_this_computer():
+    found = check(Quiet(), 0.5)
+    assert found.cycles == 500
+    assert found.lost == {"left": 0.0, "right": 0.0}
+    assert found.delay["left"][0] == pytest.approx(0.9e-3)
+    assert not [f for f in found.faults if "motor" in f]
+    assert not found.skipped
+
+
+def test_lost_frames_are_counted_and_named():
+    def thinned(k, frames):
+        return [f for f in frames if f.arbitration_id != 0x202 or k % 10 not in (3, 4)]
+
+    found = check(Quiet(thinned), 0.5)
+    assert found.lost == {"left": 0.0, "right": pytest.approx(0.2)}
+    assert found.longest == {"left": 0, "right": 2}
+    assert "motor right: 20.0 % of the cycles had no feedback" in found.faults[0]
+
+
+def test_a_motor_that_never_answers_is_named():
+    with pytest.raises(HardwareError, match="no feedback from motor left"):
+        check(Quiet(lambda k, frames: [frames[0], frames[2]]), 0.1)
+
+
+@pytest.mark.parametrize("kind", ["c620", "odrive"])
+def test_only_zero_is_commanded_on_a_bus(kind):
+    channel = f"check-{kind}"
+    drive = None if kind == "c620" else find_drive(kind)
+    with (FakeODrives if drive else FakeDrives)(channel) as drives:
+        robot = CanRobot(open_bus("virtual", channel), silence_ns=PATIENT_NS, drive=drive)
+        found = check(robot, 0.2, drive)
+        robot.close()
+    assert not robot.armed
+    commands = drives.torques if drive else drives.commands
+    assert len(commands) > 200
+    assert all(command == (0.0, 0.0) for command in commands)
+    assert found.rate["left"] > 100
+
+
+def test_what_is_on_a_bus_is_listed_with_what_it_may_be():
+    channel = "listen"
+    bus, other = open_bus("virtual", channel), can.Bus(interface="virtual", channel=channel)
+    sent = ((0x201, False, 8), (0x201, False, 8), (9, False, 8), (7, True, 3))
+    for number, extended, size in sent:
+        other.send(can.Message(arbitration_id=number, data=bytes(size), is_extended_id=extended))
+    heard = listen(bus, 0.1, [find_drive("odrive")])
+    bus.shutdown()
+    other.shutdown()
+    told = [(h.number, h.frames, h.sizes, h.meaning) for h in heard]
+    assert told == [
+        (7, 1, (3,), ""),
+        (9, 1, (8,), "odrive Axis0_Get_Encoder_Estimates"),
+        (0x201, 2, (8,), "c620 feedback, left"),
+    ]
+
+
+def test_the_commands_scan_and_check(capsys):
+    with FakeDrives("cli") as drives:
+        asked = ["--interface", "virtual", "--channel", "cli", "--seconds", "0.2"]
+        code = main(["can", "check", *asked])
+        said = capsys.readouterr().out
+        assert ("ready to be armed" in said) == (code == 0)
+        assert "feedback frames/s" in said
+        assert all(c == (0.0, 0.0) for c in drives.commands)
+    quiet = ["--interface", "virtual", "--channel", "quiet", "--seconds", "0.2"]
+    assert main(["can", "scan", *quiet]) == 0
+    assert "nothing was heard in 0.2 s" in capsys.readouterr().out
+    assert main(["can", "scan"]) == 0
+    assert "virtual" in capsys.readouterr().out
+    assert main(["can", "check"]) == 2
+    assert "needs --interface" in capsys.readouterr().err
+    assert main(["can", "scan", "--interface", "smoke", "--seconds", "1"]) == 2
+    assert "no interface 'smoke'" in capsys.readouterr().err
+
+
+def test_the_emulator_serves_a_bus_in_real_time_and_speaks_unasked():
+    machine = Machine(EmulatedRig(), HiddenSettings("none"), 1)
+    machine.cycle((0.0, 0.0))
+    seen = []
+    cycle = machine.cycle
+    machine.cycle = lambda currents: seen.append(currents) or cycle(currents)
+    with (
+        can.Bus(interface="virtual", channel="service") as drives,
+        can.Bus(interface="virtual", channel="service") as bus,
+    ):
+        dropped = []
+        service = threading.Thread(target=lambda: dropped.append(serve(drives, machine, 0.4)))
+        begin = time.monotonic()
+        service.start()
+        time.sleep(0.1)
+        command = bytes([4, 0, 0, 0, 0, 0, 0, 0])
+        bus.send(can.Message(arbitration_id=COMMAND_ID, data=command, is_extended_id=False))
+        service.join()
+        assert time.monotonic() - begin >= 0.4
+        heard = 0
+        while bus.recv(0) is not None:
+            heard += 1
+    assert heard == 2 * (len(seen) - dropped[0])
+    assert 400 <= len(seen) <= 400 + dropped[0] + 1
+    assert seen[0] == (0.0, 0.0)
+    assert 1 <= seen.count(decode_command(command)) <= 101  # then nobody had spoken for 100 ms
