@@ -9,6 +9,7 @@ base_models.py         the two regressors below, and the preparation of their in
 folds.py               folds that hold whole diameters out
 size.py                stacking: train and predict diameters
 model_file.py          a trained model on disk, with the hash that is checked before loading
+contact.py             contact, sample by sample, from one current
 trust.py               errors on held-out sizes; wraps unlike those of the training
 score.py               how far predictions are from the truth
 """
