@@ -1,6 +1,7 @@
 """Plays one trial of an experiment on every side: robot, model, named model, single dynamics."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -95,8 +96,7 @@ def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str,
     It takes forces only: the commanded one, or nominal n times the current that was commanded.
     """
     arm = {k.partition(".")[2]: v for k, v in base["changes"].items() if k.startswith("arm.")}
-    settings = {f: getattr(rig.arm, f) for f in type(rig.arm).parameters()} | arm
-    bare = Rig(name=rig.name, units=rig.units, arm=type(rig.arm).from_mapping(settings))
+    bare = Rig(name=rig.name, units=rig.units, arm=replace(rig.arm, **arm))  # type: ignore[type-var]
     played = sides.get("robot", sides["base"]).command[: trial.cycles]
     schedule = trial.schedule(len(played))
     force = rig.gains.newton_per_ampere * played

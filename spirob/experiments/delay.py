@@ -1,8 +1,10 @@
 """Delay under a constant tendon force.
 
 At rest a force is commanded on the left tendon; the force law turns it into a current.  Two delays
-are read: of the tendon force that the drive reports, F = n i - c v, raw and after the paper's
-100-sample mean, which alone is 49.5 ms late; and of the displacement.
+are read: of the tendon force that the drive reports, F = n i - c v, until it first comes to half of
+what is commanded, raw and after the paper's 100-sample mean, which alone is 49.5 ms late; and of
+the displacement, until half of what it moves while the force holds.  The force falls again as the
+geared motor gains speed, because the law is proportional; its mean over the last second is told.
 """
 
 from dataclasses import dataclass
@@ -11,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spirob.experiments.experiment import Experiment, Play, Sides, curve, plan, row, trial, within
-from spirob.experiments.response import step_times
+from spirob.experiments.response import PERIOD, crossing, step_times
 from spirob.experiments.side import WINDOW, Side
 from spirob.trace import moving_average
 
@@ -48,18 +50,26 @@ class Delay(Experiment):
         idle = plan("current", {"kind": "constant", "value": 0.0})
         return trial(self._name(force), self.rest + self.hold, plan("force", steps), idle)
 
-    def times(self, side: Side) -> dict[str, float]:
-        """Delays and rises [ms] of one side; the baseline has no force but the commanded one."""
+    def times(self, side: Side, commanded: float) -> dict[str, float]:
+        """Delays and rises [ms] of one side and the force that it holds [N].
+
+        The baseline has no force but the commanded one.
+        """
         end = self.rest + self.hold
         shape = step_times(side.driven("displacement", 0), self.rest, (end - 0.1, end))
         found = {"displacement": 1e3 * shape["delay"], "displacement rise": 1e3 * shape["rise"]}
         if side.current is None:
-            return found | {"raw": 0.0, "filtered": 0.0, "filtered rise": 0.0}
+            return found | {"raw": 0.0, "filtered": 0.0, "filtered rise": 0.0, "held": commanded}
         force = self.force(side)
-        settled = (self.rest + 0.15, self.rest + 0.25)
-        mean = step_times(moving_average(force, WINDOW), self.rest, settled)
-        found["raw"] = 1e3 * step_times(force, self.rest, settled)["delay"]
-        return found | {"filtered": 1e3 * mean["delay"], "filtered rise": 1e3 * mean["rise"]}
+        first = round(self.rest / PERIOD)
+        mean = moving_average(force, WINDOW)[first:] / commanded
+        tenth, half, most = (crossing(mean, share) for share in (0.1, 0.5, 0.9 * mean.max()))
+        return found | {
+            "raw": 1e3 * crossing(force[first:] / commanded, 0.5),
+            "filtered": 1e3 * half,
+            "filtered rise": 1e3 * (most - tenth),
+            "held": float(np.mean(force[-1000:])),
+        }
 
     def force(self, side: Side) -> np.ndarray:
         """The tendon force that the drive reports [N]."""
@@ -70,7 +80,7 @@ class Delay(Experiment):
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = []
         for force in self.forces:
-            times = {s: self.times(side) for s, side in sides[self._name(force)].items()}
+            times = {s: self.times(side, force) for s, side in sides[self._name(force)].items()}
             for key, paper, note in (
                 ("filtered", PAPER if force == 1.0 else None, "100-sample mean: 49.5 ms of it"),
                 ("filtered rise", None, ""),
@@ -84,6 +94,8 @@ class Delay(Experiment):
                 name = "displacement" if key == "displacement" else f"force, {key}"
                 what = f"delay of {name} at {force:g} N"
                 rows.append(row(what, "ms", values, paper=paper, aim=aim, met=met, note=note))
+            held = {s: t["held"] for s, t in times.items()}
+            rows.append(row(f"force held at {force:g} N", "N", held))
         return rows
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:

@@ -34,8 +34,8 @@ class Hysteresis(Experiment):
     """
 
     title: ClassVar[str] = "Hysteresis under triangular force"
-    low: float = 1.0
-    high: float = 6.0
+    low: float = 0.5
+    high: float = 3.0
     period: float = 5.0
     periods: float = 3.0
     antagonist: float = 0.05
@@ -62,9 +62,9 @@ class Hysteresis(Experiment):
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         loops = {name: self._loop(side) for name, side in sides[NAME].items()}
         area = {s: 1e3 * loop_area(f, x) for s, (f, x) in loops.items()}
-        width = {s: a / (1e3 * np.ptp(f) * np.ptp(x)) for (s, (f, x)), a in zip(
-            loops.items(), area.values(), strict=True)}  # fmt: skip
         stroke = {s: 1e3 * np.ptp(x) for s, (_, x) in loops.items()}
+        box = {s: np.ptp(force) * stroke[s] for s, (force, _) in loops.items()}
+        width = {s: area[s] / box[s] if box[s] > 0.0 else np.nan for s in loops}
         note = "the paper shows a loop and gives no number"
         met = within(area.get("named"), area.get("robot"), AIM)
         aim = "named within 10 % of the robot"

@@ -19,7 +19,7 @@ from spirob.geometry import ARM_LENGTH, spiral_arm
 from spirob.trace import moving_average
 
 PAPER = (0.4, 0.35, 0.15)  # s, from base to tip
-BAND = (0.02, 0.8)  # s, shortest and longest period that counts
+BAND = (0.02, 1.5)  # s, shortest and longest period that counts
 SIGNALS = ("displacement", "displacement, mean", "current", "filtered")
 
 
@@ -51,7 +51,7 @@ class PeriodicContact(Experiment):
     current: float = 0.8
     bandwidth: float = 1000.0
     begins: float = 0.5
-    duration: float = 2.1
+    duration: float = 4.5
 
     def plays(self) -> list[Play]:
         rig = direct(self.bandwidth)
@@ -79,9 +79,9 @@ class PeriodicContact(Experiment):
                 filtered = signal in ("filtered", "displacement, mean")
                 paper = PAPER[k] if signal == "filtered" and len(self.places) == 3 else None
                 hidden = [s for s, size in sizes.items() if size < 1.0]
-                note = "; ".join(f"{s} below one count" for s in hidden)
-                if filtered:
-                    note = "; ".join(["10 Hz is a null of the mean", *([note] if note else [])])
+                notes = ["10 Hz is a null of the mean"] if filtered else []
+                notes += [f"below one count: {', '.join(hidden)}"] if hidden else []
+                note = "; ".join(notes)
                 at = f"{signal}, at {place:.0%}"
                 rows.append(row(f"apparent period of {at}", "s", periods, paper=paper, note=note))
                 rows.append(row(f"swing of {at}", "counts", sizes))
@@ -111,5 +111,5 @@ class PeriodicContact(Experiment):
                 values = seen(hit, free[s], "displacement", self.begins)
                 time = np.arange(len(values)) * 1e-3
                 play = f"at {place:.0%}"
-                out.append(curve(play, "angle", "counts", s, time, values, 5))
+                out.append(curve(play, "angle", "counts", s, time, values, 10))
         return out
