@@ -67,6 +67,12 @@ SOURCES = {
         ("domain", "true_mm", "predicted_mm"),
         "object size was not estimated in this run",
     ),
+    "experiments": Source(
+        "data/experiments/experiments.json",
+        "experiments",
+        (),
+        "the paper's experiments were not played in this run",
+    ),
     "sweep": Source("data/sweep/table.json", "sweep", ("columns", "rows"), "no sweep was run here"),
     "score": Source(
         "reports/metrics/score.json", "score", (), "the truth of this machine was not opened"
@@ -92,6 +98,7 @@ class ReportData:
     provenance: Provenance
     motion: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
+    experiments: dict[str, Any] | None = None
     sweep: dict[str, Any] | None = None
     score: dict[str, Any] | None = None
     absent: dict[str, str] = field(default_factory=dict)

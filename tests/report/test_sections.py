@@ -6,6 +6,7 @@ from importlib import resources
 import pytest
 
 from spirob.report import builder
+from spirob.report.experiment_figures import overlays
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
 from tests.report.synthetic import TRIALS
@@ -27,6 +28,7 @@ def test_sections_stand_in_the_order_of_the_page():
         "failure",
         "ladder",
         "parameters",
+        "experiments",
         "object_size",
         "sweep",
         "provenance",
@@ -138,3 +140,22 @@ def test_without_a_sweep_the_command_is_given(sparse):
 def test_text_from_files_cannot_become_markup(data):
     diagnosis = data.diagnosis | {"sentence": "<script>alert(1)</script>"}
     assert "<script>alert" not in text("verdict", replace(data, diagnosis=diagnosis))
+
+
+def test_experiments_show_ours_beside_the_papers(data, sparse):
+    shown = text("experiments", data)
+    assert "1 of 1 aims are met" in shown
+    assert shown.index("53.4") < shown.index("54.0") < shown.index("52.4")
+    assert "odd &lt;; aim: within 5 %" in shown
+    assert shown.index("All figures") < shown.index("rise at 1 N")
+    assert "were not played in this run" in text("experiments", sparse)
+
+
+def test_the_baseline_does_not_flatten_the_others():
+    lines = [
+        {"quantity": "v", "play": "a", "unit": "mm/s", "side": s, "x": [0, 1], "y": [0.0, y]}
+        for s, y in (("robot", 1.0), ("named", 1.1), ("single", 40.0))
+    ]
+    figure = overlays("curl", lines)[0].figure
+    assert figure.layout.yaxis.range[1] < 2.0
+    assert overlays("curl", lines[:2])[0].figure.layout.yaxis.range is None
