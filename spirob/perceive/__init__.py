@@ -11,5 +11,6 @@ size.py                stacking: train and predict diameters
 model_file.py          a trained model on disk, with the hash that is checked before loading
 contact.py             contact, sample by sample, from one current
 trust.py               errors on held-out sizes; wraps unlike those of the training
+interval.py            an interval with every size, or a refusal
 score.py               how far predictions are from the truth
 """
