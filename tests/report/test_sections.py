@@ -30,6 +30,7 @@ def test_sections_stand_in_the_order_of_the_page():
         "parameters",
         "experiments",
         "object_size",
+        "transfer",
         "sweep",
         "provenance",
     ]
@@ -159,3 +160,14 @@ def test_the_baseline_does_not_flatten_the_others():
     figure = overlays("curl", lines)[0].figure
     assert figure.layout.yaxis.range[1] < 2.0
     assert overlays("curl", lines[:2])[0].figure.layout.yaxis.range is None
+
+
+def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
+    shown = text("transfer", data)
+    assert "The error falls at each step" in shown
+    assert shown.index("2.10 (1.50 to 2.70)") < shown.index("0.13 (−0.17 to 0.39)")
+    assert "92 %" in shown
+    worse = data.transfer["robot"] | {"named": data.transfer["robot"]["nominal"] | {"mae": 9.0}}
+    told = text("transfer", replace(data, transfer=data.transfer | {"robot": worse}))
+    assert "does not fall" in told
+    assert "was not learned from the other models" in text("transfer", sparse)
