@@ -1,5 +1,6 @@
 """Each section says what it must, without a browser."""
 
+import re
 from dataclasses import replace
 from importlib import resources
 
@@ -165,9 +166,18 @@ def test_the_baseline_does_not_flatten_the_others():
 def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
     shown = text("transfer", data)
     assert "The error falls at each step" in shown
+    assert 'id="transfer"' not in shown  # that is the section's own anchor
     assert shown.index("2.10 (1.50 to 2.70)") < shown.index("0.13 (−0.17 to 0.39)")
     assert "92 %" in shown
     worse = data.transfer["robot"] | {"named": data.transfer["robot"]["nominal"] | {"mae": 9.0}}
     told = text("transfer", replace(data, transfer=data.transfer | {"robot": worse}))
     assert "does not fall" in told
     assert "was not learned from the other models" in text("transfer", sparse)
+
+
+def test_no_two_things_on_the_page_have_the_same_id(data):
+    """A figure named like a section would be drawn in its place."""
+    page = re.sub(r"<script>.*?</script>", "", builder.render(data), flags=re.DOTALL)
+    found = re.findall(r'\bid="([^"]+)"', page)
+    assert "transfer-error" in found
+    assert len(found) == len(set(found))

@@ -39,7 +39,9 @@ class Transfer(Section):
         interval = data.transfer.get("interval") or {}
         return {
             "rows": [_row(name, step) for name, step in steps.items()],
-            "plot": Plot("transfer", "Error of size on the robot, model by model", _bars(steps)),
+            "plot": Plot(
+                "transfer-error", "Error of size on the robot, model by model", _bars(steps)
+            ),
             "coverage": [_coverage(d, interval[d]) for d in DOMAINS if d in interval],
             "confidence": percent(interval.get("confidence")),
             "falls": errors == sorted(errors, reverse=True),
