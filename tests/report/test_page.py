@@ -74,7 +74,7 @@ def test_a_browser_draws_every_figure_without_complaint(page, tmp_path):
     command = [CHROMIUM, *FLAGS, profile, "--dump-dom", path.as_uri()]
     ran = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     assert [line for line in ran.stderr.splitlines() if "CONSOLE" in line] == []
-    for name in ("ladder", "overlay", "atlas", "size"):
+    for name in ("rungs", "overlay", "atlas", "size"):
         place = ran.stdout.split(f'<div class="plot js-plotly-plot" id="{name}"')
         assert len(place) == 2, f"{name} was not drawn"
         assert "<svg" in place[1][:3000]

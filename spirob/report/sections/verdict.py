@@ -31,7 +31,7 @@ class Verdict(Section):
             "sentence": diagnosis["sentence"],
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": figures.Plot(
-                "ladder",
+                "rungs",
                 "Bars of the held-out error of each model; the table of section Ladder has them",
                 figures.ladder(rungs, noise_floor, unit),
             ),
