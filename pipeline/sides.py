@@ -36,10 +36,10 @@ def play_all(
     trial = Trial.from_plain(play.trial)
     sides: dict[str, Side] = {}
     if config.robot.kind != "can" and _plays("robot", play):
-        sides["robot"] = _robot(config, hidden, rig, trial, log)
+        sides["robot"] = robot_side(config, hidden, play, log)
     for name, model in models.items():
         if _plays(name, play):
-            sides[name] = _model(rig, trial, model)
+            sides[name] = model_side(config, play, model)
     if _plays("single", play):
         sides["single"] = _single(rig, trial, models["base"], sides)
     return sides
@@ -57,7 +57,9 @@ def _plays(side: str, play: Play) -> bool:
     return not play.only or side in play.only
 
 
-def _robot(config: Config, hidden: Mapping[str, Any], rig: Rig, trial: Trial, log: Path) -> Side:
+def robot_side(config: Config, hidden: Mapping[str, Any], play: Play, log: Path) -> Side:
+    """What an emulated or simulated robot did, from its log."""
+    rig, trial = Rig.from_mapping(merged(config.rig, play.rig)), Trial.from_plain(play.trial)
     robot = build(config, rig, hidden)
 
     def prepare(scene: Scene) -> None:
@@ -83,11 +85,15 @@ def _robot(config: Config, hidden: Mapping[str, Any], rig: Rig, trial: Trial, lo
     return Side.from_trace(read_log(path))
 
 
-def _model(rig: Rig, trial: Trial, model: Mapping[str, Any]) -> Side:
+def model_side(
+    config: Config, play: Play, model: Mapping[str, Any], noise: float = 0.0, seed: int = 0
+) -> Side:
+    """What a model did: its current in counts of the drive, with sensor noise [A] where asked."""
+    rig, trial = Rig.from_mapping(merged(config.rig, play.rig)), Trial.from_plain(play.trial)
     plant = Plant(rig, find_effects(model["effects"]))
     known = set(plant.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known}
-    return Side.from_trace(simulate(plant, trial, changes))
+    return Side.from_trace(simulate(plant, trial, changes, noise, seed))
 
 
 def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str, Side]) -> Side:

@@ -5,6 +5,8 @@ experiment.py   what an experiment is; plans in plain data; the table of all of 
 response.py     when a signal answers, and by how much
 delay.py, hysteresis.py, extreme_curl.py, single_contact.py, periodic_contact.py, active_contact.py
                 one experiment each: its settings, its trials, its measure
+direct_drive.py     what the two passive ones share
+contact_rates.py    how often and how soon contacts are told, over many uncurlings
 
 Measures are pure functions of signals; they do not know who played.  The paper's figure stands
 beside ours in every result, and nothing is adjusted to meet it: the paper gives neither the size

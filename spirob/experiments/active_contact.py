@@ -24,6 +24,7 @@ AIM_RMSE = 0.1  # A
 RIGHT = 1
 RESTS = 0.3  # s before and after the motion
 DEPARTS = 0.025  # A: five times the sensor's noise
+PARTED = 50  # samples
 
 
 def rmse(one: np.ndarray, other: np.ndarray) -> float:
@@ -32,15 +33,16 @@ def rmse(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def onset(contact: np.ndarray, free: np.ndarray, first: int) -> float:
-    """Time [s] from which a current stays `DEPARTS` above that of the same motion without contact.
+    """Time [s] at which a current parts from that of the same motion without contact.
 
-    What it holds is a mean of 21 samples; NaN where the two never part.
+    From a sample `first` on it has to be `DEPARTS` above for `PARTED` samples, as a mean of 21; NaN
+    where it never does.
     """
-    together = np.flatnonzero(smooth(contact - free, 21)[first:] <= DEPARTS)
-    last = int(together[-1]) if len(together) else -1
-    if last == len(contact) - first - 1:
+    apart = smooth(contact - free, 21)[first:] > DEPARTS
+    if len(apart) < PARTED:
         return float("nan")
-    return PERIOD * (first + last + 1)
+    runs = np.convolve(apart, np.ones(PARTED), mode="valid") > PARTED - 0.5
+    return PERIOD * (first + int(np.argmax(runs))) if runs.any() else float("nan")
 
 
 def detected(values: np.ndarray, first: int, last: int, rules: ContactSettings) -> float:
@@ -99,7 +101,8 @@ class ActiveContact(Experiment):
         duration = self.begins + self.uncurl + RESTS + self.recoil
         return trial(self._name(place), duration, left, right, scene)
 
-    def _window(self) -> tuple[int, int]:
+    def window(self) -> tuple[int, int]:
+        """First and last sample of the watch."""
         return (
             round((self.begins + self.settle) / PERIOD),
             round((self.begins + self.uncurl) / PERIOD),
@@ -107,7 +110,7 @@ class ActiveContact(Experiment):
 
     def judge(self, side: Side, free: Side, signal: str) -> dict[str, float]:
         """Onset, detection and delay [s] of one trial of one side."""
-        first, last = self._window()
+        first, last = self.window()
         values = side.driven(signal, RIGHT)
         began = onset(
             side.driven("current", RIGHT)[:last], free.driven("current", RIGHT)[:last], first

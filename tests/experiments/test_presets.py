@@ -50,6 +50,19 @@ def test_sides_that_answer_alike_score_alike(name):
     assert all(len(c["x"]) == len(c["y"]) > 1 for c in drawn)
 
 
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_without_a_robot_the_model_is_measured_alone(name):
+    """Hardware is not driven by the pipeline."""
+    experiment = experiment_from(name, {})
+    sides = {play.name: played(play, experiment) for play in experiment.plays()}
+    for answers in sides.values():
+        answers.pop("robot", None)
+    rows = experiment.measure(sides)
+    assert all(row["robot"] is None and row["met"] is None for row in rows)
+    assert any(row["named"] is not None for row in rows)
+    assert "robot" not in {c["side"] for c in experiment.curves(sides)}
+
+
 def played(play, experiment):
     """A made-up answer that depends on the trial's place: a lag, a sway and a stall."""
     cycles = Trial.from_plain(play.trial).cycles
