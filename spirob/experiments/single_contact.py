@@ -132,11 +132,12 @@ class SingleContact(Experiment):
                 if "robot" in found:
                     sides_with = {s: r for s, r in found.items() if key in r[0]}
                     rows.append(self._agreement(f"{what}, {bandwidth:g} Hz", key, sides_with))
-        for k, place in enumerate(self.places):
-            plain = self._responses(sides, 0.0)
-            values = {s: r[k]["peak"] for s, r in plain.items()}
-            what = f"current peak without feed-forward, {self.bandwidths[0]:g} Hz, {place:.0%}"
-            rows.append(row(what, "counts", values, note="the model alone"))
+        plain = self._responses(sides, 0.0)
+        for key, what in (("peak", "current peak"), ("shift", "shift")):
+            for k, place in enumerate(self.places):
+                told = {s: r[k] for s, r in plain.items()}
+                where = f"{self.bandwidths[0]:g} Hz, at {place:.0%}"
+                rows.append(self._row(f"{what} without feed-forward, {where}", key, told))
         return rows
 
     def _row(self, what: str, key: str, told: dict[str, dict[str, float]]) -> dict[str, Any]:
