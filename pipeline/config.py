@@ -14,10 +14,12 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.schema import validated
+from pipeline.sides import merged
 from pipeline.stage import HIDDEN, PUBLIC, read_yaml, run
 from spirob.bench import Trial
 from spirob.effects import find_effects
 from spirob.errors import ConfigError
+from spirob.experiments import experiment_from
 from spirob.logs.atomic import write_text
 from spirob.plant import Plant, Rig
 
@@ -66,6 +68,10 @@ def check(plain: dict[str, Any]) -> None:
     for role in ("train", "validate", "heldout"):
         if role not in {t.role for t in trials}:
             raise ConfigError(f"experiment: no trial has the role '{role}'")
+    for name, settings in plain["experiments"].items():
+        for play in experiment_from(name, settings).plays():
+            Trial.from_plain(play.trial)
+            Rig.from_mapping(merged(plain["rig"], play.rig))
     find_effects(plain["diagnose"]["candidates"])
     plant = Plant(rig, find_effects(plain["plant"]["effects"]))
     for name in plain["identify"]["parameters"]:

@@ -1,6 +1,6 @@
 """Stage `features`: wrap cylinders in the diagnosed model, and turn all wraps into features."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,7 @@ def stage(root: Path) -> None:
     config = public_config(root)
     model = read_json(root / "data/diagnosis/model.json", "diagnose")
     for name, stream in (("train", TRAIN_WRAPS), ("unseen", UNSEEN_WRAPS)):
-        traces = _simulated(config, model, wraps(config, stream))
+        traces = simulated(config, model, wraps(config, stream))
         _write(root / f"data/features/{name}.parquet", table(traces))
         tell(f"{name}: {len(traces)} simulated wraps")
     recorded = [_recorded(root, t["name"]) for t in wraps(config, ROBOT_WRAPS)]
@@ -36,9 +36,10 @@ def stage(root: Path) -> None:
     tell(f"robot: {len(recorded)} wraps")
 
 
-def _simulated(
-    config: Config, model: dict[str, Any], trials: Sequence[dict[str, Any]]
+def simulated(
+    config: Config, model: Mapping[str, Any], trials: Sequence[dict[str, Any]]
 ) -> list[Trace]:
+    """Wraps played in a model `{effects: [...], changes: {...}}`, with sensor noise."""
     machine = plant(config, find_effects(model["effects"]))
     known = set(machine.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known}

@@ -120,6 +120,7 @@ class Config(Strict):
     robot: Emulated | Simulated | Can = Field(discriminator="kind")
     plant: PlantConfig
     experiment: Experiment
+    experiments: dict[str, dict[str, Any]] = {}  # settings, checked by `spirob.experiments`
     identify: Identify
     diagnose: Diagnose
     perceive: Perceive

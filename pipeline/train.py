@@ -6,6 +6,7 @@ import pandas as pd
 
 from pipeline.stage import public_config, run, tell
 from spirob.errors import MissingLog
+from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
 from spirob.perceive.size import SizeSettings, train
 
@@ -17,7 +18,10 @@ def stage(root: Path) -> None:
     if not path.exists():
         raise MissingLog(f"{path} is missing; the stage 'features' writes it")
     settings = SizeSettings(seed=config.perceive.seed)
-    model = train(pd.read_parquet(path), settings, config.perceive.predictor)
+    table = pd.read_parquet(path)
+    model = train(table, settings, config.perceive.predictor)
+    if table["diameter"].nunique() >= 4:  # fewer leave nothing to hold out
+        model = calibrated(model, table)
     save_model(model, root / "data/models/size.joblib")
     tell(f"trained on {len(model.out_of_fold)} wraps; ridge weighs {model.weight:.2f}")
 

@@ -27,10 +27,46 @@ class Cylinder:
 
 
 @dataclass(frozen=True)
+class Ball:
+    """A ball that flies freely over the table, in the plane of the arm.
+
+    diameter [m]; mass [kg]; x, y of its centre [m] and its velocity vx, vy [m/s] when the trial
+    begins; Coulomb friction [-].  It does not spin, and gravity does not act on it.
+    """
+
+    diameter: float
+    mass: float
+    x: float
+    y: float
+    vx: float
+    vy: float
+    friction: float = 0.3
+
+
+@dataclass(frozen=True)
+class Peg:
+    """A round peg that runs on a circle at constant speed, whatever it meets.
+
+    diameter [m]; x, y of the circle's centre, its radius [m]; period of a turn [s], anticlockwise;
+    phase at the start [rad], 0 is on the +x side of the centre; Coulomb friction [-]
+    """
+
+    diameter: float
+    x: float
+    y: float
+    radius: float
+    period: float
+    phase: float = 0.0
+    friction: float = 0.3
+
+
+@dataclass(frozen=True)
 class Scene:
-    """What surrounds the arm in a trial."""
+    """What surrounds the arm in a trial: nothing, or one of these."""
 
     cylinder: Cylinder | None = None
+    ball: Ball | None = None
+    peg: Peg | None = None
 
 
 class Robot(Protocol):

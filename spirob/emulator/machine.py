@@ -54,13 +54,14 @@ class Machine:
         self._place(scene)
         self.state = np.zeros(1, STATE)
         self.state["phi"][0] = np.cumsum(self.numbers["rest_angle"][0])
+        self.state["object"][0, :2] = self._first[:2]
         self._settle()
         self.state["rotor_angle"][0] = rotors
         self.state["rotor_start"][0] = rotors
         self._advance(self.numbers, np.zeros(2), steps=0)
         if self._scratch["depth"][0] > 1e-4:
             raise ConfigError(
-                f"trial '{trial}': the cylinder overlaps the resting arm by "
+                f"trial '{trial}': the object overlaps the resting arm by "
                 f"{1e3 * self._scratch['depth'][0]:.1f} mm; move it away from the arm"
             )
 
@@ -96,10 +97,25 @@ class Machine:
             )
 
     def _place(self, scene: Scene) -> None:
-        self.numbers["cylinder"][0] = 0.0
-        if scene.cylinder is not None:
-            c = scene.cylinder
-            self.numbers["cylinder"][0] = c.x, c.y, c.diameter / 2, c.friction
+        """Write down the scene's object; it rests at its first place until the trial begins."""
+        for name in ("cylinder", "orbit", "ball_mass"):
+            self.numbers[name][0] = 0.0
+        self._first = np.zeros(4)
+        around = scene.cylinder or scene.ball or scene.peg
+        if around is None:
+            return
+        numbers = around.x, around.y, around.diameter / 2, around.friction
+        self.numbers["cylinder"][0] = numbers
+        self._first[:2] = around.x, around.y
+        if scene.ball is not None:
+            self.numbers["ball_mass"][0] = scene.ball.mass
+            self._first[2:] = scene.ball.vx, scene.ball.vy
+        if scene.peg is not None:
+            turn, phase = 2 * np.pi / scene.peg.period, scene.peg.phase
+            self.numbers["orbit"][0] = scene.peg.radius, turn, phase
+            out = scene.peg.radius * np.array([np.cos(phase), np.sin(phase)])
+            self._first[:2] += out
+            self._first[2:] = -turn * out[1], turn * out[0]
 
     def _settle(self) -> None:
         """Let the arm hang, tendons off, then take up the tendons' slack."""
@@ -107,6 +123,7 @@ class Machine:
             calm = self.numbers.copy()
             calm["damping"] *= SETTLE_DAMPING
             calm["supply"] = 0.0
+            calm["orbit"] = calm["ball_mass"] = 0.0
             self.state["wound"] = -1.0
             self._advance(calm, np.zeros(2), steps=SETTLE_STEPS, dt=SETTLE_STEP)
         hanging = self.state["phi"][0].copy()
@@ -114,6 +131,7 @@ class Machine:
         self.state = np.zeros(1, STATE)
         self.state["phi"][0] = hanging
         self.state["creep"][0] = creep
+        self.state["object"][0] = self._first
         self._advance(self.numbers, np.zeros(2), steps=0)
         self.state["wound"] = self._scratch["shortening"]
 

@@ -1,14 +1,18 @@
 """What a log says about how its trial was played: for simulating the same again."""
 
 from collections.abc import Mapping
+from dataclasses import MISSING, fields
 from typing import Any
 
 import numpy as np
 
 from spirob.control.schedule import Schedule
 from spirob.errors import ConfigError, DataError
-from spirob.robot import MOTORS, Cylinder, Scene
+from spirob.robot import MOTORS, Ball, Cylinder, Peg, Scene
 from spirob.trace import Trace
+
+OBJECTS: dict[str, type] = {"cylinder": Cylinder, "ball": Ball, "peg": Peg}
+ABOVE_ZERO = ("diameter", "mass", "radius", "period")
 
 
 def schedule_of(trace: Trace) -> Schedule:
@@ -36,26 +40,32 @@ def scene_of(trace: Trace) -> Scene:
 
 
 def scene_from(scene: Mapping[str, Any] | None, where: str) -> Scene:
-    """A scene from plain data: nothing, or `{cylinder: {diameter, x, y, friction}}`.
+    """A scene from plain data: nothing, or one of `OBJECTS` as `{cylinder: {diameter: ..., ...}}`.
 
     Raises ConfigError; `where` names what the scene belongs to.
     """
-    scene = _mapping(scene or {}, f"{where}: scene", ("cylinder",))
-    if not scene.get("cylinder"):
-        return Scene()
-    where = f"{where}: scene.cylinder"
-    given = _mapping(scene["cylinder"], where, ("diameter", "x", "y", "friction"))
+    scene = _mapping(scene or {}, f"{where}: scene", tuple(OBJECTS))
+    present = [kind for kind in OBJECTS if scene.get(kind)]
+    if len(present) > 1:
+        raise ConfigError(f"{where}: scene holds {' and '.join(present)}, but may hold only one")
+    return Scene(**{kind: _object(scene[kind], f"{where}: scene.{kind}", kind) for kind in present})
+
+
+def _object(given: Any, where: str, kind: str) -> Any:
+    about = fields(OBJECTS[kind])
+    given = _mapping(given, where, tuple(f.name for f in about))
     values: dict[str, float] = {}
     for key, value in given.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
             raise ConfigError(f"{where}.{key} must be a finite number, not {value!r}")
         values[key] = float(value)
-    for key in ("diameter", "x", "y"):
-        if key not in values:
-            raise ConfigError(f"{where} needs '{key}'")
-    if values["diameter"] <= 0 or values.get("friction", 0) < 0:
-        raise ConfigError(f"{where}: diameter must be above 0 and friction not below 0")
-    return Scene(Cylinder(**values))
+    for field in about:
+        if field.default is MISSING and field.name not in values:
+            raise ConfigError(f"{where} needs '{field.name}'")
+    for key in ABOVE_ZERO:
+        if values.get(key, 1.0) <= 0 or values.get("friction", 0) < 0:
+            raise ConfigError(f"{where}: {key} must be above 0 and friction not below 0")
+    return OBJECTS[kind](**values)
 
 
 def _mapping(value: Any, where: str, known: tuple[str, ...]) -> Mapping[str, Any]:

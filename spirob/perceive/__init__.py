@@ -9,6 +9,9 @@ base_models.py         the two regressors below, and the preparation of their in
 folds.py               folds that hold whole diameters out
 size.py                stacking: train and predict diameters
 model_file.py          a trained model on disk, with the hash that is checked before loading
+contact.py             contact, sample by sample, from one current
+contact_levels.py      the same for whole logs, to try many thresholds
 trust.py               errors on held-out sizes; wraps unlike those of the training
+interval.py            an interval with every size, or a refusal
 score.py               how far predictions are from the truth
 """

@@ -13,7 +13,7 @@ a boosting that learns only the remainder, which shall be small.
     remainder  D = w·ridge + (1 - w)·svr + GB(ridge, svr),   0 <= w <= 1 by least squares
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -55,6 +55,9 @@ class SizeModel:
     bases         fitted base models by name;  weight  w of the blend
     meta          predictor -> fitted boosting, None where it has no trees
     out_of_fold   (n, 2) base predictions from the folds [m], columns as `BASES`
+    sizes         smallest and largest diameter in training [m]
+    errors        sizes of its errors on wraps of diameters held out [m], ascending; empty until
+                  `interval.calibrated` has found them
     """
 
     features: tuple[str, ...]
@@ -66,6 +69,8 @@ class SizeModel:
     meta: dict[str, Any]
     out_of_fold: np.ndarray
     settings: SizeSettings
+    sizes: tuple[float, float]
+    errors: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 def train(
@@ -99,7 +104,8 @@ def train(
         "remainder": _boosting(settings, trees, depth, level_one[inner], remainder[inner]),
     }
     low, high = x.min(0), x.max(0)
-    return SizeModel(names, low, high, predictor, bases, weight, meta, level_one, settings)
+    sizes = float(y.min()), float(y.max())
+    return SizeModel(names, low, high, predictor, bases, weight, meta, level_one, settings, sizes)
 
 
 def predict(model: SizeModel, table: pd.DataFrame, predictor: str | None = None) -> np.ndarray:

@@ -11,10 +11,10 @@ import numpy as np
 
 from spirob.geometry import SpiralArm, spiral_arm
 from spirob.plant.nominal import Arm
+from spirob.plant.objects import ARM_BIT, OBJECT_BIT, add_objects
 from spirob.robot import MOTORS, Scene
 
 OUTLINE_RADIUS = 0.1  # capsule radius over half width
-ARM_BIT, OBJECT_BIT = 1, 2  # arm touches arm and objects; objects touch the arm
 
 
 def hinge_stiffness(arm: Arm, geometry: SpiralArm) -> np.ndarray:
@@ -74,8 +74,7 @@ def build_spec(
             _add_guides(parent, geometry.guide_after[i], f"after_{i}")
     if tip_mass > 0.0:
         _add_tip(parent, geometry.unit_length[-1], tip_mass)
-    if scene.cylinder is not None:
-        _add_cylinder(spec, scene, geometry)
+    add_objects(spec, scene, geometry)
     if tendons:
         _add_tendons(spec, units)
     return spec
@@ -129,22 +128,6 @@ def _add_tip(parent, length: float, mass: float) -> None:
     tip.mass = mass
     tip.ipos = [0, 0, 0]  # left out, it would be the offset once more
     tip.inertia = np.full(3, mass * length**2 * 1e-2)  # small: a point, but never singular
-
-
-def _add_cylinder(spec: mujoco.MjSpec, scene: Scene, geometry: SpiralArm) -> None:
-    cylinder = scene.cylinder
-    assert cylinder is not None
-    half = 2 * geometry.half_width[0]  # taller than the arm is thick
-    spec.worldbody.add_geom(
-        name="cylinder",
-        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        size=[cylinder.diameter / 2, 0, 0],
-        fromto=[cylinder.x, cylinder.y, -half, cylinder.x, cylinder.y, half],
-        contype=OBJECT_BIT,
-        conaffinity=ARM_BIT,
-        friction=[cylinder.friction, 0.005, 0.0001],
-        solref=[0.004, 1.0],
-    )
 
 
 def _add_guides(body, position: np.ndarray, name: str) -> None:

@@ -16,6 +16,7 @@ from spirob.parameter import Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
+from spirob.plant.objects import launch
 from spirob.plant.rig import Rig
 from spirob.robot import CYCLE_NS, Scene
 
@@ -131,12 +132,15 @@ class Session:
         tip_mass = plant._at_tip(p)
         model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass)
         self._model, self._data = model, mujoco.MjData(model)
-        self._stiffness = np.ascontiguousarray(model.jnt_stiffness.reshape(hinges, -1)[:, 0])
+        launch(self._data, scene, hinges)
+        springs = model.jnt_stiffness.reshape(model.njnt, -1)[:hinges, 0]
+        self._stiffness = np.ascontiguousarray(springs)
         mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
         self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
         self._state = np.zeros((STATE_ROWS, 2))
         self._memory = np.repeat(plant._states[:, None], max(2 * hinges, SLOTS), axis=1)
-        self._pull, self._solved = np.zeros((2, hinges)), np.zeros((2, hinges))
+        # a ball or a peg has coordinates behind the hinges, on which no tendon pulls
+        self._pull, self._solved = np.zeros((2, model.nv)), np.zeros((2, model.nv))
         drive_rate = p[plant.table.position("drive.rate")]
         self._drive_steps = max(1, round(self._step * drive_rate))
 

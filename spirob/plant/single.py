@@ -11,6 +11,7 @@ import numpy as np
 
 from spirob.errors import SimulationError
 from spirob.plant.body import build_spec
+from spirob.plant.objects import launch
 from spirob.plant.plant import CYCLE, SUBSTEPS
 from spirob.plant.rig import Rig
 from spirob.robot import MOTORS, Scene
@@ -42,6 +43,7 @@ def single_dynamics(
     model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     data = mujoco.MjData(model)
+    launch(data, scene or Scene(), rig.units)
     mujoco.mj_forward(model, data)
     rest = data.ten_length.copy()
     cycles = len(force)
@@ -49,7 +51,7 @@ def single_dynamics(
     angles = np.zeros((cycles, rig.units))
     for k in range(cycles):
         shortening[k], rate[k] = rest - data.ten_length, -data.ten_velocity
-        angles[k] = data.qpos
+        angles[k] = data.qpos[: rig.units]
         data.ctrl[:] = np.maximum(force[k], 0.0)
         mujoco.mj_step(model, data, nstep=substeps)
         # lengths belong to the step's beginning; bring them to its end

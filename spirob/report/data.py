@@ -79,6 +79,18 @@ SOURCES = {
         ("domain", "true_mm", "predicted_mm"),
         "object size was not estimated in this run",
     ),
+    "experiments": Source(
+        "data/experiments/experiments.json",
+        "experiments",
+        (),
+        "the paper's experiments were not played in this run",
+    ),
+    "transfer": Source(
+        "data/transfer/transfer.json",
+        "transfer",
+        ("robot",),
+        "size was not learned from the other models in this run",
+    ),
     "sweep": Source("data/sweep/table.json", "sweep", ("columns", "rows"), "no sweep was run here"),
     "score": Source(
         "reports/metrics/score.json", "score", (), "the truth of this machine was not opened"
@@ -106,6 +118,8 @@ class ReportData:
     posture: pd.DataFrame | None = None
     finalists: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
+    experiments: dict[str, Any] | None = None
+    transfer: dict[str, Any] | None = None
     sweep: dict[str, Any] | None = None
     score: dict[str, Any] | None = None
     absent: dict[str, str] = field(default_factory=dict)

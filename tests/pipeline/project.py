@@ -9,7 +9,13 @@ import time
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[2]
-SHORT = ["experiment=short", "identify=short", "diagnose=short", "perceive=short"]
+SHORT = [
+    "experiment=short",
+    "identify=short",
+    "diagnose=short",
+    "perceive=short",
+    "experiments=short",
+]
 DECIDING = ("identify", "compare", "diagnose")  # stages that must not know the truth
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.pipeline.project import DECIDING, SHORT, Project
 
-METRICS = ["compare", "diagnose", "identify", "score", "size"]
+METRICS = ["compare", "diagnose", "experiments", "identify", "score", "size", "transfer"]
 
 
 @pytest.fixture(scope="module")

@@ -44,6 +44,8 @@ def _optional(root: Path, rng: np.random.Generator, overlay: pd.DataFrame) -> No
     robot = {"mae": 3.42, "rmse": 4.36, "r2": 0.934, "std": 3.9}
     _json(root, "reports/metrics/size.json", {"simulation": simulation, "robot": robot})
     _json(root, "reports/metrics/score.json", {"hidden": "capstan friction", "verdict_right": True})
+    _json(root, "data/experiments/experiments.json", _experiments())
+    _json(root, "data/transfer/transfer.json", _transfer())
     rows = [[f"guide_{k}", 0.1 * k, 0.18 / (1 + k), k % 2 == 0] for k in range(5)]
     columns = ["hidden", "friction [1]", "held-out RMSE [A]", "right"]
     _json(root, "data/sweep/table.json", {"columns": columns, "rows": rows})
@@ -149,6 +151,36 @@ def _predictions(rng: np.random.Generator) -> pd.DataFrame:
         predicted = true + spread * rng.standard_normal(count)
         parts.append(pd.DataFrame({"domain": domain, "true_mm": true, "predicted_mm": predicted}))
     return pd.concat(parts, ignore_index=True)
+
+
+def _experiments() -> dict:
+    sides = {"robot": 53.4, "base": 54.8, "named": 54.0, "single": 0.0}
+    about = {
+        "unit": "ms",
+        **sides,
+        "paper": 52.4,
+        "aim": "within 5 %",
+        "met": True,
+        "note": "odd <",
+    }
+    plain = {**about, "paper": None, "aim": None, "met": None, "named": None}
+    curves = [
+        {"play": p, "quantity": "force", "unit": "N", "side": s, "x": [0.0, 1.0], "y": [0.0, v]}
+        for p in ("1 N", "2 N")
+        for s, v in sides.items()
+    ]
+    rows = [{"what": "delay at 1 N", **about}, {"what": "rise at 1 N", **plain}]
+    return {"delay": {"title": "Delay under constant force", "rows": rows, "curves": curves}}
+
+
+def _transfer() -> dict:
+    step = {"mae": 2.1, "rmse": 2.6, "r2": 0.98, "mae_low": 1.5, "mae_high": 2.7}
+    gained = {**step, "mae": 1.97, "gain": 0.13, "gain_low": -0.17, "gain_high": 0.39}
+    held = {"covered": 0.92, "refused": 0.0, "width": 0.0087, "samples": 26.0}
+    return {
+        "robot": {"nominal": step, "identified": gained, "named": {**gained, "mae": 1.58}},
+        "interval": {"confidence": 0.9, "simulation": held, "robot": held},
+    }
 
 
 def _text(root: Path, path: str, content: str) -> None:

@@ -1,11 +1,13 @@
 """Each section says what it must, without a browser."""
 
+import re
 from dataclasses import replace
 from importlib import resources
 
 import pytest
 
 from spirob.report import builder
+from spirob.report.experiment_figures import overlays
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
 from spirob.report.sections.object_size import mae_interval
@@ -30,7 +32,9 @@ def test_sections_stand_in_the_order_of_the_page():
         "failure",
         "ladder",
         "parameters",
+        "experiments",
         "object_size",
+        "transfer",
         "sweep",
         "library",
         "provenance",
@@ -175,3 +179,42 @@ def test_without_a_sweep_the_command_is_given(sparse):
 def test_text_from_files_cannot_become_markup(data):
     diagnosis = data.diagnosis | {"sentence": "<script>alert(1)</script>"}
     assert "<script>alert" not in text("verdict", replace(data, diagnosis=diagnosis))
+
+
+def test_experiments_show_ours_beside_the_papers(data, sparse):
+    shown = text("experiments", data)
+    assert "1 of 1 aims are met" in shown
+    assert shown.index("53.4") < shown.index("54.0") < shown.index("52.4")
+    assert "odd &lt;; aim: within 5 %" in shown
+    assert shown.index("All figures") < shown.index("rise at 1 N")
+    assert "were not played in this run" in text("experiments", sparse)
+
+
+def test_the_baseline_does_not_flatten_the_others():
+    lines = [
+        {"quantity": "v", "play": "a", "unit": "mm/s", "side": s, "x": [0, 1], "y": [0.0, y]}
+        for s, y in (("robot", 1.0), ("named", 1.1), ("single", 40.0))
+    ]
+    figure = overlays("curl", lines)[0].figure
+    assert figure.layout.yaxis.range[1] < 2.0
+    assert overlays("curl", lines[:2])[0].figure.layout.yaxis.range is None
+
+
+def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
+    shown = text("transfer", data)
+    assert "The error falls at each step" in shown
+    assert 'id="transfer"' not in shown  # that is the section's own anchor
+    assert shown.index("2.10 (1.50 to 2.70)") < shown.index("0.13 (−0.17 to 0.39)")
+    assert "92 %" in shown
+    worse = data.transfer["robot"] | {"named": data.transfer["robot"]["nominal"] | {"mae": 9.0}}
+    told = text("transfer", replace(data, transfer=data.transfer | {"robot": worse}))
+    assert "does not fall" in told
+    assert "was not learned from the other models" in text("transfer", sparse)
+
+
+def test_no_two_things_on_the_page_have_the_same_id(data):
+    """A figure named like a section would be drawn in its place."""
+    page = re.sub(r"<script>.*?</script>", "", builder.render(data), flags=re.DOTALL)
+    found = re.findall(r'\bid="([^"]+)"', page)
+    assert "transfer-error" in found
+    assert len(found) == len(set(found))

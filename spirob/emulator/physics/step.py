@@ -14,7 +14,7 @@ import numpy as np
 from spirob.emulator.physics.body import creep, hinges, inertia, pose, weight_and_spin
 from spirob.emulator.physics.chain import factorise, solve
 from spirob.emulator.physics.compiled import HINGES, SIDES, compiled, compiled_entry
-from spirob.emulator.physics.contact import add_contact, contact
+from spirob.emulator.physics.contact import add_contact, contact, move_object
 from spirob.emulator.physics.drive import drive, understood
 from spirob.emulator.physics.guides import add_tendons, guide_friction, rub
 from spirob.emulator.physics.line import grow
@@ -70,6 +70,7 @@ def step(p, s, w, h):
         s.rate[i] = w.force[i] + h * pulled
         s.phi[i] += h * s.rate[i]
         fastest = max(fastest, abs(s.rate[i]))
+    move_object(p, s, w, h)
     pose(s, w)
     rub(p, s, w, h)
     creep(p, s, w, h)

@@ -1,0 +1,97 @@
+"""How well contacts are told, over 200 simulated and 50 emulated uncurlings; minutes, not a stage.
+
+    python -m pipeline.contacts
+
+Thresholds are tuned in simulation (with the named effect) and tried on the robot as they are.
+Writes reports/metrics/contacts.json.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from pipeline.features import SENSOR_NOISE
+from pipeline.schema import Config
+from pipeline.sides import model_side, robot_side
+from pipeline.stage import (
+    HIDDEN,
+    public_config,
+    read_json,
+    read_yaml,
+    run,
+    tell,
+    workers,
+    write_json,
+)
+from spirob.errors import ConfigError
+from spirob.experiments.contact_rates import (
+    SIGNALS,
+    Uncurling,
+    by_place,
+    outcomes,
+    rates,
+    roc,
+    scaled,
+    tuned,
+    uncurlings,
+)
+from spirob.experiments.side import Side
+
+SIMULATED, EMULATED = 40, 10  # pegs for each of five motions
+LOGS = Path("data/contacts/raw")
+
+
+def stage(root: Path) -> None:
+    """Play and judge."""
+    config = public_config(root)
+    if config.robot.kind == "can":
+        raise ConfigError("contacts are played on an emulated or simulated robot, not on hardware")
+    hidden = read_yaml(root / HIDDEN, "config") or {}
+    named = read_json(root / "data/diagnosis/model.json", "diagnose")
+    plain = config.model_dump()
+    domains = {}
+    for domain, pegs, seed in (("simulation", SIMULATED, 1), ("robot", EMULATED, 2)):
+        trials = uncurlings(pegs, seed)
+        jobs = [
+            delayed(_play)(root, plain, hidden, named, domain, k, t) for k, t in enumerate(trials)
+        ]
+        domains[domain] = (trials, Parallel(n_jobs=workers())(jobs))
+        tell(f"{domain}: {len(trials)} uncurlings")
+    write_json(root / "reports/metrics/contacts.json", judged(domains))
+
+
+def judged(domains: dict[str, tuple[list[Uncurling], list[Side]]]) -> dict[str, Any]:
+    """Rates by signal and domain, with the paper's thresholds and with tuned ones."""
+    out: dict[str, Any] = {}
+    for signal in SIGNALS:
+        scale = tuned(outcomes(*domains["simulation"], signal))
+        out[signal] = {"tuned_scale": scale}
+        for domain, played in domains.items():
+            found = outcomes(*played, signal)
+            out[signal][domain] = {
+                "paper": rates(found, scaled(1.0)),
+                "tuned": rates(found, scaled(scale)),
+                "by_place": by_place(found, scaled(1.0)),
+                "roc": roc(found),
+            }
+    return out
+
+
+def _play(
+    root: Path,
+    plain: dict[str, Any],
+    hidden: dict[str, Any],
+    named: dict[str, Any],
+    domain: str,
+    number: int,
+    trial: Uncurling,
+) -> Side:
+    config = Config.model_validate(plain)
+    if domain == "robot":
+        return robot_side(config, hidden, trial.play, root / LOGS / f"{trial.play.name}.mcap")
+    return model_side(config, trial.play, named, SENSOR_NOISE, number)
+
+
+if __name__ == "__main__":
+    run("contacts", stage)

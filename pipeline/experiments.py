@@ -1,0 +1,76 @@
+"""Stage `experiments`: the paper's experiments on the robot, in the model and in its baseline.
+
+Writes every figure beside the paper's to data/experiments/experiments.json, with the curves for the
+report, and those with an aim or a paper's figure to reports/metrics/experiments.json.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from pipeline.schema import Config
+from pipeline.sides import Models, play_all
+from pipeline.stage import (
+    HIDDEN,
+    public_config,
+    read_json,
+    read_yaml,
+    run,
+    tell,
+    workers,
+    write_json,
+)
+from spirob.experiments import Experiment, Play, Side, experiment_from
+
+LOGS = Path("data/experiments/raw")
+COLUMNS = ("robot", "base", "named", "single", "paper", "aim", "met")
+
+
+def stage(root: Path) -> None:
+    """Play and measure every experiment of the configuration."""
+    config = public_config(root)
+    hidden = read_yaml(root / HIDDEN, "config") or {}
+    base = read_json(root / "data/identified/base.json", "identify")
+    named = read_json(root / "data/diagnosis/model.json", "diagnose")
+    models = {"base": {"effects": config.plant.effects, "changes": base["changes"]}, "named": named}
+    written, metrics = {}, {}
+    for name, settings in config.experiments.items():
+        experiment = experiment_from(name, settings)
+        sides = _played(root, config, hidden, models, experiment)
+        rows = experiment.measure(sides)
+        written[name] = {
+            "title": experiment.title,
+            "rows": rows,
+            "curves": experiment.curves(sides),
+        }
+        metrics[name] = {r["what"]: _figures(r) for r in rows if r["aim"] or r["paper"] is not None}
+        aimed = [r["met"] for r in rows if r["met"] is not None]
+        tell(f"{name}: {sum(aimed)} of {len(aimed)} aims met")
+    write_json(root / "data/experiments/experiments.json", written)
+    write_json(root / "reports/metrics/experiments.json", metrics)
+
+
+def _played(
+    root: Path, config: Config, hidden: dict[str, Any], models: Models, experiment: Experiment
+) -> dict[str, dict[str, Side]]:
+    plays = experiment.plays()
+    plain = config.model_dump()
+    jobs = [delayed(_one)(root, plain, hidden, play, models) for play in plays]
+    answers = Parallel(n_jobs=workers())(jobs)
+    return {play.name: sides for play, sides in zip(plays, answers, strict=True)}
+
+
+def _one(
+    root: Path, plain: dict[str, Any], hidden: dict[str, Any], play: Play, models: Models
+) -> dict[str, Side]:
+    log = root / LOGS / f"{play.name}.mcap"
+    return play_all(Config.model_validate(plain), hidden, play, models, log)
+
+
+def _figures(row: dict[str, Any]) -> dict[str, Any]:
+    return {k: row[k] for k in COLUMNS if row[k] is not None} | {"unit": row["unit"]}
+
+
+if __name__ == "__main__":
+    run("experiments", stage)

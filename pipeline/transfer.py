@@ -1,0 +1,106 @@
+"""Stage `transfer`: size learned from three models, tested on the robot; and what intervals hold.
+
+The models are the one before any measurement, the identified one, and the one with the named
+effect.  If diagnosis is worth anything, the error on the robot falls from one to the next.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pipeline.features import simulated
+from pipeline.schema import Config
+from pipeline.stage import public_config, read_json, run, tell, write_json
+from pipeline.trials import TRAIN_WRAPS, wraps
+from spirob.bench.wrap import wrap_trial
+from spirob.errors import MissingLog
+from spirob.perceive.bootstrap import mean_error, mean_gain
+from spirob.perceive.features import table
+from spirob.perceive.interval import CONFIDENCE, coverage, estimate
+from spirob.perceive.model_file import load_model
+from spirob.perceive.score import score
+from spirob.perceive.size import SizeModel, SizeSettings, predict, train
+
+COVERAGE_WRAPS, STREAM = 60, 4  # of continuous diameters in simulation; stream of the seed
+
+
+def stage(root: Path) -> None:
+    """Train on each model's wraps and score all on the robot's."""
+    config = public_config(root)
+    path = root / "data/features/robot.parquet"
+    if not path.exists():
+        raise MissingLog(f"{path} is missing; the stage 'features' writes it")
+    robot = pd.read_parquet(path)
+    named = read_json(root / "data/diagnosis/model.json", "diagnose")
+    shipped = load_model(root / "data/models/size.joblib")
+    learnt = {name: _learn(config, model) for name, model in _before(root, config).items()}
+    learnt["named"] = shipped
+    sizes = {name: predict(model, robot) for name, model in learnt.items()}
+    steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
+    metrics: dict[str, Any] = {"robot": steps}
+    if len(shipped.errors):
+        metrics["interval"] = _intervals(config, named, shipped, robot)
+    write_json(root / "reports/metrics/transfer.json", metrics)
+    points = {"true": robot["diameter"].to_numpy(), **sizes}
+    plain = {key: np.round(values, 7).tolist() for key, values in points.items()}
+    write_json(root / "data/transfer/transfer.json", {"points": plain, **metrics})
+
+
+def _before(root: Path, config: Config) -> dict[str, dict[str, Any]]:
+    """The model before any measurement, and as identified, without the named effect."""
+    changes = read_json(root / "data/identified/base.json", "identify")["changes"]
+    own = config.plant.effects
+    return {
+        "nominal": {"effects": own, "changes": {}},
+        "identified": {"effects": own, "changes": changes},
+    }
+
+
+def _learn(config: Config, model: Mapping[str, Any]) -> SizeModel:
+    known = table(simulated(config, model, wraps(config, TRAIN_WRAPS)))
+    return train(known, SizeSettings(seed=config.perceive.seed), config.perceive.predictor)
+
+
+def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict[str, Any]:
+    """Errors on the robot, model by model, and how much each step gains."""
+    steps: dict[str, Any] = {}
+    before = None
+    for name, found in sizes.items():
+        low, high = mean_error(true, found, seed)
+        one = {**score(true, found), "mae_low": low, "mae_high": high}
+        if before is not None:
+            low, high = mean_gain(true, before, found, seed)
+            gain = score(true, before)["mae"] - one["mae"]
+            one |= {"gain": gain, "gain_low": low, "gain_high": high}
+        steps[name] = {**_rounded(one), "unit": "mm"}
+        before = found
+        tell(f"size learnt from the {name} model: {steps[name]['mae']:.2f} mm on the robot")
+    return steps
+
+
+def _intervals(
+    config: Config, model: Mapping[str, Any], learnt: SizeModel, robot: pd.DataFrame
+) -> dict[str, Any]:
+    """How often the shipped model's intervals hold the true size, simulated and on the robot."""
+    smallest, largest = learnt.sizes
+    rng = np.random.default_rng([config.perceive.seed, STREAM])
+    drawn = rng.uniform(smallest, largest, COVERAGE_WRAPS)
+    settings = config.perceive.wrap
+    trials = [wrap_trial(f"covered_{k}", "heldout", d, settings, rng) for k, d in enumerate(drawn)]
+    tables = {"simulation": table(simulated(config, model, trials)), "robot": robot}
+    found = {
+        domain: _rounded(coverage(estimate(learnt, t), t["diameter"].to_numpy()))
+        for domain, t in tables.items()
+    }
+    return {"confidence": CONFIDENCE, **found}
+
+
+def _rounded(values: Mapping[str, float]) -> dict[str, float]:
+    return {k: float(f"{v:.9g}") for k, v in values.items()}
+
+
+if __name__ == "__main__":
+    run("transfer", stage)

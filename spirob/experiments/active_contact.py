@@ -1,0 +1,169 @@
+"""Active contact: the arm, curled up, uncurls until it meets a peg, and recoils.
+
+The right tendon runs at constant velocity throughout: paid out while the left one curls the arm,
+wound in while it uncurls, paid out again.  The peg stands on the right of the straight arm, so that
+the arm does not meet it while it curls.  The detector listens to the right current while the arm
+uncurls, from `settle` seconds on: the start of the motion is a rise of its own.
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from spirob.bench.wrap import beside
+from spirob.errors import DataError
+from spirob.experiments.experiment import Experiment, Play, Sides, curve, plan, row, trial
+from spirob.experiments.response import PERIOD, smooth
+from spirob.experiments.side import Side
+from spirob.geometry import ARM_LENGTH, spiral_arm
+from spirob.perceive.contact import ContactDetector, ContactSettings
+
+PAPER_RMSE = 0.307  # A
+AIM_RMSE = 0.1  # A
+RIGHT = 1
+RESTS = 0.3  # s before and after the motion
+DEPARTS = 0.025  # A: five times the sensor's noise
+PARTED = 50  # samples
+
+
+def rmse(one: np.ndarray, other: np.ndarray) -> float:
+    """Root of the mean squared difference."""
+    return float(np.sqrt(np.mean((one - other) ** 2)))
+
+
+def onset(contact: np.ndarray, free: np.ndarray, first: int) -> float:
+    """Time [s] at which a current parts from that of the same motion without contact.
+
+    From a sample `first` on it has to be `DEPARTS` above for `PARTED` samples, as a mean of 21; NaN
+    where it never does.
+    """
+    apart = smooth(contact - free, 21)[first:] > DEPARTS
+    if len(apart) < PARTED:
+        return float("nan")
+    runs = np.convolve(apart, np.ones(PARTED), mode="valid") > PARTED - 0.5
+    return PERIOD * (first + int(np.argmax(runs))) if runs.any() else float("nan")
+
+
+def detected(values: np.ndarray, first: int, last: int, rules: ContactSettings) -> float:
+    """Time [s] at which a contact is declared between two samples; NaN where none is."""
+    detector = ContactDetector(rules, PERIOD)
+    for k in range(first, last):
+        if detector.update(float(values[k])) is not None:
+            return PERIOD * k
+    return float("nan")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActiveContact(Experiment):
+    """places     of the peg along the straight arm;  gap to it, diameter of it [m]
+    speed      of the right tendon [m/s];  curl, uncurl, recoil [s]  how long each takes
+    high, low  current of the left motor while it curls and while it gives way [A]
+    settle     of the uncurling until the detector listens [s]
+    """
+
+    title: ClassVar[str] = "Active contact while uncurling"
+    motor: ClassVar[int] = RIGHT
+    places: tuple[float, ...] = (0.5, 0.7, 0.9)
+    gap: float = 0.01
+    diameter: float = 0.03
+    speed: float = 0.05
+    curl: float = 3.0
+    uncurl: float = 5.0
+    recoil: float = 1.0
+    high: float = 0.6
+    low: float = 0.15
+    settle: float = 0.3
+
+    @property
+    def begins(self) -> float:
+        """When the uncurling begins [s]."""
+        return RESTS + self.curl + RESTS
+
+    def plays(self) -> list[Play]:
+        return [Play(self._name(p), self._trial(p)) for p in (None, *self.places)]
+
+    def _name(self, place: float | None) -> str:
+        return f"uncurl_{'free' if place is None else f'{100 * place:.0f}'}"
+
+    def _trial(self, place: float | None) -> dict[str, Any]:
+        v = self.speed
+        speeds = [[RESTS, 0.0], [self.curl, -v], [RESTS, 0.0], [self.uncurl, v], [RESTS, 0.0]]
+        away = self.uncurl + 2 * RESTS
+        pulls = [[RESTS, self.low], [self.curl, self.high], [away, self.low], [1.0, self.high]]
+        right = plan("velocity", {"kind": "steps", "plateaus": [*speeds, [1, -v]], "blend": 0.2})
+        left = plan("current", {"kind": "steps", "plateaus": pulls, "blend": 0.2})
+        scene = None
+        if place is not None:
+            x = place * ARM_LENGTH
+            y = -beside(spiral_arm(), x, self.diameter / 2 + self.gap)
+            scene = {"cylinder": {"diameter": self.diameter, "x": float(x), "y": float(y)}}
+        duration = self.begins + self.uncurl + RESTS + self.recoil
+        return trial(self._name(place), duration, left, right, scene)
+
+    def window(self) -> tuple[int, int]:
+        """First and last sample of the watch."""
+        return (
+            round((self.begins + self.settle) / PERIOD),
+            round((self.begins + self.uncurl) / PERIOD),
+        )
+
+    def judge(self, side: Side, free: Side, signal: str) -> dict[str, float]:
+        """Onset, detection and delay [s] of one trial of one side."""
+        first, last = self.window()
+        values = side.driven(signal, RIGHT)
+        began = onset(
+            side.driven("current", RIGHT)[:last], free.driven("current", RIGHT)[:last], first
+        )
+        found = detected(values, first, last, ContactSettings())
+        return {"onset": began, "detected": found, "delay": found - began}
+
+    def measure(self, sides: Sides) -> list[dict[str, Any]]:
+        rows = []
+        free = sides[self._name(None)]
+        sensed = [s for s in free if free[s].current is not None]
+        if not sensed:
+            raise DataError("active_contact: no side has a current")
+        for place in (None, *self.places):
+            rows.append(self._error(sides[self._name(place)], place))
+        for signal in ("current", "filtered"):
+            alarms = {s: self.judge(free[s], free[s], signal)["detected"] for s in sensed}
+            false = {s: float(np.isfinite(t)) for s, t in alarms.items()}
+            met = false.get("robot") == 0.0 if "robot" in false else None
+            what = f"false contacts in free uncurling, {signal}"
+            rows.append(row(what, "1", false, aim="0", met=met))
+            missed = dict.fromkeys(sensed, 0.0)
+            for place in self.places:
+                played = sides[self._name(place)]
+                told = {s: self.judge(played[s], free[s], signal) for s in sensed}
+                missed = {s: missed[s] + (not told[s]["delay"] > -0.02) for s in sensed}
+                delay = {s: 1e3 * t["delay"] for s, t in told.items()}
+                note = "from the current's parting from free motion to the decision"
+                rows.append(
+                    row(f"delay of contact at {place:.0%}, {signal}", "ms", delay, note=note)
+                )
+            met = missed.get("robot") == 0.0 if "robot" in missed else None
+            rows.append(row(f"missed contacts, {signal}", "1", missed, aim="0", met=met))
+        return rows
+
+    def _error(self, played: Any, place: float | None) -> dict[str, Any]:
+        where = "free" if place is None else f"contact at {place:.0%}"
+        what = f"current RMSE against the robot, {where}"
+        if "robot" not in played:
+            return row(what, "A", {})
+        robot = played["robot"].driven("current", RIGHT)
+        models = [s for s in played if s != "robot" and played[s].current is not None]
+        errors = {s: rmse(played[s].driven("current", RIGHT), robot) for s in models}
+        met = bool(errors["named"] <= AIM_RMSE) if "named" in errors else None
+        paper = None if place is None else PAPER_RMSE
+        return row(what, "A", errors, paper=paper, aim=f"at most {AIM_RMSE} A", met=met)
+
+    def curves(self, sides: Sides) -> list[dict[str, Any]]:
+        out = []
+        for place in (None, *self.places):
+            play = "free" if place is None else f"peg at {place:.0%}"
+            for s, side in sides[self._name(place)].items():
+                if side.current is not None:
+                    felt = side.driven("current", RIGHT)
+                    out.append(curve(play, "current", "A", s, side.seconds, felt))
+        return out

@@ -1,0 +1,157 @@
+"""How often, how soon and how wrongly contacts are declared, over many uncurlings.
+
+Trials differ in the tendon's speed, the load of the other tendon (the baseline of the current), the
+place of the peg and its gap.  A contact begins when the current parts from that of the same motion
+without a peg.  What a detector says before is a false alarm; what it says while the
+tendon is pressed on by no more than a given travel is a hit, so travel stands for strength.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from spirob.experiments.active_contact import RIGHT, ActiveContact, onset
+from spirob.experiments.experiment import Play
+from spirob.experiments.response import PERIOD
+from spirob.experiments.side import Side
+from spirob.perceive.contact import ContactSettings
+from spirob.perceive.contact_levels import Levels, declared, levels
+
+MOTIONS = ((0.035, 0.1), (0.035, 0.2), (0.05, 0.15), (0.06, 0.1), (0.06, 0.2))  # m/s, A
+PLACES, GAPS = (0.45, 0.95), (0.004, 0.02)  # of the length; m
+CURLED, UNCURLED = 0.15, 0.25  # m, travel of the tendon
+SIGNALS = ("current", "filtered")
+TRAVELS = (0.01, 0.02, 0.04)  # m, pressed on
+EARLY = 0.02  # s; noise may part the currents a little late
+SCALES = tuple(np.round(np.geomspace(0.05, 4.0, 25), 4).tolist())  # of all thresholds together
+
+
+@dataclass(frozen=True)
+class Uncurling:
+    """One drawn trial.
+
+    motion  which of `MOTIONS`;  place along the arm, None without a peg
+    """
+
+    motion: int
+    place: float | None
+    play: Play
+    about: ActiveContact
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one trial offers to a detector on one signal.
+
+    seen   levels from the start of its watch;  begins  onset after that [s], NaN without contact
+    speed  of the tendon [m/s];  place  along the arm, None without a peg
+    """
+
+    seen: Levels
+    begins: float
+    speed: float
+    place: float | None
+
+
+def uncurlings(pegs: int, seed: int) -> list[Uncurling]:
+    """For every motion one free trial and that many with a peg; places and gaps are drawn."""
+    rng = np.random.default_rng(seed)
+    out = []
+    for motion, (speed, low) in enumerate(MOTIONS):
+        whole = ActiveContact(
+            speed=speed, low=low, curl=CURLED / speed, uncurl=UNCURLED / speed, recoil=0.1
+        )
+        for k in range(pegs + 1):
+            place, gap = rng.uniform(*PLACES), rng.uniform(*GAPS)
+            about = replace(whole, places=(float(place),), gap=float(gap))
+            play = about.plays()[1 if k else 0]
+            name = f"contact_{motion}_{k}"
+            plain = {**play.trial, "name": name}
+            out.append(Uncurling(motion, float(place) if k else None, Play(name, plain), about))
+    return out
+
+
+def outcomes(trials: Sequence[Uncurling], sides: Sequence[Side], signal: str) -> list[Outcome]:
+    """What every trial offers on one signal; sides in the order of the trials."""
+    free = {t.motion: s for t, s in zip(trials, sides, strict=True) if t.place is None}
+    out = []
+    for trial, side in zip(trials, sides, strict=True):
+        first, last = trial.about.window()
+        seen = levels(side.driven(signal, RIGHT)[first:last], ContactSettings())
+        begins = float("nan")
+        if trial.place is not None:
+            alone = free[trial.motion].driven("current", RIGHT)[:last]
+            begins = onset(side.driven("current", RIGHT)[:last], alone, first) - first * PERIOD
+        out.append(Outcome(seen, begins, trial.about.speed, trial.place))
+    return out
+
+
+def rates(found: Iterable[Outcome], rules: ContactSettings) -> dict[str, Any]:
+    """Rates of one detector on one signal.
+
+    contacts  how many;  hits  travel [mm] -> share declared within it;  ever  share at all
+    delay     median and 95th percentile from onset to decision [ms], of those declared
+    alarms    false ones a minute of free motion [1/min];  minutes  of it
+    """
+    delays, travels, alarms, minutes, contacts = [], [], 0, 0.0, 0
+    for one in found:
+        sample = declared(one.seen, rules)
+        when = float("inf") if sample is None else sample * PERIOD
+        begins = one.begins if np.isfinite(one.begins) else len(one.seen.rise) * PERIOD
+        minutes += min(begins, when) / 60
+        alarms += when < begins - EARLY
+        if np.isfinite(one.begins):
+            contacts += 1
+            told = np.isfinite(when) and when >= begins - EARLY
+            delays += [1e3 * (when - begins)] if told else []
+            travels.append((when - begins) * one.speed if told else float("inf"))
+    pressed = np.array(travels)
+    return {
+        "contacts": contacts,
+        "hits": {f"{1e3 * t:g}": _share(pressed <= t) for t in TRAVELS},
+        "ever": _share(np.isfinite(pressed)),
+        "delay": [float(q) for q in np.quantile(delays, [0.5, 0.95])] if delays else None,
+        "alarms": alarms / minutes if minutes else 0.0,
+        "minutes": minutes,
+    }
+
+
+def scaled(scale: float) -> ContactSettings:
+    """The paper's thresholds, all times `scale`."""
+    paper = ContactSettings()
+    return replace(
+        paper,  # type: ignore[type-var]
+        absolute=scale * paper.absolute,
+        relative=scale * paper.relative,
+        slope=scale * paper.slope,
+    )
+
+
+def roc(found: Sequence[Outcome]) -> list[dict[str, float]]:
+    """Share of contacts declared within 20 mm, and false alarms a minute, over `SCALES`."""
+    told = [(s, rates(found, scaled(s))) for s in SCALES]
+    return [{"scale": s, "hits": t["hits"]["20"], "alarms": t["alarms"]} for s, t in told]
+
+
+def tuned(found: Sequence[Outcome]) -> float:
+    """The least scale without a false alarm; the paper's own, 1, where none is."""
+    calm = [point["scale"] for point in roc(found) if point["alarms"] == 0.0]
+    return min(calm) if calm else 1.0
+
+
+def by_place(found: Sequence[Outcome], rules: ContactSettings) -> list[dict[str, Any]]:
+    """Rates in five equal parts of the places."""
+    edges = np.linspace(*PLACES, 6)
+    parts = []
+    for low, high in pairwise(edges):
+        there = [o for o in found if o.place is not None and low <= o.place < high]
+        told = rates(there, rules)
+        parts.append({"place": float((low + high) / 2), **told})
+    return parts
+
+
+def _share(holds: np.ndarray) -> float:
+    return float(np.mean(holds)) if len(holds) else 0.0

@@ -1,0 +1,142 @@
+"""What an experiment is: settings, trials in plain data, a measure over the sides that played."""
+
+import importlib
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, ClassVar
+
+import numpy as np
+
+from spirob.errors import ConfigError
+
+EXPERIMENTS = (
+    "delay",
+    "hysteresis",
+    "extreme_curl",
+    "single_contact",
+    "periodic_contact",
+    "active_contact",
+)
+LIMIT = 5.0  # A, of every command: the paper's saturation
+
+# play -> side ("robot", "base", "named", "single") -> what it did
+Sides = Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Play:
+    """One trial of an experiment.
+
+    name   of the trial, unique within the experiment
+    trial  as plain data for `spirob.bench.Trial`
+    rig    what differs from the configured rig, for example the bandwidth of the drive
+    only   the sides that play it; all where empty
+    """
+
+    name: str
+    trial: dict[str, Any]
+    rig: dict[str, Any] = field(default_factory=dict)
+    only: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment(ABC):
+    """Base of all experiments; a subclass is a frozen dataclass whose fields are its settings."""
+
+    title: ClassVar[str]
+    motor: ClassVar[int] = 0  # the one that is looked at
+
+    @abstractmethod
+    def plays(self) -> list[Play]:
+        """Every trial to be played, on every side."""
+
+    @abstractmethod
+    def measure(self, sides: Sides) -> list[dict[str, Any]]:
+        """Figures as rows `{what, unit, robot, base, named, single, paper, aim, met, note}`."""
+
+    @abstractmethod
+    def curves(self, sides: Sides) -> list[dict[str, Any]]:
+        """What the report draws: `{play, quantity, unit, side, x, y}`, thinned."""
+
+
+def experiment_from(name: str, given: Any) -> Experiment:
+    """An experiment with the settings of a preset; raises ConfigError naming experiment and key."""
+    if name not in EXPERIMENTS:
+        raise ConfigError(f"no experiment '{name}'; known: {', '.join(EXPERIMENTS)}")
+    module = importlib.import_module(f"spirob.experiments.{name}")
+    kind: type[Experiment] = getattr(module, name.title().replace("_", ""))
+    if not isinstance(given, Mapping):
+        raise ConfigError(f"experiments.{name} must be a mapping of settings, not {given!r}")
+    known = {about.name: about for about in fields(kind)}
+    for key, value in given.items():
+        if key not in known:
+            raise ConfigError(f"experiments.{name} has no key '{key}'; it has: {', '.join(known)}")
+        _require_number(f"experiments.{name}.{key}", value, known[key].default)
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
+    return kind(**values)
+
+
+def _require_number(where: str, value: Any, default: Any) -> None:
+    if default is not MISSING and isinstance(default, tuple):
+        if not isinstance(value, list | tuple) or not value:
+            raise ConfigError(f"{where} must be a list of numbers, not {value!r}")
+        for item in value:
+            _require_number(where, item, 0.0)
+        return
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise ConfigError(f"{where} must be a finite number, not {value!r}")
+    if value < 0:
+        raise ConfigError(f"{where} = {value} must not be below 0")
+
+
+def plan(mode: str, profile: dict[str, Any]) -> dict[str, Any]:
+    """What is asked of one motor."""
+    return {"mode": mode, "current_limit": LIMIT, "profile": profile}
+
+
+def trial(
+    name: str,
+    duration: float,
+    left: dict[str, Any],
+    right: dict[str, Any],
+    scene: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """A trial as plain data; experiments are only looked at, so every one is held out."""
+    motors = {"left": left, "right": right}
+    plain = {"name": name, "role": "heldout", "duration": float(duration), "motors": motors}
+    return plain | ({"scene": scene} if scene else {})
+
+
+def row(what: str, unit: str, values: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    """One line of an experiment's table; a figure that is not finite is left out as None."""
+    known = {"paper": None, "aim": None, "met": None, "note": ""}
+    sides = {s: _figure(values.get(s)) for s in ("robot", "base", "named", "single")}
+    return {"what": what, "unit": unit, **sides, **known, **more}
+
+
+def curve(
+    play: str, quantity: str, unit: str, side: str, x: np.ndarray, y: np.ndarray, every: int = 20
+) -> dict[str, Any]:
+    """One line of a figure, every so many samples."""
+    return {
+        "play": play,
+        "quantity": quantity,
+        "unit": unit,
+        "side": side,
+        "x": np.round(x[::every], 6).tolist(),
+        "y": np.round(y[::every], 6).tolist(),
+    }
+
+
+def within(value: float | None, truth: float | None, share: float) -> bool | None:
+    """Whether a figure lies within a share of the robot's; None where one is missing."""
+    if value is None or truth is None or not np.isfinite([value, truth]).all():
+        return None
+    return bool(abs(value - truth) <= share * abs(truth))
+
+
+def _figure(value: Any) -> Any:
+    if value is None or isinstance(value, str | bool):
+        return value
+    return float(f"{value:.6g}") if np.isfinite(value) else None

@@ -1,0 +1,82 @@
+"""Hysteresis: displacement over a tendon force that rises and falls in straight lines.
+
+The loop's area ∮ F dx is the energy that drive, gear, tendon and arm keep in one period.  The last
+whole period counts; before it the antagonist settles.
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from spirob.experiments.experiment import Experiment, Play, Sides, curve, plan, row, trial, within
+from spirob.experiments.response import PERIOD
+from spirob.experiments.side import Side
+
+AIM = 0.1  # of the robot's
+NAME = "hysteresis"
+
+
+def loop_area(force: np.ndarray, displacement: np.ndarray) -> float:
+    """Area enclosed by displacement over force [N·m = J], positive where displacement lags.
+
+    The ends are joined by a straight line.
+    """
+    x, y = np.append(force, force[0]), np.append(displacement, displacement[0])
+    return float(np.sum((x[1:] + x[:-1]) / 2 * np.diff(y)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hysteresis(Experiment):
+    """Force from `low` to `high` [N] and back within `period` [s], `periods` times.
+
+    antagonist  constant current of the other motor [A], which keeps its tendon from running out
+    """
+
+    title: ClassVar[str] = "Hysteresis under triangular force"
+    low: float = 0.5
+    high: float = 3.0
+    period: float = 5.0
+    periods: float = 3.0
+    antagonist: float = 0.05
+
+    def plays(self) -> list[Play]:
+        triangle = {
+            "kind": "triangle",
+            "low": self.low,
+            "high": self.high,
+            "period": self.period,
+            "blend": 0.05,
+        }
+        idle = plan("current", {"kind": "constant", "value": self.antagonist})
+        plain = trial(NAME, self.period * self.periods, plan("force", triangle), idle)
+        return [Play(NAME, plain)]
+
+    def _loop(self, side: Side) -> tuple[np.ndarray, np.ndarray]:
+        """Commanded force [N] and displacement [m] of the last period."""
+        last = slice(-round(self.period / PERIOD), None)
+        phase = (side.seconds[last] % self.period) / self.period
+        force = self.low + (self.high - self.low) * (1 - np.abs(2 * phase - 1))
+        return force, side.driven("displacement", 0)[last]
+
+    def measure(self, sides: Sides) -> list[dict[str, Any]]:
+        loops = {name: self._loop(side) for name, side in sides[NAME].items()}
+        area = {s: 1e3 * loop_area(f, x) for s, (f, x) in loops.items()}
+        stroke = {s: 1e3 * np.ptp(x) for s, (_, x) in loops.items()}
+        box = {s: np.ptp(force) * stroke[s] for s, (force, _) in loops.items()}
+        width = {s: area[s] / box[s] if box[s] > 0.0 else np.nan for s in loops}
+        note = "the paper shows a loop and gives no number"
+        met = within(area.get("named"), area.get("robot"), AIM)
+        aim = "named within 10 % of the robot"
+        return [
+            row("area of the loop", "mJ", area, aim=aim, met=met, note=note),
+            row("area over force range times stroke", "1", width),
+            row("stroke", "mm", stroke),
+        ]
+
+    def curves(self, sides: Sides) -> list[dict[str, Any]]:
+        out = []
+        for name, side in sides[NAME].items():
+            force, moved = self._loop(side)
+            out.append(curve("loop", "displacement over force", "mm", name, force, 1e3 * moved))
+        return out

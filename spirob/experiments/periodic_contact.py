@@ -1,0 +1,115 @@
+"""Periodic contact: a peg on a turning wheel strikes the arm every T = 0.1 s.
+
+Both motors hold the same constant current without a gearbox.  The apparent period is that of the
+strongest line of what the motor reports; the paper's 100-sample mean has a null at exactly 10 Hz,
+so the true period cannot be seen behind it, and what is seen instead is something else.
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from spirob.bench.wrap import beside
+from spirob.experiments.direct_drive import both, difference, direct
+from spirob.experiments.experiment import Experiment, Play, Sides, curve, row, trial
+from spirob.experiments.response import amplitude, strongest_period
+from spirob.experiments.side import WINDOW, Side
+from spirob.geometry import ARM_LENGTH, spiral_arm
+from spirob.trace import moving_average
+
+PAPER = (0.4, 0.35, 0.15)  # s, from base to tip
+BAND = (0.02, 1.5)  # s, shortest and longest period that counts
+SIGNALS = ("displacement", "displacement, mean", "current", "filtered")
+
+
+def seen(hit: Side, free: Side, signal: str, begins: float) -> np.ndarray:
+    """What the contact adds to a signal from `begins` [s] on, in counts.
+
+    "displacement, mean" is the angle after the same 100-sample mean as "filtered" current.
+    """
+    name, mean, _ = signal.partition(", mean")
+    values = difference(hit, free, name)
+    return (moving_average(values, WINDOW) if mean else values)[round(1e3 * begins) :]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeriodicContact(Experiment):
+    """places     along the straight arm, as shares of its length, from the base
+    depth      by which the peg would enter the straight arm [m]
+    diameter   of the peg, radius of its circle [m];  period [s]
+    current    of both motors [A];  bandwidth of the drive's current loop [Hz]
+    begins     what comes before is left out [s];  duration [s]
+    """
+
+    title: ClassVar[str] = "Periodic contact, no gearbox, constant current"
+    places: tuple[float, ...] = (0.25, 0.55, 0.85)
+    depth: float = 0.003
+    diameter: float = 0.01
+    radius: float = 0.005
+    period: float = 0.1
+    current: float = 0.8
+    bandwidth: float = 1000.0
+    begins: float = 0.5
+    duration: float = 4.5
+
+    def plays(self) -> list[Play]:
+        rig = direct(self.bandwidth)
+        names = [(self._name(place), place) for place in (None, *self.places)]
+        return [Play(name, self._trial(name, place), rig) for name, place in names]
+
+    def _name(self, place: float | None) -> str:
+        return f"peg_{'free' if place is None else f'{100 * place:.0f}'}"
+
+    def _trial(self, name: str, place: float | None) -> dict[str, Any]:
+        scene = None
+        if place is not None:
+            x = place * ARM_LENGTH
+            off = self.diameter / 2 + self.radius - self.depth
+            about = {"diameter": self.diameter, "radius": self.radius, "period": self.period}
+            y = beside(spiral_arm(), x, off)
+            scene = {"peg": {**about, "x": float(x), "y": float(y), "phase": float(np.pi / 2)}}
+        return trial(name, self.duration, **both(self.current), scene=scene)
+
+    def measure(self, sides: Sides) -> list[dict[str, Any]]:
+        rows = []
+        for k, place in enumerate(self.places):
+            for signal in SIGNALS:
+                periods, sizes, lines = self._lines(sides, place, signal)
+                filtered = signal in ("filtered", "displacement, mean")
+                paper = PAPER[k] if signal == "filtered" and len(self.places) == 3 else None
+                hidden = [s for s, size in sizes.items() if size < 1.0]
+                notes = ["10 Hz is a null of the mean"] if filtered else []
+                notes += [f"below one count: {', '.join(hidden)}"] if hidden else []
+                note = "; ".join(notes)
+                at = f"{signal}, at {place:.0%}"
+                rows.append(row(f"apparent period of {at}", "s", periods, paper=paper, note=note))
+                rows.append(row(f"swing of {at}", "counts", sizes))
+                rows.append(row(f"line at 1/T of {at}", "counts", lines))
+        return rows
+
+    def _lines(self, sides: Sides, place: float, signal: str) -> tuple[dict, dict, dict]:
+        """Side -> strongest period, standard deviation times √2, amplitude at the true period."""
+        periods, sizes, lines = {}, {}, {}
+        free = sides[self._name(None)]
+        for s, hit in sides[self._name(place)].items():
+            if hit.current is None and not signal.startswith("displacement"):
+                continue
+            values = seen(hit, free[s], signal, self.begins)
+            time = np.arange(len(values))
+            level = values - np.polyval(np.polyfit(time, values, 1), time)
+            sizes[s] = float(np.sqrt(2) * level.std())
+            periods[s] = strongest_period(values, *BAND)
+            lines[s] = amplitude(values, self.period)
+        return periods, sizes, lines
+
+    def curves(self, sides: Sides) -> list[dict[str, Any]]:
+        out = []
+        free = sides[self._name(None)]
+        for place in self.places:
+            for s, hit in sides[self._name(place)].items():
+                values = seen(hit, free[s], "displacement", self.begins)
+                time = np.arange(len(values)) * 1e-3
+                play = f"at {place:.0%}"
+                out.append(curve(play, "angle", "counts", s, time, values, 10))
+        return out

@@ -1,0 +1,54 @@
+"""One side of one trial as signals: what a robot logged, a model answered, or the baseline did."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.plant.single import Motion
+from spirob.robot import CYCLE_NS, MOTORS
+from spirob.trace import Trace, moving_average
+
+WINDOW = 100  # samples, the paper's filter
+
+
+@dataclass(frozen=True)
+class Side:
+    """Signals of both motors, columns left and right, one row a cycle of 1 ms.
+
+    current       (T, 2) as the drive reports it [A]; None where there is no motor
+    displacement  (T, 2) wound-in length [m];  velocity (T, 2) [m/s]
+    command       (T, 2) commanded current [A]
+    """
+
+    current: np.ndarray | None
+    displacement: np.ndarray
+    velocity: np.ndarray
+    command: np.ndarray
+
+    @classmethod
+    def from_trace(cls, trace: Trace) -> "Side":
+        """From a log or a simulated trial; raises MissingChannel, and DataError on a NaN."""
+        names = ("current", "displacement", "velocity", "command")
+        trace.require_finite([f"{motor}.{name}" for motor in MOTORS for name in names])
+        return cls(
+            **{n: np.column_stack([trace[f"{motor}.{n}"] for motor in MOTORS]) for n in names}
+        )
+
+    @classmethod
+    def from_motion(cls, motion: Motion, command: np.ndarray) -> "Side":
+        """From the baseline, which has tendons and no motors; command [A] is what it was asked."""
+        return cls(None, motion.shortening, motion.shortening_rate, command)
+
+    @property
+    def seconds(self) -> np.ndarray:
+        """Time since the start [s]."""
+        return np.arange(len(self.displacement)) * (CYCLE_NS / 1e9)
+
+    def driven(self, signal: str, motor: int) -> np.ndarray:
+        """One motor's signal; "filtered" is the current after the paper's 100-sample mean."""
+        name = "current" if signal == "filtered" else signal
+        values = getattr(self, name)
+        if values is None:
+            raise ValueError(f"this side has no {signal}")
+        one = np.asarray(values[:, motor], dtype=float)
+        return moving_average(one, WINDOW, signal) if signal == "filtered" else one

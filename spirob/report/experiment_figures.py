@@ -1,0 +1,91 @@
+"""Figures of the experiments: one for each quantity, its trials side by side, every side a line."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from spirob.report.figures import BASE, INK, MEASURED, NAMED, NEUTRAL, Plot, blank
+
+LOOKS = {
+    "robot": ("robot", MEASURED, "solid"),
+    "base": ("base model", BASE, "solid"),
+    "named": ("with effect", NAMED, "solid"),
+    "single": ("single dynamics", NEUTRAL, "dot"),
+}
+AXES = {
+    "displacement over force": "force [N]",
+    "angle response": "place of the hit [% of length]",
+    "current peak": "place of the hit [% of length]",
+}
+POINTS = 12  # a line of fewer points shows them
+COLUMNS = 2
+ROW = 250  # pixels
+FLATTENS = 3.0  # times the span of the others
+
+
+def overlays(name: str, curves: Sequence[dict[str, Any]]) -> list[Plot]:
+    """One plot for each quantity of an experiment."""
+    quantities = dict.fromkeys((c["quantity"], c["unit"]) for c in curves)
+    return [
+        Plot(
+            f"experiment-{name}-{k}",
+            f"{quantity.capitalize()} of every side in the experiment {name.replace('_', ' ')}",
+            _overlay([c for c in curves if c["quantity"] == quantity], quantity, unit),
+        )
+        for k, (quantity, unit) in enumerate(quantities)
+    ]
+
+
+def _overlay(curves: Sequence[dict[str, Any]], quantity: str, unit: str) -> go.Figure:
+    plays = list(dict.fromkeys(c["play"] for c in curves))
+    across = min(COLUMNS, len(plays))
+    down = -(-len(plays) // across)
+    figure = make_subplots(
+        rows=down,
+        cols=across,
+        subplot_titles=plays if len(plays) > 1 else None,
+        vertical_spacing=0.16 / down,
+        horizontal_spacing=0.12,
+    )
+    figure.update_layout(blank(80 + ROW * down).layout)
+    shown: set[str] = set()
+    for one in curves:
+        place = plays.index(one["play"])
+        label, colour, dash = LOOKS[one["side"]]
+        figure.add_scatter(
+            x=one["x"],
+            y=one["y"],
+            mode="lines+markers" if len(one["x"]) <= POINTS else "lines",
+            name=label,
+            legendgroup=label,
+            showlegend=label not in shown,
+            line={"color": colour, "dash": dash, "width": 1.6},
+            hovertemplate=f"%{{y:.4g}} {unit}<extra>{label}</extra>",
+            row=place // across + 1,
+            col=place % across + 1,
+        )
+        shown.add(label)
+    figure.update_annotations(font={"size": 12, "color": INK})
+    figure.update_xaxes(title_text=AXES.get(quantity, "time [s]"), row=down)
+    figure.update_yaxes(title_text=f"{quantity} [{unit}]", col=1)
+    if (limits := _limits(curves)) is not None:
+        figure.update_yaxes(range=limits)
+    figure.update_layout(legend={"y": 1.0 + 34 / (ROW * down)}, margin={"t": 60})
+    return figure
+
+
+def _limits(curves: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
+    """Limits that show the sides with motors, where the baseline would flatten them to a line."""
+    low, high = _span([c for c in curves if c["side"] != "single"])
+    bare = _span([c for c in curves if c["side"] == "single"])
+    if bare[1] - bare[0] <= FLATTENS * (high - low) or high <= low:
+        return None
+    margin = 0.25 * (high - low)
+    return low - margin, high + margin
+
+
+def _span(curves: Sequence[dict[str, Any]]) -> tuple[float, float]:
+    values = [y for c in curves for y in c["y"]]
+    return (min(values), max(values)) if values else (0.0, 0.0)

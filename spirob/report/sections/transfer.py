@@ -1,0 +1,93 @@
+"""Closing the loop: size learned from a better model is told better on the robot."""
+
+from typing import Any
+
+import plotly.graph_objects as go
+
+from spirob.report.data import ReportData
+from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
+from spirob.report.numbers import fixed, percent
+from spirob.report.sections.section import Section
+
+STEPS = {
+    "nominal": ("before any measurement", NEUTRAL),
+    "identified": ("identified", BASE),
+    "named": ("with the named effect", NAMED),
+}
+DOMAINS = {"simulation": "Simulation, continuous sizes", "robot": "Robot"}
+
+
+class Transfer(Section):
+    """Error on the robot for each model that size was learned from, and what intervals hold."""
+
+    order = 62
+    title = "Closing the loop"
+    template = "transfer.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        if data.transfer is None:
+            empty: dict[str, Any] = {
+                "rows": [],
+                "plot": None,
+                "coverage": [],
+                "confidence": "",
+                "falls": False,
+            }
+            return {**empty, "reason": data.absent["transfer"]}
+        steps = {name: data.transfer["robot"][name] for name in STEPS}
+        errors = [step["mae"] for step in steps.values()]
+        interval = data.transfer.get("interval") or {}
+        return {
+            "rows": [_row(name, step) for name, step in steps.items()],
+            "plot": Plot(
+                "transfer-error", "Error of size on the robot, model by model", _bars(steps)
+            ),
+            "coverage": [_coverage(d, interval[d]) for d in DOMAINS if d in interval],
+            "confidence": percent(interval.get("confidence")),
+            "falls": errors == sorted(errors, reverse=True),
+            "reason": "",
+        }
+
+
+def _row(name: str, step: dict[str, Any]) -> dict[str, Any]:
+    gain = "–"
+    if "gain" in step:
+        gain = f"{fixed(step['gain'], 2)} ({_span(step, 'gain_low', 'gain_high')})"
+    errors = f"{fixed(step['mae'], 2)} ({_span(step, 'mae_low', 'mae_high')})"
+    cells = [errors, fixed(step["rmse"], 2), fixed(step["r2"], 3), gain]
+    return {"name": STEPS[name][0], "cells": cells}
+
+
+def _span(step: dict[str, Any], low: str, high: str) -> str:
+    return f"{fixed(step[low], 2)} to {fixed(step[high], 2)}"
+
+
+def _coverage(domain: str, found: dict[str, Any]) -> dict[str, Any]:
+    width = fixed(1e3 * found["width"], 1)
+    cells = [
+        fixed(found["samples"], 0),
+        percent(found["covered"]),
+        width,
+        percent(found["refused"]),
+    ]
+    return {"domain": DOMAINS[domain], "cells": cells}
+
+
+def _bars(steps: dict[str, Any]) -> go.Figure:
+    figure = blank(230, bargap=0.35)
+    errors = [step["mae"] for step in steps.values()]
+    above = [step["mae_high"] - step["mae"] for step in steps.values()]
+    below = [step["mae"] - step["mae_low"] for step in steps.values()]
+    spread = {"type": "data", "array": above, "arrayminus": below, "color": INK, "thickness": 1.2}
+    figure.add_bar(
+        x=errors,
+        y=[STEPS[name][0] for name in steps],
+        orientation="h",
+        marker={"color": [STEPS[name][1] for name in steps]},
+        error_x=spread,
+        hovertemplate="%{x:.2f} mm<extra>%{y}</extra>",
+        showlegend=False,
+    )
+    figure.update_yaxes(autorange="reversed", showgrid=False, ticklabelstandoff=6)
+    figure.update_xaxes(title_text="mean absolute error on the robot [mm]", rangemode="tozero")
+    return figure

@@ -1,0 +1,134 @@
+"""Measures against signals whose answer is known in closed form."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from spirob.experiments.active_contact import detected, onset, rmse
+from spirob.experiments.extreme_curl import knee
+from spirob.experiments.hysteresis import loop_area
+from spirob.experiments.periodic_contact import seen
+from spirob.experiments.response import amplitude, crossing, step_times, strongest_period
+from spirob.experiments.side import Side
+from spirob.experiments.single_contact import rank_agreement, responses, visible
+from spirob.perceive.contact import ContactSettings
+from spirob.trace import moving_average
+
+TIME = np.arange(3000) * 1e-3
+
+
+def side(current=None, displacement=None, cycles=3000):
+    """Both motors alike; zero where nothing is given."""
+    flat = np.zeros((cycles, 2))
+    two = [flat if v is None else np.column_stack([v, v]) for v in (current, displacement)]
+    return Side(two[0], two[1], flat, flat)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0.01, 0.3), st.floats(-5, 5).filter(lambda h: abs(h) > 0.1), st.floats(-2, 2))
+def test_a_first_order_lag_answers_after_tau_ln_2(tau, height, start):
+    answer = start + height * np.where(TIME < 0.5, 0.0, 1 - np.exp(-(TIME - 0.5) / tau))
+    found = step_times(answer, 0.5, (2.9, 3.0))
+    assert found["delay"] == pytest.approx(tau * np.log(2), abs=2e-3)
+    assert found["rise"] == pytest.approx(tau * np.log(9), abs=4e-3)
+
+
+def test_the_papers_mean_alone_delays_by_49_5_ms():
+    step = (TIME >= 0.5).astype(float)
+    assert step_times(moving_average(step, 100), 0.5, (1, 2))["delay"] == pytest.approx(
+        0.0490, abs=1e-3
+    )
+
+
+def test_a_crossing_that_does_not_last_is_none():
+    values = np.zeros(100)
+    values[40:43] = 1.0
+    assert np.isnan(crossing(values, 0.5))
+    values[60:] = 1.0
+    assert crossing(values, 0.5) == pytest.approx(0.0595)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0, 3.14), st.floats(0.1, 10), st.floats(0.001, 0.1))
+def test_the_loop_of_a_lagging_sine_is_an_ellipse(lag, force, stroke):
+    phase = np.linspace(0, 2 * np.pi, 5000, endpoint=False)
+    area = loop_area(force * np.sin(phase), stroke * np.sin(phase - lag))
+    assert area == pytest.approx(np.pi * force * stroke * np.sin(lag), abs=1e-4 * force * stroke)
+
+
+def test_a_loop_without_lag_has_no_area_and_turns_its_sign_with_its_sense():
+    force = np.concatenate([np.linspace(0, 3, 500), np.linspace(3, 0, 500)])
+    assert loop_area(force, np.tanh(force)) == pytest.approx(0.0, abs=1e-9)
+    late = np.roll(np.tanh(force), 100)
+    assert loop_area(force, late) == pytest.approx(-loop_area(force[::-1], late[::-1]))
+    assert loop_area(force, late) > 0.1
+
+
+def test_the_knee_of_a_motion_that_stops():
+    velocity = np.where(TIME < 2.0, 0.06, 0.0)
+    current = np.where(TIME < 2.1, 0.5, 5.0)
+    found = knee(velocity, current)
+    assert found["velocity knee"] == pytest.approx(2.0, abs=0.012)
+    assert found["current knee"] == pytest.approx(2.1, abs=0.012)
+    assert (found["free current"], found["last current"]) == (0.5, 5.0)
+    assert "current knee" not in knee(velocity, None)
+
+
+def test_a_hit_is_the_difference_to_the_trial_without_it():
+    drift = 1e-3 * TIME
+    push = 2e-3 * np.exp(-np.maximum(TIME - 0.5, 0) / 0.1) * (TIME >= 0.5)
+    shift = np.where(TIME >= 0.5, 0.0061, 0.0)
+    hit, free = side(0.8 + shift, drift + push), side(np.full(3000, 0.8), drift)
+    found = responses(hit, free, 0.5)
+    counts = 2e-3 * 8192 / (2 * np.pi * 0.02)
+    assert found["angle"] == pytest.approx(counts)
+    assert found["shift"] == pytest.approx(0.0061 * 16384 / 20)
+    nothing = responses(free, free, 0.5)
+    assert nothing["angle"] == nothing["peak"] == nothing["shift"] == 0.0
+    bare = Side(None, hit.displacement, hit.velocity, hit.command)
+    assert responses(bare, free, 0.5) == {"angle": found["angle"], "angle error": 0.0}
+
+
+def test_what_a_drive_cannot_show():
+    assert visible(-2.0)
+    assert not visible(0.9)
+    assert not visible(2.0, error=3.0)
+
+
+def test_rank_agreement():
+    assert rank_agreement([1, 2, 5], [10, 20, 21]) == pytest.approx(1.0)
+    assert rank_agreement([1, 2, 5], [3, 2, 1]) == pytest.approx(-1.0)
+    assert np.isnan(rank_agreement([0, 0, 0], [1, 2, 3]))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0.05, 0.6), st.floats(0.1, 50), st.floats(-1, 1))
+def test_the_period_of_a_sine_on_a_slope(period, size, slope):
+    values = size * np.sin(2 * np.pi * TIME / period) + slope * TIME
+    assert strongest_period(values, 0.02, 1.0) == pytest.approx(period, rel=0.03)
+    assert amplitude(values, period) == pytest.approx(size, rel=0.12, abs=0.05)
+
+
+def test_a_flat_signal_has_no_period():
+    assert np.isnan(strongest_period(np.ones(2000), 0.02, 0.8))
+
+
+def test_ten_hertz_is_a_null_of_the_papers_mean():
+    """So a contact every 0.1 s leaves no line there, whatever its size."""
+    hit, free = side(0.1 * np.sin(2 * np.pi * 10 * TIME)), side()
+    raw, mean = (seen(hit, free, s, 0.5) for s in ("current", "filtered"))
+    assert amplitude(raw, 0.1) == pytest.approx(0.1 * 16384 / 20, rel=1e-3)
+    assert amplitude(mean, 0.1) < 1e-9 * amplitude(raw, 0.1)
+
+
+def test_onset_and_detection_of_a_contact():
+    free = np.full(3000, 0.6)
+    contact = free + 10 * np.maximum(TIME - 2.0, 0)
+    assert onset(contact, free, 500) == pytest.approx(2.003, abs=0.005)
+    assert np.isnan(onset(free, free, 500))
+    assert 2.0 < detected(contact, 500, 3000, ContactSettings()) < 2.1
+    assert np.isnan(detected(free, 500, 3000, ContactSettings()))
+    assert np.isnan(detected(contact, 500, 1900, ContactSettings()))
+    assert rmse(contact, contact) == 0.0
+    assert rmse(free, free + 0.3) == pytest.approx(0.3)

@@ -1,0 +1,97 @@
+"""Every preset is an experiment whose trials can be played, and a mistake in one is a sentence."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from spirob.bench import Trial
+from spirob.errors import ConfigError
+from spirob.experiments import EXPERIMENTS, Side, experiment_from
+from spirob.plant.single import Motion
+
+CONF = Path(__file__).parents[2] / "conf" / "experiment"
+COLUMNS = {"what", "unit", "robot", "base", "named", "single", "paper", "aim", "met", "note"}
+
+
+def preset(name):
+    return yaml.safe_load((CONF / f"{name}.yaml").read_text())
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_a_preset_is_playable_and_names_every_setting(name):
+    experiment = experiment_from(name, preset(name))
+    plays = experiment.plays()
+    assert len({p.name for p in plays}) == len(plays)
+    for play in plays:
+        assert Trial.from_plain(play.trial).name == play.name
+    for key, value in preset(name).items():
+        own = getattr(experiment, key)
+        assert (list(own) if isinstance(own, tuple) else own) == value
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_sides_that_answer_alike_score_alike(name):
+    """A robot that is the model: every figure of one is that of the other, and aims are met."""
+    experiment = experiment_from(name, {})
+    sides = {play.name: played(play, experiment) for play in experiment.plays()}
+    rows = experiment.measure(sides)
+    assert all(set(row) == COLUMNS for row in rows)
+    for row in rows:
+        if "RMSE" in row["what"]:
+            assert row["named"] == 0.0
+        elif not row["what"].startswith("rank agreement") and row["robot"] is not None:
+            assert row["robot"] == row["named"] == row["base"]
+        if row["met"] is not None and "contacts" not in row["what"]:
+            assert row["met"], row
+    drawn = experiment.curves(sides)
+    assert {c["side"] for c in drawn} >= {"robot", "base", "named"}
+    assert all(len(c["x"]) == len(c["y"]) > 1 for c in drawn)
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_without_a_robot_the_model_is_measured_alone(name):
+    """Hardware is not driven by the pipeline."""
+    experiment = experiment_from(name, {})
+    sides = {play.name: played(play, experiment) for play in experiment.plays()}
+    for answers in sides.values():
+        answers.pop("robot", None)
+    rows = experiment.measure(sides)
+    assert all(row["robot"] is None and row["met"] is None for row in rows)
+    assert any(row["named"] is not None for row in rows)
+    assert "robot" not in {c["side"] for c in experiment.curves(sides)}
+
+
+def played(play, experiment):
+    """A made-up answer that depends on the trial's place: a lag, a sway and a stall."""
+    cycles = Trial.from_plain(play.trial).cycles
+    t = np.arange(cycles) * 1e-3
+    tail = play.name.rpartition("_")[2]
+    size = float(tail) / 100 if tail.isdigit() else 0.0
+    x = 0.05 * np.minimum(t, 2.0) + 1e-3 * size * np.sin(2 * np.pi * t) * (t > 0.5)
+    v = np.gradient(x, 1e-3)
+    i = 0.5 + 0.1 * np.sin(t) + size * (t > 0.8 * cycles * 1e-3) + 4 * (t > 2.0)
+    two = [np.column_stack([s, s]) for s in (i, x, v, i)]
+    answer = Side(*two)
+    force = np.zeros((cycles, 24))
+    bare = Side.from_motion(Motion(two[1], two[2], force), two[3])
+    names = play.only or ("robot", "base", "named", "single")
+    return {s: bare if s == "single" else answer for s in names}
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "said"),
+    [
+        ("dance", {}, "no experiment 'dance'"),
+        ("delay", {"forcs": [1.0]}, "experiments.delay has no key 'forcs'"),
+        ("delay", {"forces": 1.0}, "experiments.delay.forces must be a list"),
+        ("delay", {"forces": ["a"]}, "must be a finite number"),
+        ("hysteresis", {"period": -1}, "must not be below 0"),
+        ("hysteresis", {"period": True}, "must be a finite number"),
+        ("delay", 3, "must be a mapping"),
+    ],
+)
+def test_a_mistake_is_a_sentence(name, given, said):
+    with pytest.raises(ConfigError, match=said):
+        experiment_from(name, given)
