@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.answers import right
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from spirob.errors import MissingLog
 from spirob.logs.atomic import replacing
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
 from spirob.perceive.size import PREDICTORS, predict
+from spirob.trial.answers import right
 
 
 def stage(root: Path) -> None:

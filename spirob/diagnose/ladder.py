@@ -22,6 +22,7 @@ from spirob.score import Score, score
 
 ROLES = ("train", "validate", "heldout")
 CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
+LEADERS = 2  # candidates fitted with their shapes too
 PAIRED = 3  # candidates of which pairs are tried
 REST = 2.0  # floors: an error below that is not searched any further
 
@@ -34,6 +35,8 @@ class Settings:
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
     floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
+    further      least size of a second effect, relative to the first: a law of the library is never
+                 quite that of the machine, and what is left of its form is no effect of its own
     confidence   an effect is named when it wins this share of resampled validation errors
     explained    least share of the squared error above the floor that named effects account for;
                  with less, something else is missing
@@ -45,6 +48,7 @@ class Settings:
     finalists: int = 4
     rounds: int = 2
     floor: float = 0.008
+    further: float = 0.25
     confidence: float = 0.9
     explained: float = 0.5
     iterations: int = 2
@@ -118,7 +122,7 @@ def climb(
         keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]
         tried = [_confirm([s], rung, residuals, settings, progress) for s in finalists]
-        passed = [c for c in tried if counts(c, rung, validate, settings)]
+        passed = [c for c in tried if counts(c, rung, validate, settings, _least(search, settings))]
         if not passed and not rung.effects and rung.scores["validate"].rmse > floor:
             pairs = combinations(finalists[:PAIRED], 2)
             joint = [_confirm(pair, rung, residuals, settings, progress) for pair in pairs]
@@ -127,14 +131,19 @@ def climb(
         again = _without(passed, rung, residuals, settings, progress)
         if again is not None:
             search.rungs[-1] = rung = again
-            passed = [c for c in passed if counts(c, rung, validate, settings)]
-        ordered = _with_probability(tried, rung, settings)
+            least = _least(search, settings)
+            passed = [c for c in passed if counts(c, rung, validate, settings, least)]
+        leaders = [
+            _shaped(c, residuals, settings, progress)
+            for c in sorted(passed, key=lambda c: float(c.errors.mean()))[:LEADERS]
+        ]
+        shaped = {c.effects: c for c in leaders}
+        tried = [shaped.get(c.effects, c) for c in tried]
         search.screened.append(ranked)
-        search.rounds.append(ordered)
-        chosen = next((c for c in ordered if any(c.effects == p.effects for p in passed)), None)
-        if chosen is None:
+        search.rounds.append(_with_probability(tried, rung, settings))
+        if not leaders:
             break
-        best = _polished(chosen, residuals, settings)
+        best = _finished(_simplest(leaders, validate, settings), residuals, settings)
         effects = [*rung.effects, *best.effects]
         grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
         search.rungs.append(grown)
@@ -198,15 +207,39 @@ def _pruned(
             return
 
 
-def counts(found: Confirmed, rung: Rung, validate: Problem, settings: Settings) -> bool:
-    """Whether a candidate is large enough to matter and surely better than the rung below it."""
-    return _matters(rung.errors, found.errors, validate, settings)
+def counts(
+    found: Confirmed, rung: Rung, validate: Problem, settings: Settings, least: float = 0.0
+) -> bool:
+    """Whether a candidate is large enough to matter and surely better than the rung below it.
+
+    least  size in the unit of the effort that it has to have besides
+    """
+    return _matters(rung.errors, found.errors, validate, settings, least)
 
 
-def _matters(before: np.ndarray, after: np.ndarray, validate: Problem, settings: Settings) -> bool:
-    fall = float(before.mean() - after.mean())
-    size = np.sqrt(max(0.0, fall)) / effort_rms(validate)
-    return bool(size >= settings.floor and improvement(before, after, settings.seed)[1] > 0.0)
+def _matters(
+    before: np.ndarray,
+    after: np.ndarray,
+    validate: Problem,
+    settings: Settings,
+    least: float = 0.0,
+) -> bool:
+    size = _size(before, after)
+    if size < max(settings.floor * effort_rms(validate), least):
+        return False
+    return improvement(before, after, settings.seed)[1] > 0.0
+
+
+def _size(before: np.ndarray, after: np.ndarray) -> float:
+    """√(MSE before - MSE after)."""
+    return float(np.sqrt(max(0.0, float(before.mean() - after.mean()))))
+
+
+def _least(search: Search, settings: Settings) -> float:
+    """The least size of a further effect."""
+    if len(search.rungs) == 1:
+        return 0.0
+    return settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:
@@ -244,14 +277,49 @@ def _confirm(
     return Confirmed(effects, first.gain, found, errors, scores)
 
 
-def _polished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
-    """Fitted to the end, its shapes too."""
+def _shaped(
+    found: Confirmed,
+    residuals: Mapping[str, Problem],
+    settings: Settings,
+    progress: Callable[[str], None],
+) -> Confirmed:
+    """Fitted with its shapes too: a friction that yields before it slides is one only in its own
+    distance."""
     names = list(found.fit.estimates)
-    table = residuals["train"].table
+    train = residuals["train"]
     shapes = [n for e in found.effects for n in parameters_of(e) if n not in names]
-    names += [n for n in shapes if n in table.about]
-    begin, limit = found.fit.changes, settings.patience
-    final = fit(residuals["train"], names, begin, settings.scale, limit, steps=STEPS[:1])
+    shapes = [n for n in shapes if n in train.table.about]
+    if not shapes:
+        return found
+    changed = fit(
+        train,
+        [*names, *shapes],
+        found.fit.changes,
+        settings.scale,
+        settings.iterations,
+        steps=STEPS[:1],
+        exact=False,
+    )
+    scores, errors = _scores(changed, residuals)
+    progress(f"{label(found.effects)} with its shape: {_line(scores, train.effort)}")
+    return replace(found, fit=changed, scores=scores, errors=errors)
+
+
+def _simplest(leaders: Sequence[Confirmed], validate: Problem, settings: Settings) -> Confirmed:
+    """The best, or one with fewer numbers that is not clearly worse."""
+    best = min(leaders, key=lambda c: float(c.errors.mean()))
+    equal = [
+        c for c in leaders if c is best or not _matters(c.errors, best.errors, validate, settings)
+    ]
+    return min(equal, key=lambda c: (len(c.fit.estimates), float(c.errors.mean())))
+
+
+def _finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
+    """Fitted to the end, with intervals."""
+    train, names = residuals["train"], list(found.fit.estimates)
+    final = fit(
+        train, names, found.fit.changes, settings.scale, settings.patience, steps=STEPS[-1:]
+    )
     scores, errors = _scores(final, residuals)
     return replace(found, fit=final, scores=scores, errors=errors)
 

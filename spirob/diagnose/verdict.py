@@ -40,14 +40,23 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     accounted = explained(search, settings.floor * size)
     if accounted < settings.explained:
         return _poorly_explained(share, accounted, last.effects, effort)
-    best = next(c for c in first if any(e in last.effects for e in c.effects))
+    best = _brought(search)
     if len(last.effects) > 1 or best.probability >= settings.confidence:
+        return _named(search, best, share, effort)
+    if best not in first:  # it took the place of what was added before
         return _named(search, best, share, effort)
     passed = [c for c in first if counts(c, base, validate, settings)]
     rivals = [c for c in passed if c.probability >= 1.0 - settings.confidence]
     if [c for c in rivals if c is not best]:
         return _undecided(best, rivals, share, effort)
     return _named(search, best, share, effort)
+
+
+def _brought(search: Search) -> Confirmed:
+    """The candidate that brought in the effects of the last rung, or the first of them."""
+    last = search.rungs[-1].effects
+    own = [c for tried in search.rounds for c in tried if set(c.effects) <= set(last)]
+    return max(own, key=lambda c: c.probability)
 
 
 def explained(search: Search, floor: float) -> float:

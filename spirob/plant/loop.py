@@ -221,6 +221,7 @@ def run(
                 for probe in range(1, -1, -1):
                     rotor_speed = gear * rate[m] / radius + 0.01 * probe
                     efficiency = p[P_winch_efficiency]
+                    efficiency *= 1.0 + side[m] * p[P_winch_efficiency_difference]
                     # @ probe winch.efficiency -> efficiency
                     added = efficiency * drive_torque
                     # @ probe motor.torque -> added
@@ -228,9 +229,9 @@ def run(
                 rotor_damping = max(0.0, slope)
                 torque = gear * (added + rotor_damping * gear * rate[m] / radius)
                 inertia = gear * gear * p[P_motor_rotor_inertia] / (radius * radius)
-                damping = (
-                    gear * gear * (p[P_motor_rotor_damping] + rotor_damping) / (radius * radius)
-                )
+                own_damping = p[P_motor_rotor_damping]
+                own_damping *= 1.0 + side[m] * p[P_motor_rotor_damping_difference]
+                damping = gear * gear * (own_damping + rotor_damping) / (radius * radius)
                 external = 0.0
                 # @ port tendon.force -> external
                 extra = 0.0
@@ -296,7 +297,9 @@ def run(
             shortening_rate[m] = slide
             arm_current[m] = current[m]
             if tension[m] > 0.0:
-                scale = p[P_winch_efficiency] * gear * p[P_motor_torque_constant] / radius_now[m]
+                efficiency = p[P_winch_efficiency]
+                efficiency *= 1.0 + side[m] * p[P_winch_efficiency_difference]
+                scale = efficiency * gear * p[P_motor_torque_constant] / radius_now[m]
                 square = gear * gear / (radius_now[m] * radius_now[m])
                 accel = (
                     (shortening_rate[m] - arm_rate_before[m]) - (rate[m] - rate_before[m])
@@ -304,7 +307,12 @@ def run(
                 slip = shortening_rate[m] - rate[m]
                 arm_current[m] += (
                     square
-                    * (p[P_motor_rotor_inertia] * accel + p[P_motor_rotor_damping] * slip)
+                    * (
+                        p[P_motor_rotor_inertia] * accel
+                        + p[P_motor_rotor_damping]
+                        * (1.0 + side[m] * p[P_motor_rotor_damping_difference])
+                        * slip
+                    )
                     / scale
                 )
         if not (np.isfinite(rate[0] + rate[1]) and np.isfinite(qvel.sum())):

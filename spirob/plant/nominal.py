@@ -26,6 +26,9 @@ class Motor(Numbers):
     rotor_damping: float = bounded(
         1e-4, 1e-5, 1e-3, "N·m·s/rad", "b_m", "viscous friction of the rotor", PAPER, log=True
     )
+    rotor_damping_difference: float = bounded(
+        0.0, -0.5, 0.5, "1", "δb", "half of left minus right rotor's damping, over their mean"
+    )
     rest_speed: float = bounded(
         2.0, 1e-6, 100.0, "rad/s", "ω_0", "below it the rotor counts as standing", log=True
     )
@@ -51,6 +54,9 @@ class Winch(Numbers):
     gear_ratio: float = bounded(3591 / 187, 1.0, 200.0, "1", "G", "rotor turns per drum turn")
     radius: float = bounded(0.02, 1e-3, 0.2, "m", "r", "radius of the drum")
     efficiency: float = bounded(0.77, 0.6, 1.0, "1", "η", "torque transmitted by the gear", PAPER)
+    efficiency_difference: float = bounded(
+        0.0, -0.2, 0.2, "1", "δη", "half of left minus right gear's efficiency, over their mean"
+    )
 
 
 class Tendon(Numbers):

@@ -2,9 +2,9 @@
 
 import pytest
 
-from pipeline.answers import ANSWERS, right
 from spirob.effects import all_effects
 from spirob.emulator import hidden
+from spirob.trial.answers import ANSWERS, right
 
 
 def test_every_kind_has_an_answer():

@@ -1,0 +1,84 @@
+"""Test the diagnosis: robots with a hidden effect, diagnosed blind, and scored.
+
+Every case is a robot of its own (kind and seed), recorded over the bus, fitted, diagnosed and then
+compared with what was hidden.  A case takes one to three minutes of processor time; results that
+are there already are kept, so a trial that was stopped goes on.
+"""
+
+import argparse
+from pathlib import Path
+
+HELP = "how often the diagnosis names what was hidden"
+ORDER = 75
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `spirob trial`."""
+    parser.add_argument(
+        "--seeds", default="0:2", metavar="A:B", help="from A up to B (%(default)s)"
+    )
+    parser.add_argument(
+        "--kinds", nargs="+", default=[], metavar="KIND", help="of hidden effects, a+b for two; all"
+    )
+    parser.add_argument(
+        "--nulls", type=int, default=0, metavar="N", help="robots with nothing hidden (%(default)s)"
+    )
+    parser.add_argument(
+        "--without", action="store_true", help="each case again with the right effect disabled"
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("data/trial"), metavar="DIR", help="results (%(default)s)"
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rates there")
+    parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes; all cores")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Play the cases and print the rates."""
+    import json
+
+    from spirob.logs.atomic import write_text
+    from spirob.trial.campaign import cases, play
+    from spirob.trial.rates import rates
+
+    seeds = _seeds(arguments.seeds)
+    kinds = _kinds(arguments.kinds)
+    chosen = cases(kinds, seeds, arguments.nulls, arguments.without)
+    results = play(chosen, arguments.out, arguments.workers, tell=_say)
+    found = rates(results)
+    for name, one in found.items():
+        if isinstance(one, dict) and "low" in one and one["n"]:
+            print(
+                f"{name:22s} {one['value']:.1%} [{one['low']:.1%}, {one['high']:.1%}] of {one['n']}"
+            )
+    if arguments.json:
+        write_text(arguments.json, json.dumps(found, indent=1) + "\n")
+    return 0
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)
+
+
+def _seeds(text: str) -> list[int]:
+    from spirob.errors import ConfigError
+
+    first, colon, last = text.partition(":")
+    try:
+        seeds = list(range(int(first), int(last) if colon else int(first) + 1))
+    except ValueError:
+        seeds = []
+    if not seeds or seeds[0] < 0:
+        raise ConfigError(f"--seeds {text}: needs A:B with 0 <= A < B, or one number")
+    return seeds
+
+
+def _kinds(chosen: list[str]) -> list[str]:
+    from spirob.errors import ConfigError
+    from spirob.trial.answers import ANSWERS
+
+    for kind in chosen:
+        for part in kind.split("+"):
+            if part not in ANSWERS:
+                raise ConfigError(f"--kinds: no kind '{part}'; kinds: {', '.join(sorted(ANSWERS))}")
+    return chosen or [kind for kind in ANSWERS if kind != "none"]

@@ -1,0 +1,79 @@
+"""Many cases in parallel: each result is a file, so a trial that was stopped goes on."""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from spirob.diagnose.ladder import Settings
+from spirob.logs.atomic import replacing
+from spirob.trial.answers import ANSWERS
+from spirob.trial.case import Case, run
+from spirob.trial.rates import is_right
+
+ATTEMPTS = 3  # at a case whose worker was killed
+PAIRS = (
+    ("guide_friction", "current_lag"),
+    ("rotor_friction", "joint_creep"),
+    ("load_friction", "constant_pull"),
+    ("quadratic_drag", "tendon_stretch"),
+)
+
+
+def cases(
+    kinds: Sequence[str], seeds: Sequence[int], nulls: int, without: bool = False
+) -> list[Case]:
+    """Every kind with every seed; `nulls` robots more with nothing hidden."""
+    chosen = [Case(kind, seed) for seed in seeds for kind in kinds if kind != "none"]
+    if without:
+        chosen += [Case(c.kind, c.seed, True) for c in chosen if any(_names(c.kind))]
+    first = min(seeds, default=0)
+    return chosen + [Case("none", first + k) for k in range(nulls)]
+
+
+def play(
+    chosen: Sequence[Case],
+    folder: Path,
+    workers: int,
+    settings: Settings | None = None,
+    tell: Callable[[str], None] = lambda text: None,
+) -> list[dict[str, Any]]:
+    """Run the cases that have no result yet; all results in the order of `chosen`."""
+    for attempt in range(ATTEMPTS):
+        todo = [case for case in chosen if not _path(folder, case).exists()]
+        if not todo:
+            break
+        jobs = (delayed(_one)(case, folder, settings) for case in todo)
+        try:
+            done = Parallel(n_jobs=workers, return_as="generator_unordered")(jobs)
+            for k, text in enumerate(done, 1):
+                tell(f"{k} of {len(todo)}: {text}")
+        except TerminatedWorkerError:
+            tell("a worker was killed; the cases without a result are run again")
+            if attempt == ATTEMPTS - 1:
+                raise
+    return [json.loads(_path(folder, case).read_text()) for case in chosen]
+
+
+def _one(case: Case, folder: Path, settings: Settings | None) -> str:
+    result = run(case, settings)
+    with replacing(_path(folder, case)) as temporary:
+        temporary.write_text(json.dumps(result, indent=1) + "\n")
+    error = result["heldout"]
+    said = " + ".join(result["named"]) or result["verdict"]
+    mark = "right" if is_right(result) else "" if case.kind == "none" else "not right"
+    return (
+        f"{case.name}: {said} ({result['probability']:.0%}) {mark}; held-out error "
+        f"{error['base']:.2%}, named {error['named']:.2%}, oracle {error['oracle']:.2%}"
+    )
+
+
+def _path(folder: Path, case: Case) -> Path:
+    return folder / f"{case.name}.json"
+
+
+def _names(kind: str) -> list[str]:
+    return [name for part in kind.split("+") for name in ANSWERS[part] if name]

@@ -1,0 +1,110 @@
+"""Rates of a trial, each with its 95 % interval (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from spirob.trial.answers import ANSWERS
+
+LEAST_GAIN = 0.02  # where the oracle gains less, there is nothing to name
+CONFIDENT = 0.9
+Z = 1.96
+
+
+def rate(hits: Iterable[bool]) -> dict[str, float]:
+    """Share of hits with its interval; `n` cases."""
+    values = np.array(list(hits), dtype=float)
+    n = len(values)
+    if n == 0:
+        return {"value": float("nan"), "low": 0.0, "high": 1.0, "n": 0}
+    p = float(values.mean())
+    middle = (p + Z**2 / (2 * n)) / (1 + Z**2 / n)
+    half = Z / (1 + Z**2 / n) * float(np.sqrt(p * (1 - p) / n + Z**2 / (4 * n**2)))
+    return {"value": p, "low": max(0.0, middle - half), "high": min(1.0, middle + half), "n": n}
+
+
+def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """All rates of a trial and its confusion matrix.
+
+    top1                 named, and the first name is right (undecided counts as a miss)
+    exact                named, right, and nothing besides
+    top3                 the right name is among the first three that were fitted in full
+    false_alarm          of robots with nothing hidden, those for which something was named
+    wrong_and_confident  of robots with one effect, wrongly named with at least 90 %
+    undecided, unknown   of robots with one effect
+    left_out             library without the right answer: not named with confidence
+    pairs_both           of robots with two effects, both named
+    excess_error_closed  share of the oracle's fall of the held-out error that naming achieved, mean
+    """
+    whole = [r for r in results if not r["without"]]
+    nulls = [r for r in whole if nothing_to_name(r)]
+    pairs = [r for r in whole if "+" in r["kind"] and r not in nulls]
+    single = [r for r in whole if r not in nulls and r not in pairs]
+    left = [r for r in results if r["without"]]
+    return {
+        "cases": len(results),
+        "top1": rate(is_right(r) for r in single),
+        "exact": rate(is_right(r) and len(r["named"]) == 1 for r in single),
+        "top3": rate(any(n in _answers(r) for n in r["first"][:3]) for r in single),
+        "false_alarm": rate(r["verdict"] == "named" for r in nulls),
+        "wrong_and_confident": rate(_confidently_wrong(r) for r in single),
+        "undecided": rate(r["verdict"] == "undecided" for r in single),
+        "unknown": rate(r["verdict"] == "unknown" for r in single),
+        "left_out": rate(not _confidently_wrong(r) for r in left),
+        "pairs_both": rate(both(r) for r in pairs),
+        "excess_error_closed": _closed([*single, *pairs]),
+        "confusion": confusion(whole),
+    }
+
+
+def nothing_to_name(result: Mapping[str, Any]) -> bool:
+    """Nothing is hidden, or so little that even knowing it would not help."""
+    error = result["heldout"]
+    return result["kind"] == "none" or error["oracle"] > (1.0 - LEAST_GAIN) * error["base"]
+
+
+def is_right(result: Mapping[str, Any]) -> bool:
+    """Named, and the first name is an accepted one."""
+    named = result["named"]
+    return bool(result["verdict"] == "named" and named and named[0] in _answers(result))
+
+
+def both(result: Mapping[str, Any]) -> bool:
+    """Two names, one for each hidden kind."""
+    keys = [set(ANSWERS[kind]) for kind in result["kind"].split("+")]
+    named = set(result["named"])
+    return len(named) == len(keys) and all(named & key for key in keys)
+
+
+def confusion(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
+    """What was hidden -> what was said -> how often."""
+    table: dict[str, dict[str, int]] = {}
+    for r in sorted(results, key=lambda r: str(r["kind"])):
+        said = " + ".join(r["named"]) if r["verdict"] == "named" else str(r["verdict"])
+        row = table.setdefault(r["kind"], {})
+        row[said] = row.get(said, 0) + 1
+    return table
+
+
+def _answers(result: Mapping[str, Any]) -> set[str]:
+    return {name for kind in result["kind"].split("+") for name in ANSWERS[kind]}
+
+
+def _confidently_wrong(result: Mapping[str, Any]) -> bool:
+    sure = result["verdict"] == "named" and result["probability"] >= CONFIDENT
+    return sure and not is_right(result)
+
+
+def _closed(results: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    shares = []
+    for r in results:
+        error = r["heldout"]
+        gain = error["base"] - error["oracle"]
+        shares.append(min(1.0, (error["base"] - error["named"]) / gain))
+    if not shares:
+        return {"value": float("nan"), "low": 0.0, "high": 1.0, "n": 0}
+    values = np.array(shares)
+    draws = np.random.default_rng(0).choice(values, (2000, len(values))).mean(axis=1)
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return {"value": float(values.mean()), "low": float(low), "high": float(high), "n": len(values)}

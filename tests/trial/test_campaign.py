@@ -1,0 +1,47 @@
+"""A trial draws its cases, keeps what is done, and diagnoses a robot over the bus."""
+
+import json
+
+import pytest
+
+from spirob.cli.main import main
+from spirob.diagnose.ladder import Settings
+from spirob.trial import campaign
+from spirob.trial.case import Case, run
+
+QUICK = Settings(finalists=1, rounds=1, iterations=1, patience=1)
+
+
+def test_cases_hold_every_kind_with_every_seed_and_the_nulls():
+    chosen = campaign.cases(["cogging", "current_gain"], [4, 5], nulls=3, without=True)
+    names = [case.name for case in chosen]
+    assert len(set(names)) == len(names) == 2 * 2 + 4 + 3
+    assert "cogging-5-without" in names
+    assert "none-6" in names
+
+
+def test_results_that_are_there_are_kept(tmp_path, monkeypatch):
+    case = Case("none", 7)
+    done = {"kind": "none", "kept": True}
+    (tmp_path / f"{case.name}.json").write_text(json.dumps(done))
+    monkeypatch.setattr(campaign, "run", lambda *a: pytest.fail("it was run again"))
+    assert campaign.play([case], tmp_path, workers=1) == [done]
+
+
+@pytest.mark.parametrize("flag", [["--kinds", "gremlins"], ["--seeds", "5:5"], ["--seeds", "x"]])
+def test_bad_choices_are_a_sentence(flag, capsys, tmp_path):
+    assert main(["trial", *flag, "--out", str(tmp_path)]) == 2
+    assert flag[1] in capsys.readouterr().err
+
+
+def test_a_strong_lag_of_the_sensor_is_found_on_a_robot_of_its_own(monkeypatch):
+    """The whole way: drawn, recorded over the bus, decoded, diagnosed, compared with the oracle."""
+    library = campaign.run.__globals__["all_effects"]()
+    few = {name: library[name] for name in ("current_lag", "coulomb_friction")}
+    monkeypatch.setitem(campaign.run.__globals__, "all_effects", lambda: few)
+    monkeypatch.setitem(campaign.run.__globals__, "drawn_strength", lambda kind, rng: 1.0)
+    found = run(Case("current_lag", 77), QUICK)
+    assert found["named"] == ["current_lag"]
+    assert found["heldout"]["oracle"] < 0.5 * found["heldout"]["base"]
+    assert found["heldout"]["named"] < 0.5 * found["heldout"]["base"]
+    json.dumps(found)
