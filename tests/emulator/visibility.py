@@ -15,7 +15,7 @@ import numpy as np
 import yaml
 from scipy.signal import butter, sosfiltfilt
 
-from spirob.bench import Trial, play
+from spirob.bench import Trial, guard, play
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -31,6 +31,7 @@ from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.hidden import effects
 from spirob.emulator.machine import Machine
 from spirob.logs.transmission import Transmission
+from spirob.robot import CYCLE_NS
 
 EXPERIMENT = Path(__file__).parents[2] / "conf/experiment/excitation.yaml"
 SHOWN = ("train_fast_left", "train_deep_right")
@@ -67,13 +68,17 @@ class Wired:
 
     def __init__(self, machine: Machine):
         self.machine = machine
+        self.now = 0  # ns
 
     def exchange(self, command: bytes) -> list[CanFrame]:
         """One cycle: the command and what both drives answer."""
         counts = self.machine.cycle(decode_command(command, 2)).tolist()
         answers = [encode_feedback(Feedback(*said)) for said in counts]
-        frames = [CanFrame(0, FEEDBACK_ID + n, data) for n, data in enumerate(answers, start=1)]
-        return [CanFrame(0, COMMAND_ID, command), *frames]
+        sent, self.now = self.now, self.now + CYCLE_NS
+        frames = [
+            CanFrame(self.now, FEEDBACK_ID + n, data) for n, data in enumerate(answers, start=1)
+        ]
+        return [CanFrame(sent, COMMAND_ID, command), *frames]
 
 
 class Memory:
@@ -118,7 +123,9 @@ def record_over_bus(trial: Trial, effect: str, strength: float = 1.0, seed: int 
 
 def _recorded(trial: Trial, robot) -> Recorded:
     memory = Memory(robot.machine)
-    play(trial, robot, memory, transmission=Transmission(), gains=Gains())  # type: ignore[arg-type]
+    guarded = guard(robot, Transmission())
+    guarded.arm()
+    play(trial, guarded, memory, gains=Gains())  # type: ignore[arg-type]
     columns = np.array(memory.rows)
     return Recorded(*(columns[:, i : i + 2] for i in range(0, 8, 2)), columns[:, 8])
 

@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.resolution import resolution
 from spirob.identify.fit import Estimate, Fit
+from spirob.parameter import Parameter, Table
 
 SAMPLES = 400
 
@@ -15,9 +16,13 @@ def found(jacobian):
     noise = np.random.default_rng(3).normal(0, 0.01, SAMPLES)
     one = Estimate(1.0, 0.9, 1.1, "1", False)
     names = [f"part.n{k}" for k in range(jacobian.shape[1])]
-    fit = Fit({}, dict.fromkeys(names, one), noise, jacobian, 0.0, 1)
+    fit = Fit(dict.fromkeys(names, 1.0), dict.fromkeys(names, one), noise, jacobian, 0.0, 1)
+    decades = Parameter(1.0, 0.01, 100.0, "1", "n", "a number", log=True)
     problem = SimpleNamespace(
-        edges=np.array([0, SAMPLES]), block=20, effort=SimpleNamespace(unit="A")
+        edges=np.array([0, SAMPLES]),
+        block=20,
+        effort=SimpleNamespace(unit="A"),
+        table=Table.of(dict.fromkeys(names, decades), {}),
     )
     return resolution(fit, problem, 0.05)
 
