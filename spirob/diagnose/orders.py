@@ -14,6 +14,7 @@ from spirob.identify.problem import Problem, Stretch
 
 GRID = np.geomspace(0.03, 50.0, 160)
 WAVES = 0.4  # of the order's least: so many over the whole way, or it is a slope
+OCTAVE = 0.9  # of the gain, that twice the order has to keep
 FASTEST = 0.5  # waves a sample of the residual, most of the time
 
 
@@ -35,8 +36,17 @@ def best_order(problem: Problem, residual: np.ndarray, slopes: np.ndarray, by_lo
     way = max(float(np.ptp(p.angle)) for p in pieces if p.angle is not None) / (2 * np.pi)
     pace = float(np.quantile(np.abs(np.diff(angle)), 0.8)) / (2 * np.pi)
     grid = GRID[(GRID * way > WAVES) & (2.0 * GRID * pace < FASTEST)]
+    if len(grid) == 0:
+        return 0.0
     gains = [_gain(left, basis, n * angle, weight, motors) for n in grid]
-    return float(grid[int(np.argmax(gains))]) if gains else 0.0
+    order, gain = float(grid[int(np.argmax(gains))]), max(gains)
+    # half an order explains a wave as its second harmonic: the highest that does as well is meant
+    while 2.0 * order <= grid[-1]:
+        doubled = _gain(left, basis, 2.0 * order * angle, weight, motors)
+        if doubled < OCTAVE * gain:
+            break
+        order, gain = 2.0 * order, doubled
+    return order
 
 
 def _motors(pieces: Sequence[Stretch]) -> np.ndarray:
