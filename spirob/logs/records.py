@@ -2,6 +2,7 @@
 
 import os
 import struct
+import threading
 import zlib
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
@@ -18,7 +19,7 @@ from spirob.logs.payloads import CHUNK_LIMIT, MessagesByTopic, Payloads, stream
 
 MAGIC = b"\x89MCAP0\r\n"
 FILE_LIMIT = 256 * 2**20  # about 24 minutes of both motors at 1 kHz
-_DECOMPRESSOR = zstandard.ZstdDecompressor()  # making one takes longer than a chunk does
+_OWN = threading.local()  # each thread's decompressor: one shared by two spoils the data of both
 BROKEN = (McapError, struct.error, ValueError, OverflowError, zstandard.ZstdError)
 
 
@@ -128,7 +129,15 @@ def unpack_chunk(chunk: Chunk) -> bytes:
         claimed = zstandard.frame_content_size(data)
         if max(size, claimed) > CHUNK_LIMIT:
             raise ValueError(f"a chunk claims {max(size, claimed)} bytes, more than {CHUNK_LIMIT}")
-        data = _DECOMPRESSOR.decompress(data, max_output_size=size)
+        data = _decompressor().decompress(data, max_output_size=size)
     if len(data) != size or (chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc):
         raise ValueError("a chunk fails its checksum")
     return data
+
+
+def _decompressor() -> zstandard.ZstdDecompressor:
+    """The thread's own; making one takes longer than a chunk does."""
+    if not hasattr(_OWN, "made"):
+        _OWN.made = zstandard.ZstdDecompressor()
+    made: zstandard.ZstdDecompressor = _OWN.made
+    return made
