@@ -16,6 +16,7 @@ from scipy.io import loadmat
 from scipy.io.matlab import MatReadError
 
 from spirob.errors import DataError, MissingLog
+from spirob.logs.foreign.apart import apart
 
 LARGEST = 2**28  # bytes of the file, and of all that it unpacks to
 HEADER = 128
@@ -50,14 +51,18 @@ def read_mat(path: Path | str) -> dict[str, np.ndarray]:
         raise DataError(f"{path}: is of version 7.3; save it with -v7")
     try:
         _count(content)
-        found = loadmat(io.BytesIO(content), chars_as_strings=False)  # type: ignore[arg-type]
-        columns = dict(_columns(found))
+        columns = apart(_loaded, content)
     except _BROKEN as error:
         said = " ".join(str(error).split())[:200] or type(error).__name__
         raise DataError(f"{path}: is no readable MATLAB file of version 5: {said}") from None
     if not columns:
         raise DataError(f"{path}: holds no numeric variable")
     return columns
+
+
+def _loaded(content: bytes) -> dict[str, np.ndarray]:
+    found = loadmat(io.BytesIO(content), chars_as_strings=False)  # type: ignore[arg-type]
+    return dict(_columns(found))
 
 
 def _count(content: bytes) -> None:
