@@ -9,8 +9,9 @@ from pipeline.overlay import finalists, motion, overlay
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document, metrics
-from spirob.diagnose.ladder import Settings, climb, label
+from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.rungs import Settings, label
 from spirob.diagnose.verdict import judge
 from spirob.effects import all_effects, find_effects
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from spirob.diagnose.atlas import Regime, worst
-from spirob.diagnose.ladder import Confirmed, Rung, Search, label, parameters_of
+from spirob.diagnose.rungs import Confirmed, Rung, Search, label, parameters_of
 from spirob.diagnose.verdict import Verdict
 from spirob.identify.problem import Effort
 

@@ -17,7 +17,7 @@ import numpy as np
 from spirob.diagnose.orders import best_order
 from spirob.effects import Effect
 from spirob.effects.individual import differences
-from spirob.identify.descent import Anchor, linear_step, robust_cost
+from spirob.identify.descent import Anchor, corrected, linear_step, robust_cost
 from spirob.identify.fit import Fit, anchor_of
 from spirob.identify.problem import Problem
 from spirob.identify.scaling import Scaling
@@ -222,11 +222,7 @@ def _solved(runner: _Runner, box: tuple[np.ndarray, np.ndarray], scale: float) -
 
 
 def _moved(runner: _Runner, goal: np.ndarray, seen: np.ndarray, scale: float) -> _Runner:
-    step = goal - runner.u
-    length = float(step @ step)
-    slopes = runner.slopes
-    if length > 0.0:
-        slopes = slopes + np.outer(seen - runner.residual - slopes @ step, step) / length
+    slopes = corrected(runner.slopes, goal - runner.u, seen - runner.residual)
     cost = robust_cost(seen, scale) + runner.anchor.cost(goal)
     if cost < runner.cost:
         return replace(runner, u=goal, residual=seen, slopes=slopes, cost=cost)

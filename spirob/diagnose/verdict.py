@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from spirob.diagnose.ladder import REST, Confirmed, Search, Settings, counts
+from spirob.diagnose.ladder import REST, counts
+from spirob.diagnose.rungs import Confirmed, Search, Settings
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
 

@@ -77,6 +77,14 @@ def linear_step(
     return np.asarray(lsq_linear(triangle, orthogonal.T @ target, (low, high), "bvls").x)
 
 
+def corrected(slopes: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Derivatives that agree with the change of the residual that a step was seen to make."""
+    length = float(step @ step)
+    if length == 0.0:
+        return slopes
+    return np.asarray(slopes + np.outer(change - slopes @ step, step) / length)
+
+
 def descend(
     value: Callable[[np.ndarray], np.ndarray],
     differences: Callable[[np.ndarray, np.ndarray], np.ndarray],
@@ -114,9 +122,7 @@ def descend(
             step = moved - u
             seen = value(moved)
             reached = robust_cost(seen, scale) + (anchor.cost(moved) if anchor else 0.0)
-            length = float(step @ step)
-            if length > 0.0:
-                slopes = slopes + np.outer(seen - residual - slopes @ step, step) / length
+            slopes = corrected(slopes, step, seen - residual)
             if reached < cost:
                 gain = 1.0 - reached / cost
                 u, residual, cost, share = moved, seen, reached, min(1.0, 3.0 * share)

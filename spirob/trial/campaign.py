@@ -8,7 +8,7 @@ from typing import Any
 from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from spirob.diagnose.ladder import Settings
+from spirob.diagnose.rungs import Settings
 from spirob.logs.atomic import replacing
 from spirob.trial.answers import ANSWERS
 from spirob.trial.case import Case, run

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from spirob.bench import Trial, record
-from spirob.diagnose.ladder import ROLES, Search, Settings, climb
+from spirob.diagnose.ladder import climb
+from spirob.diagnose.rungs import ROLES, Search, Settings
 from spirob.diagnose.verdict import judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import EmulatedRig, HiddenSettings

@@ -6,7 +6,7 @@ expected to do better, and where the oracle gains nothing, nothing can be named.
 
 from collections.abc import Mapping, Sequence
 
-from spirob.diagnose.ladder import Rung, Settings, parameters_of
+from spirob.diagnose.rungs import Rung, Settings, parameters_of
 from spirob.diagnose.screen import screen
 from spirob.effects import Effect
 from spirob.identify.fit import STEPS, fit

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from spirob.diagnose.document import document, metrics
-from spirob.diagnose.ladder import ROLES, Settings, climb
+from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.rungs import ROLES, Settings
 from spirob.diagnose.verdict import judge
 from spirob.effects import find_effects
 from tests.identify.known import NOISE, residual, spirob

@@ -1,0 +1,115 @@
+"""The steps of the ladder: what was fitted, and how well each does on every role of trials."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from spirob.diagnose.evidence import block_errors
+from spirob.diagnose.screen import Screened
+from spirob.effects import Effect
+from spirob.effects.individual import differences
+from spirob.identify.fit import Fit
+from spirob.identify.problem import Effort, Problem
+from spirob.score import Score, score
+
+ROLES = ("train", "validate", "heldout")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the search decides.
+
+    scale        of the robust loss, in the unit of the effort
+    finalists    candidates confirmed in full simulation in the first round; one less in each after
+    rounds       effects added at most
+    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
+    further      least size of a second effect, relative to the first: a law of the library is never
+                 quite that of the machine, and what is left of its form is no effect of its own
+    confidence   an effect is named when it wins this share of resampled validation errors
+    explained    least share of the squared error above the floor that named effects account for;
+                 with less, something else is missing
+    iterations   sets of differences in the fit of a finalist
+    patience     sets of differences in a last fit, and in the fit of the parameters alone
+    """
+
+    scale: float = 0.05
+    finalists: int = 4
+    rounds: int = 2
+    floor: float = 0.008
+    further: float = 0.25
+    confidence: float = 0.9
+    explained: float = 0.5
+    iterations: int = 2
+    patience: int = 6
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """Candidates after a full refit; errors are mean squares by block on validation trials.
+
+    effects  one, or a pair that helps only jointly
+    """
+
+    effects: tuple[type[Effect], ...]
+    gain: float
+    fit: Fit
+    errors: np.ndarray
+    scores: dict[str, Score]
+    probability: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the ladder."""
+
+    label: str
+    effects: list[type[Effect]]
+    fit: Fit
+    scores: dict[str, Score]
+    errors: np.ndarray
+
+
+@dataclass
+class Search:
+    """Everything that the search saw; rounds[k] are the finalists of round k, best first."""
+
+    rungs: list[Rung]
+    rounds: list[list[Confirmed]] = field(default_factory=list)
+    screened: list[list[Screened]] = field(default_factory=list)
+    vague: list[str] = field(default_factory=list)
+
+
+def parameters_of(effect: type[Effect]) -> list[str]:
+    """Full names of an effect's numbers, its motors' differences included."""
+    return [f"{effect.name()}.{f}" for f in [*effect.parameters(), *differences(effect)]]
+
+
+def label(effects: Sequence[type[Effect]]) -> str:
+    """Names of effects, "a + b"."""
+    return " + ".join(e.name() for e in effects)
+
+
+def rung_of(
+    title: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Problem]
+) -> Rung:
+    scores, errors = scores_of(found, residuals)
+    return Rung(title, effects, found, scores, errors)
+
+
+def scores_of(found: Fit, residuals: Mapping[str, Problem]) -> tuple[dict[str, Score], np.ndarray]:
+    scores = {}
+    errors = np.zeros(0)
+    for role in ROLES:
+        residual = residuals[role]
+        values = found.residual if role == "train" else residual(found.changes)
+        measured = residual.measured()[residual.rows]
+        scores[role] = score(measured, measured + values[residual.rows])
+        if role == "validate":
+            errors = block_errors(values, residual.edges, residual.block)
+    return scores, errors
+
+
+def line(scores: Mapping[str, Score], effort: Effort) -> str:
+    return ", ".join(f"{role} RMSE {effort.shown(s.rmse)}" for role, s in scores.items())
