@@ -79,7 +79,13 @@ def finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Setti
     """Fitted to the end, with intervals."""
     train, names = residuals["train"], list(found.fit.estimates)
     final = fit(
-        train, names, found.fit.changes, settings.scale, settings.patience, steps=STEPS[-1:]
+        train,
+        names,
+        found.fit.changes,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[-1:],
+        exact=settings.intervals,
     )
     scores, errors = scores_of(final, residuals)
     return replace(found, fit=final, scores=scores, errors=errors)

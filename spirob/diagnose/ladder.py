@@ -49,7 +49,13 @@ def climb(
     """
     train, validate = residuals["train"], residuals["validate"]
     base, vague = fit_identifiable(
-        train, names, start, settings.scale, settings.patience, steps=STEPS[:1]
+        train,
+        names,
+        start,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[:1],
+        exact=settings.intervals,
     )
     fitted = [n for n in names if n not in vague]
     search = Search([rung_of("fitted parameters", [], base, residuals)], vague=vague)
@@ -121,7 +127,15 @@ def _without(
     )
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None
-    final = fit(train, names, again.changes, settings.scale, settings.patience, steps=STEPS[:1])
+    final = fit(
+        train,
+        names,
+        again.changes,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[:1],
+        exact=settings.intervals,
+    )
     found = rung_of(rung.label, rung.effects, final, residuals)
     progress(f"the rung below, fitted again from there: {line(found.scores, train.effort)}")
     return found

@@ -31,6 +31,7 @@ class Settings:
                  with less, something else is missing
     iterations   sets of differences in the fit of a finalist
     patience     sets of differences in a last fit, and in the fit of the parameters alone
+    intervals    exact ones for the numbers of each rung; a trial of many robots does without
     """
 
     scale: float = 0.05
@@ -42,6 +43,7 @@ class Settings:
     explained: float = 0.5
     iterations: int = 2
     patience: int = 6
+    intervals: bool = True
     seed: int = 0
 
 

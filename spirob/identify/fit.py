@@ -225,13 +225,14 @@ def fit_identifiable(
     iterations: int = 20,
     progress: Callable[[str], None] = lambda text: None,
     steps: Sequence[float] = STEPS,
+    exact: bool = True,
 ) -> tuple[Fit, list[str]]:
     """Fit, then fit again without the parameters that the data cannot tell.
 
     A parameter whose interval spans a decade goes back to its starting value: left free it would
     drift to a bound and take the others along.  Returns the fit and the names left out.
     """
-    first = fit(residual, names, start, scale, iterations, progress, steps)
+    first = fit(residual, names, start, scale, iterations, progress, steps, exact)
     vague = [
         n
         for n, e in first.estimates.items()
@@ -243,7 +244,7 @@ def fit_identifiable(
     values = residual.table
     back = {n: start.get(n, float(values.values[values.position(n)])) for n in vague}
     begin = {**first.changes, **back}
-    second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:])
+    second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:], exact)
     return second, vague
 
 

@@ -51,7 +51,7 @@ def run(
 ):
     """Simulate all cycles; returns the cycle where a state became non-finite, or -1.
 
-    guides (N, 4) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2, cos β/2 of each hinge (`plant.tendon`);
+    guides (N, 5) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n, n of each hinge (`plant.tendon`);
     units (N + 1, 2) mass [kg] and length [m] of each unit, and the mass at the tip;
     pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension
     ratio, solved (2, N) what `mj_solveM` makes of it; C wants their addresses too.
@@ -70,7 +70,7 @@ def run(
     rest = np.zeros(hinges)
     for i in range(hinges):
         rest[i], _ = guide_length(
-            1.0, 0.0, 1.0, guides[i, 0], guides[i, 1], guides[i, 2], guides[i, 3]
+            1.0, 0.0, 1.0, guides[i, 0], guides[i, 1], guides[i, 2], guides[i, 3], guides[i, 4]
         )
     sine = np.zeros(hinges)
     cosine = np.zeros(hinges)
@@ -154,7 +154,7 @@ def run(
         for substep in range(substeps):
             mj_step1(model, data)
             for i in range(hinges):
-                sine[i], cosine[i] = half_angle(qpos[i])
+                sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])
             for m in range(motors):
                 total = 0.0
                 slide = 0.0
@@ -167,6 +167,7 @@ def run(
                         guides[i, 1],
                         guides[i, 2],
                         guides[i, 3],
+                        guides[i, 4],
                     )
                     total += rest[i] - length
                     arm[m, i] = side[m] * lever
@@ -277,7 +278,7 @@ def run(
                 applied[i] = hinge_torque + tension[0] * pull[0, i] + tension[1] * pull[1, i]
             mj_step2(model, data)
         for i in range(hinges):
-            sine[i], cosine[i] = half_angle(qpos[i])
+            sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])
         for m in range(motors):
             total = 0.0
             slide = 0.0
@@ -290,6 +291,7 @@ def run(
                     guides[i, 1],
                     guides[i, 2],
                     guides[i, 3],
+                    guides[i, 4],
                 )
                 total += rest[i] - length
                 slide += side[m] * lever * qvel[i]

@@ -90,6 +90,15 @@ class Arm(Numbers):
         log=True,
         times="arm.base_stiffness",
     )
+    bends_per_hinge: float = bounded(
+        1.0,
+        0.5,
+        16.0,
+        "1",
+        "n",
+        "equal bends into which a hinge's bend is spread; 1 is a point between rigid units",
+        log=True,
+    )
     density: float = bounded(
         540.0, 50.0, 3000.0, "kg/m³", "ρ", "TPU 1200 kg/m³ at 45 % fill", DESIGN, log=True
     )

@@ -11,13 +11,14 @@ from spirob.control.schedule import Schedule
 from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.errors import SimulationError
-from spirob.geometry import SpiralArm, spiral_arm
+from spirob.geometry import spiral_arm
 from spirob.parameter import Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
 from spirob.plant.objects import launch
 from spirob.plant.rig import Rig
+from spirob.plant.tendon import guides
 from spirob.robot import CYCLE_NS, Scene
 
 CYCLE = CYCLE_NS * 1e-9
@@ -75,7 +76,6 @@ class Plant:
         self.geometry = spiral_arm(rig.units)
         self._run = assemble(self.effects, self.table.names)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])
-        self._guides = _guides(self.geometry)
 
     def simulate(
         self,
@@ -137,6 +137,8 @@ class Session:
         self._stiffness = np.ascontiguousarray(springs)
         mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
         self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
+        bends = float(p[plant.table.position("arm.bends_per_hinge")])
+        self._guides = guides(plant.geometry, bends)
         self._state = np.zeros((STATE_ROWS, 2))
         self._memory = np.repeat(plant._states[:, None], max(2 * hinges, SLOTS), axis=1)
         # a ball or a peg has coordinates behind the hinges, on which no tendon pulls
@@ -166,7 +168,7 @@ class Session:
             np.ascontiguousarray(schedule.reference_rate, dtype=float),
             np.asarray(schedule.current_limit, dtype=float),
             self._plant._gains(),
-            self._plant._guides,
+            self._guides,
             self._units,
             self._stiffness,
             self._plant.substeps,
@@ -184,14 +186,6 @@ class Session:
         if failed >= 0:
             raise SimulationError(f"the model became non-finite after {failed * CYCLE:.3f} s")
         return Response(**{c: out[:, :, k] for k, c in enumerate(COLUMNS)}, angles=angles)
-
-
-def _guides(geometry: SpiralArm) -> np.ndarray:
-    before, after = geometry.guide_before, geometry.guide_after
-    near, far = np.hypot(*before.T), np.hypot(*after.T)
-    opening = np.arctan2(before[:, 1], before[:, 0]) - np.arctan2(after[:, 1], after[:, 0])
-    half = opening / 2
-    return np.column_stack([near * far, (near - far) ** 2, np.sin(half), np.cos(half)])
 
 
 @lru_cache(maxsize=512)

@@ -36,6 +36,7 @@ NUMBERS = (
     "motor.rotor_inertia",
     "arm.base_stiffness",
     "arm.damping_time",
+    "arm.bends_per_hinge",
     "winch.efficiency_difference",
     "motor.rotor_damping_difference",
 )
@@ -62,7 +63,7 @@ class Case:
 
 def run(case: Case, settings: Settings | None = None) -> dict[str, Any]:
     """Record, fit, diagnose, and compare with the oracle; plain data."""
-    settings = settings or Settings()
+    settings = settings or Settings(intervals=False)
     hidden = _hidden(case)
     recorded = _recorded(hidden, case.seed)
     library = list(all_effects().values())
@@ -72,7 +73,7 @@ def run(case: Case, settings: Settings | None = None) -> dict[str, Any]:
     verdict = judge(search, problems["validate"], settings)
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
-    best = oracle(problems, search.rungs[0], _counterparts(case), settings)
+    best = oracle(problems, search, _counterparts(case), settings)
     return {
         "kind": case.kind,
         "seed": case.seed,

@@ -7,19 +7,22 @@ import pytest
 from spirob.geometry import spiral_arm
 from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
-from spirob.plant.plant import _guides
-from spirob.plant.tendon import guide_length, half_angle
+from spirob.plant.tendon import guide_length, guides, half_angle
 from spirob.robot import MOTORS, Scene
 
 UNITS = 24
 LIMIT = 0.96 * spiral_arm(UNITS).unit_angle
-GUIDES = _guides(spiral_arm(UNITS))
+GUIDES = guides(spiral_arm(UNITS))
 
 
-def lengths(side, angles):
+def lengths(side, angles, bends=1.0):
     """Length between guides and shortening per bend at each hinge, (2, N)."""
+    rows = GUIDES if bends == 1.0 else guides(spiral_arm(UNITS), bends)
     return np.array(
-        [guide_length(side, *half_angle(q), *row) for q, row in zip(angles, GUIDES, strict=True)]
+        [
+            guide_length(side, *half_angle(q, bends), *row)
+            for q, row in zip(angles, rows, strict=True)
+        ]
     ).T
 
 
@@ -28,13 +31,35 @@ def configurations(count=20):
     return random.uniform(-LIMIT, LIMIT, (count, UNITS))
 
 
+@pytest.mark.parametrize("bends", [0.5, 1.0, 2.7, 16.0])
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_the_jacobian_is_the_derivative_of_the_length(side):
+def test_the_jacobian_is_the_derivative_of_the_length(side, bends):
     step = 1e-6
     for angles in configurations():
-        _, lever = lengths(side, angles)
-        ahead, behind = lengths(side, angles + step)[0], lengths(side, angles - step)[0]
+        _, lever = lengths(side, angles, bends)
+        ahead, behind = (lengths(side, angles + s, bends)[0] for s in (step, -step))
         assert side * lever == pytest.approx(-(ahead - behind) / (2 * step), abs=1e-9)
+
+
+def test_two_bends_a_hinge_are_an_arm_cut_twice_as_fine():
+    fine = guides(spiral_arm(2 * UNITS))
+    for angle in (-0.2, 0.1, 0.22):
+        half = half_angle(angle / 2, 1.0)
+        twice = np.array([guide_length(1.0, *half, *row) for row in fine])
+        _, lever = lengths(1.0, np.full(UNITS, angle), 2.0)
+        # each hinge of the coarse arm stands where the first of its two begins
+        assert twice[:, 1].reshape(UNITS, 2).mean(axis=1) == pytest.approx(lever, rel=0.04)
+
+
+@pytest.mark.parametrize("bends", [1.0, 2.0, 5.0])
+def test_two_tendons_push_a_hinge_over_with_the_tangent_of_half_its_gap(bends):
+    q = np.full(UNITS, 1e-3)
+    turning = lengths(1.0, q, bends)[1] - lengths(-1.0, q, bends)[1]  # at one newton each
+    product, gap, sine, cosine, _ = guides(spiral_arm(UNITS), bends).T
+    # heights differ a little on the two sides of a gap, which takes from it
+    taper = gap / (gap + 4.0 * product * sine**2)
+    expected = np.sqrt(product) * (sine - taper * cosine**2 / sine) / bends
+    assert turning / q == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize(("exported", "tolerance"), [(False, 1e-12), (True, 1e-6)])
