@@ -22,6 +22,8 @@ class Parameter:
     log    true where the number spans decades: the optimiser then moves its logarithm
     times  name of another number; as a load this one acts in proportion to it, a damping time
            to the stiffness that it belongs to
+    tolerance  relative, of a number that the data sheet gives: a fit keeps it that near to its
+           value, and what is beyond it is a missing effect; 0 where the bounds are all that is known
     """
 
     nominal: float
@@ -33,6 +35,14 @@ class Parameter:
     source: str = ""
     log: bool = False
     times: str = ""
+    tolerance: float = 0.0
+
+    def reach(self, value: float) -> tuple[float, float]:
+        """Between what a fit may move the number from `value`."""
+        if self.tolerance == 0.0:
+            return self.low, self.high
+        margin = self.tolerance * abs(value)
+        return max(self.low, value - margin), min(self.high, value + margin)
 
     def __post_init__(self) -> None:
         if not self.low <= self.nominal <= self.high:
@@ -54,9 +64,12 @@ def bounded(
     source: str = "",
     log: bool = False,
     times: str = "",
+    tolerance: float = 0.0,
 ) -> Any:
     """Declare one bounded number as a field of a `Numbers` class."""
-    about = Parameter(nominal, low, high, unit, symbol, meaning, source, log, times)
+    about = Parameter(
+        nominal, low, high, unit, symbol, meaning, source, log, times, tolerance
+    )
     return dataclasses.field(default=nominal, metadata={"parameter": about})
 
 

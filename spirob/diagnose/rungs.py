@@ -37,7 +37,7 @@ class Settings:
     scale: float = 0.05
     finalists: int = 4
     rounds: int = 2
-    floor: float = 0.008
+    floor: float = 0.002
     further: float = 0.25
     confidence: float = 0.9
     explained: float = 0.5

@@ -317,9 +317,10 @@ def _estimates(
     found = {}
     for k, name in enumerate(scaling.names):
         about, value = table.about[name], values[name]
-        near = 1e-3 * (about.high - about.low)
-        bound = value <= about.low + near or value >= about.high - near
+        least, most = about.reach(float(table.values[table.position(name)]))
+        near = 1e-3 * (most - least)
+        bound = value <= least + near or value >= most - near
         if about.log:
-            bound = value <= 1.005 * about.low or value >= 0.995 * about.high
+            bound = value <= 1.005 * least or value >= 0.995 * most
         found[name] = Estimate(value, float(low[k]), float(high[k]), about.unit, bound)
     return found

@@ -48,8 +48,9 @@ class Scaling:
         self._ratio = self._load & np.array([a.low > 0 for a in self._about])
         self._decades = np.array([a.log for a in self._about])
         self._log = self._decades & ~self._load
-        self._low = np.array([a.low for a in self._about])
-        self._high = np.array([a.high for a in self._about])
+        values = [float(table.values[table.position(n)]) for n in names]
+        reach = [a.reach(v) for a, v in zip(self._about, values, strict=True)]
+        self._low, self._high = np.array(reach).reshape(-1, 2).T
         self.low, self.high = self._box()
 
     def scaled(self, values: Mapping[str, float]) -> np.ndarray:

@@ -4,6 +4,7 @@ from spirob.parameter import Numbers, bounded
 
 PAPER = "Alsarraj et al. 2026, sim-to-real identification"
 DRIVE_SHEET = "M3508/C620 class drive, published by several firmwares"
+BRAID = "braided line of 1 mm, half a metre; data sheets leave its stretch open by this much"
 DESIGN = "SpiRobs design tool and published models; they differ by a factor of ten"
 
 
@@ -64,7 +65,9 @@ class Tendon(Numbers):
 
     owner = "tendon"
 
-    stiffness: float = bounded(4e4, 5e3, 1e6, "N/m", "k", "tension per stretch", log=True)
+    stiffness: float = bounded(
+        4e4, 5e3, 1e6, "N/m", "k", "tension per stretch", BRAID, log=True, tolerance=0.4
+    )
     damping: float = bounded(20.0, 0.0, 200.0, "N·s/m", "c", "tension per rate of stretch")
 
 

@@ -37,6 +37,7 @@ NUMBERS = (
     "arm.base_stiffness",
     "arm.damping_time",
     "arm.bends_per_hinge",
+    "tendon.stiffness",
     "winch.efficiency_difference",
     "motor.rotor_damping_difference",
 )
