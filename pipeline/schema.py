@@ -91,10 +91,12 @@ class Diagnose(Strict):
     candidates: list[str] = []
     finalists: int = Field(4, ge=1, le=100)
     rounds: int = Field(2, ge=0, le=10)
-    floor: float = Field(0.008, gt=0, lt=1)
+    floor: float = Field(0.002, gt=0, lt=1)
+    rest: float = Field(0.0045, gt=0, lt=1)
     further: float = Field(0.25, ge=0, le=1)
     confidence: float = Field(0.9, gt=0.5, le=1)
     explained: float = Field(0.5, ge=0, le=1)
+    alike: float = Field(0.3, ge=0, le=1)
     iterations: int = Field(2, ge=1, le=1000)
     patience: int = Field(6, ge=1, le=1000)
     seed: int = Field(0, ge=0)
@@ -114,6 +116,15 @@ class Perceive(Strict):
     wrap: dict[str, Any] = {}
 
 
+class TrialConfig(Strict):
+    """Robots with something hidden, to test the diagnosis."""
+
+    kinds: list[str] = []
+    seeds: tuple[int, int] = (0, 1)
+    nulls: int = Field(0, ge=0, le=10_000)
+    without: bool = False
+
+
 class Config(Strict):
     """The whole configuration; `rig` is checked by `spirob.plant.Rig`."""
 
@@ -125,6 +136,7 @@ class Config(Strict):
     identify: Identify
     diagnose: Diagnose
     perceive: Perceive
+    trial: TrialConfig = TrialConfig()
 
 
 def validated(plain: Any, source: str) -> Config:

@@ -23,7 +23,7 @@ class Parameter:
     times  name of another number; as a load this one acts in proportion to it, a damping time
            to the stiffness that it belongs to
     tolerance  relative, of a number that the data sheet gives: a fit keeps it that near to its
-           value, and what is beyond it is a missing effect; 0 where the bounds are all that is known
+           value, beyond it an effect is missing; 0 where the bounds are all that is known
     """
 
     nominal: float
@@ -67,9 +67,7 @@ def bounded(
     tolerance: float = 0.0,
 ) -> Any:
     """Declare one bounded number as a field of a `Numbers` class."""
-    about = Parameter(
-        nominal, low, high, unit, symbol, meaning, source, log, times, tolerance
-    )
+    about = Parameter(nominal, low, high, unit, symbol, meaning, source, log, times, tolerance)
     return dataclasses.field(default=nominal, metadata={"parameter": about})
 
 

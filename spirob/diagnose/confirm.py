@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from spirob.diagnose.rungs import (
     Confirmed,
     Rung,
@@ -12,9 +14,10 @@ from spirob.diagnose.rungs import (
     parameters_of,
     scores_of,
 )
-from spirob.diagnose.screen import Screened
-from spirob.identify.fit import STEPS, fit
+from spirob.diagnose.screen import Screened, beside
+from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.problem import Problem
+from spirob.identify.scaling import Scaling
 
 
 def confirm(
@@ -41,10 +44,10 @@ def confirm(
         exact=False,
         slopes=slopes,
     )
-    scores, errors = scores_of(found, residuals)
+    scores, missed, errors = scores_of(found, residuals)
     effects = tuple(s.effect for s in chosen)
     progress(f"{label(effects)} added and refitted: {line(scores, residuals['train'].effort)}")
-    return Confirmed(effects, first.gain, found, errors, scores)
+    return Confirmed(effects, first.gain, found, missed, errors, scores)
 
 
 def shaped(
@@ -69,14 +72,29 @@ def shaped(
         settings.iterations,
         steps=STEPS[:1],
         exact=False,
+        slopes=_widened(train, found.fit, names, shapes),
     )
-    scores, errors = scores_of(changed, residuals)
+    scores, missed, errors = scores_of(changed, residuals)
     progress(f"{label(found.effects)} with its shape: {line(scores, train.effort)}")
-    return replace(found, fit=changed, scores=scores, errors=errors)
+    return replace(found, fit=changed, scores=scores, missed=missed, errors=errors)
+
+
+def _widened(
+    problem: Problem, known: Fit, names: Sequence[str], further: Sequence[str]
+) -> np.ndarray:
+    """Derivatives where a fit ended, with those by further numbers beside them."""
+    scaling = Scaling(problem.table, [*names, *further])
+    values = dict(zip(problem.table.names, problem.table.values.tolist(), strict=True))
+    u = scaling.scaled({**values, **known.changes})
+    points, widths = beside(scaling, u, [STEPS[0]] * len(further), known.changes)
+    seen = zip(problem.many(points), widths, strict=True)
+    return np.column_stack([known.jacobian, *((r - known.residual) / w for r, w in seen)])
 
 
 def finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Settings) -> Confirmed:
-    """Fitted to the end, with intervals."""
+    """Fitted to the end, with intervals where they are wanted."""
+    if not settings.intervals:
+        return found
     train, names = residuals["train"], list(found.fit.estimates)
     final = fit(
         train,
@@ -85,7 +103,6 @@ def finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Setti
         settings.scale,
         settings.patience,
         steps=STEPS[-1:],
-        exact=settings.intervals,
     )
-    scores, errors = scores_of(final, residuals)
-    return replace(found, fit=final, scores=scores, errors=errors)
+    scores, missed, errors = scores_of(final, residuals)
+    return replace(found, fit=final, scores=scores, missed=missed, errors=errors)

@@ -29,7 +29,7 @@ def document(
                 "name": effect.name(),
                 "title": effect.title,
                 "probability": _probability(search, effect.name()),
-                "equivalents": verdict.rivals if k == 0 else [],
+                "equivalents": list(verdict.equivalents) if k == 0 else [],
                 "parameters": _numbers(last, parameters_of(effect)),
             }
             for k, effect in enumerate(added)

@@ -33,6 +33,14 @@ def win_rates(errors: Mapping[str, np.ndarray], seed: int) -> dict[str, float]:
     return {n: float(np.mean(winners == k)) for k, n in enumerate(names)}
 
 
+def alike(one: np.ndarray, two: np.ndarray, size: float) -> float:
+    """RMS difference of what two models miss, over the size of the effect that they explain.
+
+    Near zero they say the same, whatever their names; at √2 and more they say different things.
+    """
+    return float(np.sqrt(np.mean((one - two) ** 2))) / size
+
+
 def improvement(before: np.ndarray, after: np.ndarray, seed: int) -> tuple[float, float, float]:
     """Relative fall of the mean squared error with its 95 % interval; negative is worse."""
     draws = np.random.default_rng(seed).integers(0, len(before), (DRAWS, len(before)))

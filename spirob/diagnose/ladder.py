@@ -32,7 +32,6 @@ from spirob.identify.problem import Problem, effort_rms
 CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
 LEADERS = 2  # candidates fitted with their shapes too
 PAIRED = 3  # candidates of which pairs are tried
-REST = 2.0  # floors: an error below that is not searched any further
 
 
 def climb(
@@ -42,37 +41,34 @@ def climb(
     start: Mapping[str, float],
     settings: Settings,
     progress: Callable[[str], None] = lambda text: None,
+    known: Search | None = None,
 ) -> Search:
     """Search for missing effects; residuals by role share one plant that holds all candidates.
 
     names  parameters fitted at every rung;  start  where their fit begins
+    known  an earlier search of the same trials among more candidates: its fit of the parameters
+           alone and its first screening are taken over, less who does not take part now
     """
     train, validate = residuals["train"], residuals["validate"]
-    base, vague = fit_identifiable(
-        train,
-        names,
-        start,
-        settings.scale,
-        settings.patience,
-        steps=STEPS[:1],
-        exact=settings.intervals,
-    )
-    fitted = [n for n in names if n not in vague]
-    search = Search([rung_of("fitted parameters", [], base, residuals)], vague=vague)
+    search = _known(known) if known else _begun(residuals, names, start, settings)
+    fitted = [n for n in names if n not in search.vague]
     progress(f"parameters only: {line(search.rungs[0].scores, train.effort)}")
-    floor = REST * settings.floor * effort_rms(validate)
+    rest = settings.rest * effort_rms(validate)
     while len(search.rungs[-1].effects) < settings.rounds:
         rung = search.rungs[-1]
         absent = [c for c in candidates if c not in rung.effects]
-        if not absent or (rung.effects and rung.scores["validate"].rmse < floor):
+        if not absent or (rung.effects and rung.scores["validate"].rmse < rest):
             break
-        ranked = screen(train, rung.fit, _names(rung, fitted, train), absent, settings.scale)
+        if known and known.screened and not search.screened:
+            ranked = [s for s in known.screened[0] if s.effect in absent]
+        else:
+            ranked = screen(train, rung.fit, _names(rung, fitted, train), absent, settings.scale)
         progress("screened: " + ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5]))
         keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]
         tried = [confirm([s], rung, residuals, settings, progress) for s in finalists]
         passed = [c for c in tried if counts(c, rung, validate, settings, _least(search, settings))]
-        if not passed and not rung.effects and rung.scores["validate"].rmse > floor:
+        if not passed and not rung.effects and rung.scores["validate"].rmse > rest:
             pairs = combinations(finalists[:PAIRED], 2)
             joint = [confirm(pair, rung, residuals, settings, progress) for pair in pairs]
             passed = [c for c in joint if counts(c, rung, validate, settings)]
@@ -100,6 +96,30 @@ def climb(
     return search
 
 
+def _begun(
+    residuals: Mapping[str, Problem],
+    names: Sequence[str],
+    start: Mapping[str, float],
+    settings: Settings,
+) -> Search:
+    """The fit of the parameters alone."""
+    found, vague = fit_identifiable(
+        residuals["train"],
+        names,
+        start,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[:1],
+        exact=settings.intervals,
+    )
+    base = rung_of("fitted parameters", [], found, residuals)
+    return Search(base, [base], vague=vague)
+
+
+def _known(earlier: Search) -> Search:
+    return Search(earlier.base, [earlier.base], vague=list(earlier.vague))
+
+
 def _names(rung: Rung, fitted: Sequence[str], problem: Problem) -> list[str]:
     """The numbers of a rung that are fitted along: the model's, and amplitudes of its effects."""
     return [*fitted, *(n for e in rung.effects for n in amplitudes(e, problem))]
@@ -123,7 +143,14 @@ def _without(
     begin = {k: v for k, v in best.fit.changes.items() if k not in own}
     train, names = residuals["train"], list(rung.fit.estimates)
     again = fit(
-        train, names, begin, settings.scale, settings.iterations, steps=STEPS[:1], exact=False
+        train,
+        names,
+        begin,
+        settings.scale,
+        settings.iterations,
+        steps=STEPS[:1],
+        exact=False,
+        slopes=rung.fit.jacobian,
     )
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None

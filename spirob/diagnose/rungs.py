@@ -24,11 +24,15 @@ class Settings:
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
     floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
+    rest         error, over the RMS effort, with which a model counts as complete: as much as the
+                 build of a machine differs from its model with nothing missing
     further      least size of a second effect, relative to the first: a law of the library is never
                  quite that of the machine, and what is left of its form is no effect of its own
     confidence   an effect is named when it wins this share of resampled validation errors
     explained    least share of the squared error above the floor that named effects account for;
                  with less, something else is missing
+    alike        two candidates whose residuals differ by less than this share of the effect's size
+                 say the same of the data, and count as one
     iterations   sets of differences in the fit of a finalist
     patience     sets of differences in a last fit, and in the fit of the parameters alone
     intervals    exact ones for the numbers of each rung; a trial of many robots does without
@@ -38,25 +42,29 @@ class Settings:
     finalists: int = 4
     rounds: int = 2
     floor: float = 0.002
+    rest: float = 0.0045
     further: float = 0.25
     confidence: float = 0.9
     explained: float = 0.5
+    alike: float = 0.3
     iterations: int = 2
     patience: int = 6
     intervals: bool = True
     seed: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Confirmed:
-    """Candidates after a full refit; errors are mean squares by block on validation trials.
+    """Candidates after a full refit.
 
     effects  one, or a pair that helps only jointly
+    missed   model minus measurement on the validation trials;  errors  its mean squares by block
     """
 
     effects: tuple[type[Effect], ...]
     gain: float
     fit: Fit
+    missed: np.ndarray
     errors: np.ndarray
     scores: dict[str, Score]
     probability: float = 0.0
@@ -75,8 +83,12 @@ class Rung:
 
 @dataclass
 class Search:
-    """Everything that the search saw; rounds[k] are the finalists of round k, best first."""
+    """Everything that the search saw; rounds[k] are the finalists of round k, best first.
 
+    base  the fitted parameters alone, as they were when the search began
+    """
+
+    base: Rung
     rungs: list[Rung]
     rounds: list[list[Confirmed]] = field(default_factory=list)
     screened: list[list[Screened]] = field(default_factory=list)
@@ -96,21 +108,25 @@ def label(effects: Sequence[type[Effect]]) -> str:
 def rung_of(
     title: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Problem]
 ) -> Rung:
-    scores, errors = scores_of(found, residuals)
+    scores, _, errors = scores_of(found, residuals)
     return Rung(title, effects, found, scores, errors)
 
 
-def scores_of(found: Fit, residuals: Mapping[str, Problem]) -> tuple[dict[str, Score], np.ndarray]:
+def scores_of(
+    found: Fit, residuals: Mapping[str, Problem]
+) -> tuple[dict[str, Score], np.ndarray, np.ndarray]:
+    """Scores by role; on the validation trials the residual, and its mean squares by block."""
     scores = {}
-    errors = np.zeros(0)
+    missed = errors = np.zeros(0)
     for role in ROLES:
         residual = residuals[role]
         values = found.residual if role == "train" else residual(found.changes)
         measured = residual.measured()[residual.rows]
         scores[role] = score(measured, measured + values[residual.rows])
         if role == "validate":
+            missed = values
             errors = block_errors(values, residual.edges, residual.block)
-    return scores, errors
+    return scores, missed, errors
 
 
 def line(scores: Mapping[str, Score], effort: Effort) -> str:

@@ -1,10 +1,13 @@
 """From the search to a verdict: named, undecided, nothing missing, or unknown."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from spirob.diagnose.ladder import REST, counts
-from spirob.diagnose.rungs import Confirmed, Search, Settings
+import numpy as np
+
+from spirob.diagnose.evidence import alike
+from spirob.diagnose.ladder import counts
+from spirob.diagnose.rungs import Confirmed, Search, Settings, label
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
 
@@ -18,7 +21,8 @@ class Verdict:
 
     kind         "named", "undecided", "nothing_missing" or "unknown"
     probability  how often the named effect wins on resampled validation errors
-    rivals       effects that these data cannot tell from it
+    rivals       effects that explain the data as well in another way
+    equivalents  effects that say the same of these data, under another name
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
     """
 
@@ -28,6 +32,7 @@ class Verdict:
     sentence: str
     explanation: str
     next_experiment: str
+    equivalents: tuple[str, ...] = ()
 
 
 def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
@@ -42,15 +47,15 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     if accounted < settings.explained:
         return _poorly_explained(share, accounted, last.effects, effort)
     best = _brought(search)
-    if len(last.effects) > 1 or best.probability >= settings.confidence:
-        return _named(search, best, share, effort)
-    if best not in first:  # it took the place of what was added before
-        return _named(search, best, share, effort)
-    passed = [c for c in first if counts(c, base, validate, settings)]
-    rivals = [c for c in passed if c.probability >= 1.0 - settings.confidence]
-    if [c for c in rivals if c is not best]:
+    passed = [c for c in first if c is not best and counts(c, base, validate, settings)]
+    size = float(np.sqrt(max(base.errors.mean() - best.errors.mean(), 1e-300)))
+    same = [c for c in passed if alike(best.missed, c.missed, size) < settings.alike]
+    best = replace(best, probability=sum(c.probability for c in [best, *same]))
+    rivals = [c for c in passed if c not in same and c.probability >= 1.0 - settings.confidence]
+    # a rival counts in the first round; later it stands against what was named already
+    if rivals and len(last.effects) == 1 and _brought(search) in first:
         return _undecided(best, rivals, share, effort)
-    return _named(search, best, share, effort)
+    return _named(search, best, [label(c.effects) for c in same], share, effort)
 
 
 def _brought(search: Search) -> Confirmed:
@@ -72,16 +77,15 @@ def explained(search: Search, floor: float) -> float:
 def _nothing_or_unknown(
     share: float, settings: Settings, first: Sequence[Confirmed], effort: Effort
 ) -> Verdict:
-    floor = REST * settings.floor
     tried = ", ".join(e.title for c in first for e in c.effects)
-    if share <= floor:
+    if share <= settings.rest:
         return Verdict(
             "nothing_missing",
             1.0,
             [],
             f"Nothing is missing: the model is within {share:.1%} of the {effort.name}.",
             f"With fitted numbers alone the model misses {share:.1%} of the {effort.name}'s RMS on "
-            f"trials that it was not fitted to; below {floor:.1%} the differences between two "
+            f"trials that it was not fitted to; below {settings.rest:.1%} the differences between two "
             f"builds of the same machine are as large as a missing effect. No candidate carries "
             f"{settings.floor:.1%} of the {effort.name}.",
             "",
@@ -114,12 +118,14 @@ def _poorly_explained(
     )
 
 
-def _named(search: Search, best: Confirmed, share: float, effort: Effort) -> Verdict:
+def _named(
+    search: Search, best: Confirmed, same: Sequence[str], share: float, effort: Effort
+) -> Verdict:
     base, last = search.rungs[0], search.rungs[-1]
     before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
     own = [e.name() for e in last.effects]
-    others = [n for c in search.rounds[0] if c is not best for n in (e.name() for e in c.effects)]
-    others = [n for n in dict.fromkeys(others) if n not in own]
+    others = [e.name() for c in search.rounds[0] for e in c.effects]
+    others = [n for n in dict.fromkeys(others) if n not in own and n not in same]
     ways = (e.tell_apart[o] for e in last.effects for o in others if o in e.tell_apart)
     experiment = next(ways, "")
     story = " ".join(f"{e.explanation} {e.signature}" for e in last.effects)
@@ -133,16 +139,18 @@ def _named(search: Search, best: Confirmed, share: float, effort: Effort) -> Ver
         f"{share:.1%} of the {effort.name}'s RMS; with {added} added and all numbers refitted, "
         f"the error on held-out trials falls from {effort.shown(before, after)}. "
         f"It wins {best.probability:.0%} of resampled validation errors"
-        + (f" against {', '.join(others)}." if others else "."),
+        + (f" against {', '.join(others)}." if others else ".")
+        + (f" On these data {' and '.join(same)} would say the same." if same else ""),
         f"To make sure: {experiment}." if experiment else "",
+        tuple(same),
     )
 
 
 def _undecided(
     best: Confirmed, rivals: Sequence[Confirmed], share: float, effort: Effort
 ) -> Verdict:
-    names = [e.name() for c in rivals if c is not best for e in c.effects]
-    every = [best, *(c for c in rivals if c is not best)]
+    names = [e.name() for c in rivals for e in c.effects]
+    every = [best, *rivals]
     titles = " or ".join(" and ".join(e.title for e in c.effects) for c in every)
     known: Mapping[str, str] = {k: v for e in best.effects for k, v in e.tell_apart.items()}
     ways = [known[n] for n in names if n in known]

@@ -54,7 +54,7 @@ SPREADS = {
     "winch_inertia": Spread(2e-5, 0.1, "kg·m²", "aluminium drum of 40 mm", True, 0.02),
     "gear_stiffness": Spread(600.0, 0.15, "N·m/rad", "planetary gear of this size, assumed", True),
     "gear_damping": Spread(0.3, 0.2, "N·m·s/rad", "assumed", True),
-    "coulomb": Spread(1e-5, 0.2, "N·m", "bearings; a tenth of a percent of a typical current", True, 0.1),
+    "coulomb": Spread(1e-5, 0.2, "N·m", "bearings; 0.1 % of a typical current", True, 0.1),
     "resistance": Spread(0.194, 0.02, "Ω", "measured by others", True, 0.01),
     "inductance": Spread(0.097e-3, 0.02, "H", "measured by others", True, 0.01),
     "torque_constant": Spread(0.0203, 0.005, "N·m/A", "24.48 rpm/V", True, 0.002),

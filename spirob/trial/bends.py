@@ -1,4 +1,4 @@
-"""The short experiment that every robot of the trial plays: eight bends of two and a half to three seconds.
+"""The short experiment that every robot of the trial plays: eight bends of three seconds.
 
 Slow and fast, shallow and deep, up and down, with holds, on either side and against four tensions
 of the antagonist; the antagonist's current is high enough that its tendon stays taut.
@@ -25,7 +25,13 @@ BENDS = (
         0.5,
     ),
     ("train_far", "train", "right", ((0.1, 0.0), (2.0, 0.055), (0.7, 0.046)), 0.65),
-    ("validate_left", "validate", "left", ((0.1, 0.0), (1.7, 0.04), (0.2, 0.04), (0.8, 0.028)), 0.6),
+    (
+        "validate_left",
+        "validate",
+        "left",
+        ((0.1, 0.0), (1.7, 0.04), (0.2, 0.04), (0.8, 0.028)),
+        0.6,
+    ),
     (
         "validate_right",
         "validate",

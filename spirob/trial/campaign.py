@@ -1,7 +1,7 @@
 """Many cases in parallel: each result is a file, so a trial that was stopped goes on."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +27,7 @@ def cases(
     kinds: Sequence[str], seeds: Sequence[int], nulls: int, without: bool = False
 ) -> list[Case]:
     """Every kind with every seed; `nulls` robots more with nothing hidden."""
-    chosen = [Case(kind, seed) for seed in seeds for kind in kinds if kind != "none"]
-    if without:
-        chosen += [Case(c.kind, c.seed, True) for c in chosen if any(_names(c.kind))]
+    chosen = [Case(k, s, without and any(_names(k))) for s in seeds for k in kinds if k != "none"]
     first = min(seeds, default=0)
     return chosen + [Case("none", first + k) for k in range(nulls)]
 
@@ -55,20 +53,24 @@ def play(
             tell("a worker was killed; the cases without a result are run again")
             if attempt == ATTEMPTS - 1:
                 raise
-    return [json.loads(_path(folder, case).read_text()) for case in chosen]
+    return [one for case in chosen for one in json.loads(_path(folder, case).read_text())]
 
 
 def _one(case: Case, folder: Path, settings: Settings | None) -> str:
-    result = run(case, settings)
+    results = run(case, settings)
     with replacing(_path(folder, case)) as temporary:
-        temporary.write_text(json.dumps(result, indent=1) + "\n")
-    error = result["heldout"]
-    said = " + ".join(result["named"]) or result["verdict"]
-    mark = "right" if is_right(result) else "" if case.kind == "none" else "not right"
+        temporary.write_text(json.dumps(results, indent=1) + "\n")
+    whole, error = results[0], results[0]["heldout"]
+    mark = "right" if is_right(whole) else "" if case.kind == "none" else "not right"
+    blind = "".join(f"; without it: {_said(r)}" for r in results[1:])
     return (
-        f"{case.name}: {said} ({result['probability']:.0%}) {mark}; held-out error "
-        f"{error['base']:.2%}, named {error['named']:.2%}, oracle {error['oracle']:.2%}"
+        f"{case.name}: {_said(whole)} {mark}; held-out error {error['base']:.2%}, "
+        f"named {error['named']:.2%}, oracle {error['oracle']:.2%}{blind}"
     )
+
+
+def _said(result: Mapping[str, Any]) -> str:
+    return f"{' + '.join(result['named']) or result['verdict']} ({result['probability']:.0%})"
 
 
 def _path(folder: Path, case: Case) -> Path:

@@ -4,7 +4,7 @@ What is hidden stays on this side of the logs: the diagnosis is handed decoded l
 """
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import effort_rms
+from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
 from spirob.logs.transmission import Transmission
@@ -49,7 +49,8 @@ class Case:
 
     kind     of the emulator, "none", or two joined by "+"
     seed     draws the robot, the sizes of the effect and its strength
-    without  the library lacks every right answer: it must not name another with confidence
+    without  diagnose once more with a library that lacks every right answer: it must not name
+             another with confidence
     """
 
     kind: str
@@ -58,28 +59,40 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Of its result's file."""
+        """Of its results' file."""
         return f"{self.kind.replace('+', '_and_')}-{self.seed}{'-without' * self.without}"
 
 
-def run(case: Case, settings: Settings | None = None) -> dict[str, Any]:
-    """Record, fit, diagnose, and compare with the oracle; plain data."""
+def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
+    """Record, fit, diagnose, and compare with the oracle; one or two results as plain data."""
     settings = settings or Settings(intervals=False)
     hidden = _hidden(case)
     recorded = _recorded(hidden, case.seed)
     library = list(all_effects().values())
-    kept = [e for e in library if not (case.without and e.name() in _right_names(case))]
     problems = _problems(recorded, Plant(Rig(), library))
-    search = climb(problems, NUMBERS, kept, {}, settings)
+    search = climb(problems, NUMBERS, library, {}, settings)
+    best = oracle(problems, search, _counterparts(case), settings)
+    about = {
+        "kind": case.kind,
+        "seed": case.seed,
+        "strengths": [float(strength) for _, strength in hidden.parts],
+    }
+    found = [{**about, "without": False, **_outcome(search, problems, best, settings)}]
+    if case.without:
+        kept = [e for e in library if e.name() not in _right_names(case)]
+        blind = climb(problems, NUMBERS, kept, {}, settings, known=search)
+        found.append({**about, "without": True, **_outcome(blind, problems, best, settings)})
+    return found
+
+
+def _outcome(
+    search: Search, problems: Mapping[str, Problem], best: float, settings: Settings
+) -> dict[str, Any]:
+    """What was said of one robot, and how large the errors are; `best` is the oracle's."""
     verdict = judge(search, problems["validate"], settings)
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
-    best = oracle(problems, search, _counterparts(case), settings)
     return {
-        "kind": case.kind,
-        "seed": case.seed,
-        "without": case.without,
-        "strengths": [float(strength) for _, strength in hidden.parts],
         "verdict": verdict.kind,
         "named": named,
         "rivals": list(verdict.rivals),

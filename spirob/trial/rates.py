@@ -1,6 +1,7 @@
 """Rates of a trial, each with its 95 % interval (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -9,15 +10,17 @@ from spirob.trial.answers import ANSWERS
 
 LEAST_GAIN = 0.02  # where the oracle gains less, there is nothing to name
 CONFIDENT = 0.9
+CLAIMS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)  # edges of probability
+LEAVES = (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # edges of oracle over base
 Z = 1.96
 
 
-def rate(hits: Iterable[bool]) -> dict[str, float]:
-    """Share of hits with its interval; `n` cases."""
+def rate(hits: Iterable[bool]) -> dict[str, Any]:
+    """Share of hits with its interval; `n` cases, and no value where there is none."""
     values = np.array(list(hits), dtype=float)
     n = len(values)
     if n == 0:
-        return {"value": float("nan"), "low": 0.0, "high": 1.0, "n": 0}
+        return {"value": None, "low": 0.0, "high": 1.0, "n": 0}
     p = float(values.mean())
     middle = (p + Z**2 / (2 * n)) / (1 + Z**2 / n)
     half = Z / (1 + Z**2 / n) * float(np.sqrt(p * (1 - p) / n + Z**2 / (4 * n**2)))
@@ -55,6 +58,8 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "pairs_both": rate(both(r) for r in pairs),
         "excess_error_closed": _closed([*single, *pairs]),
         "confusion": confusion(whole),
+        "reliability": reliability([r for r in single if r["verdict"] == "named"]),
+        "strength": by_strength(single),
     }
 
 
@@ -87,6 +92,35 @@ def confusion(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]
     return table
 
 
+def reliability(named: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
+    """How often a name is right, against the probability that was claimed for it."""
+    table = []
+    for low, high in pairwise(CLAIMS):
+        inside = [r for r in named if low < r["probability"] <= high]
+        if inside:
+            said = float(np.mean([r["probability"] for r in inside]))
+            right = rate(is_right(r) for r in inside)
+            table.append(
+                {"low": low, "high": high, "said": said, "right": right["value"]} | _n(right)
+            )
+    return table
+
+
+def by_strength(single: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
+    """top1 against what knowing would leave of the held-out error."""
+    table = []
+    for low, high in pairwise(LEAVES):
+        inside = [r for r in single if low <= r["heldout"]["oracle"] / r["heldout"]["base"] < high]
+        if inside:
+            right = rate(is_right(r) for r in inside)
+            table.append({"low": low, "high": high, "value": right["value"]} | _n(right))
+    return table
+
+
+def _n(found: Mapping[str, Any]) -> dict[str, Any]:
+    return {"low_ci": found["low"], "high_ci": found["high"], "n": found["n"]}
+
+
 def _answers(result: Mapping[str, Any]) -> set[str]:
     return {name for kind in result["kind"].split("+") for name in ANSWERS[kind]}
 
@@ -96,14 +130,14 @@ def _confidently_wrong(result: Mapping[str, Any]) -> bool:
     return sure and not is_right(result)
 
 
-def _closed(results: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+def _closed(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     shares = []
     for r in results:
         error = r["heldout"]
         gain = error["base"] - error["oracle"]
         shares.append(min(1.0, (error["base"] - error["named"]) / gain))
     if not shares:
-        return {"value": float("nan"), "low": 0.0, "high": 1.0, "n": 0}
+        return {"value": None, "low": 0.0, "high": 1.0, "n": 0}
     values = np.array(shares)
     draws = np.random.default_rng(0).choice(values, (2000, len(values))).mean(axis=1)
     low, high = np.quantile(draws, [0.025, 0.975])

@@ -7,41 +7,41 @@ v what the effect leaves at strength 1 after all numbers of the model are fitted
 
 import numpy as np
 
-LEFT = 0.35  # % of the current RMS with nothing hidden
+LEFT = 0.27  # % of the current's RMS with nothing hidden
 RATIOS = (0.3, 0.9)  # of the errors with and without knowing
 LARGEST = 3.0  # strength
 
 # % of the current's RMS that strength 1 leaves after the model's numbers are fitted, mean of three
 # robots: docs/emulator.md, "What the logs show"
 VISIBLE = {
-    "asymmetric_viscous": 4.0,
-    "back_driving_loss": 7.3,
-    "cogging": 11.9,
-    "constant_pull": 7.7,
-    "current_gain": 0.5,
-    "current_lag": 7.3,
-    "current_offset": 11.6,
-    "driver_dead_band": 3.6,
-    "drum_build_up": 1.5,
-    "eccentric_drum": 5.0,
-    "encoder_eccentricity": 8.6,
-    "feedback_latency": 1.6,
-    "gear_backlash": 4.8,
-    "gear_compliance": 3.0,
-    "guide_friction": 4.2,
-    "joint_creep": 2.0,
-    "load_friction": 7.3,
-    "magnetic_saturation": 3.6,
-    "mount_tilt": 1.9,
-    "quadratic_drag": 2.7,
-    "rest_curvature": 1.3,
-    "rotor_friction": 10.5,
-    "stiffness_hardening": 2.0,
-    "tendon_creep": 2.5,
-    "tendon_stretch": 12.0,
-    "tip_payload": 2.5,
-    "torque_ripple": 6.4,
-    "winding_heating": 1.5,
+    "asymmetric_viscous": 1.4,
+    "back_driving_loss": 8.6,
+    "cogging": 4.6,
+    "constant_pull": 1.7,
+    "current_gain": 3.9,
+    "current_lag": 16,
+    "current_offset": 1,
+    "driver_dead_band": 3.3,
+    "drum_build_up": 1.3,
+    "eccentric_drum": 6.6,
+    "encoder_eccentricity": 4.5,
+    "feedback_latency": 4.4,
+    "gear_backlash": 7.6,
+    "gear_compliance": 13,
+    "guide_friction": 3.9,
+    "joint_creep": 0.34,
+    "load_friction": 8.5,
+    "magnetic_saturation": 2.5,
+    "mount_tilt": 0.63,
+    "quadratic_drag": 1.1,
+    "rest_curvature": 0.51,
+    "rotor_friction": 5.8,
+    "stiffness_hardening": 0.1,
+    "tendon_creep": 7.4,
+    "tendon_stretch": 31,
+    "tip_payload": 1.6,
+    "torque_ripple": 7.7,
+    "winding_heating": 1.4,
 }
 
 

@@ -15,6 +15,7 @@ SHORT = [
     "diagnose=short",
     "perceive=short",
     "experiments=short",
+    "trial=short",
 ]
 DECIDING = ("identify", "compare", "diagnose")  # stages that must not know the truth
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.pipeline.project import DECIDING, SHORT, Project
 
-METRICS = ["compare", "diagnose", "experiments", "identify", "score", "size", "transfer"]
+METRICS = ["compare", "diagnose", "experiments", "identify", "score", "size", "transfer", "trial"]
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,25 @@
+"""Stage `trial`: a few robots with something hidden, named blind, and how often the name was right.
+
+The whole test takes hours and is played by `spirob trial`; this one shows that the way is open.
+"""
+
+from pathlib import Path
+
+from pipeline.stage import public_config, run, tell, workers, write_json
+from spirob.trial.campaign import cases, play
+from spirob.trial.rates import rates
+
+
+def stage(root: Path) -> None:
+    """Play the configured cases and write their rates."""
+    chosen = public_config(root).trial
+    seeds = range(*chosen.seeds)
+    folder = root / "data/trial"
+    folder.mkdir(parents=True, exist_ok=True)
+    picked = cases(chosen.kinds, seeds, chosen.nulls, chosen.without)
+    results = play(picked, folder, workers(), tell=tell)
+    write_json(root / "reports/metrics/trial.json", rates(results))
+
+
+if __name__ == "__main__":
+    run("trial", stage)
