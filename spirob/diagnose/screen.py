@@ -171,10 +171,11 @@ def beside(
 ) -> tuple[list[dict[str, float]], list[float]]:
     """Points a step away along each of the last coordinates, and how far they are."""
     points, widths = [], []
+    low, high = scaling.around(u)
     for k, step in enumerate(steps, len(u) - len(steps)):
         moved = u.copy()
-        inside = scaling.low[k] <= u[k] + step <= scaling.high[k]
-        moved[k] = np.clip(u[k] + (step if inside else -step), scaling.low[k], scaling.high[k])
+        inside = low[k] <= u[k] + step <= high[k]
+        moved[k] = np.clip(u[k] + (step if inside else -step), low[k], high[k])
         points.append({**fixed, **scaling.physical(moved)})
         widths.append(float(moved[k] - u[k]))
     return points, widths
@@ -203,13 +204,14 @@ def _heat(problem: Problem, runners: Sequence[_Runner], scale: float) -> list[_R
 
 def _goal(runner: _Runner, scale: float) -> np.ndarray:
     scaling, u, own = runner.scaling, runner.u, runner.own
-    goal = _solved(runner, (scaling.low, scaling.high), scale)
+    box = scaling.around(u)
+    goal = _solved(runner, box, scale)
     if np.any(np.abs(goal[-own:] - u[-own:]) > 0.1 * abs(runner.probe)):
         return goal
     # no slope towards it: look at a size that would be seen
     k = len(u) - own
     step = runner.probe * TRIED / PROBE
-    low, high = scaling.low.copy(), scaling.high.copy()
+    low, high = box[0].copy(), box[1].copy()
     low[k] = high[k] = np.clip(u[k] + step, low[k], high[k])
     return _solved(runner, (low, high), scale)
 

@@ -85,9 +85,9 @@ def _nothing_or_unknown(
             [],
             f"Nothing is missing: the model is within {share:.1%} of the {effort.name}.",
             f"With fitted numbers alone the model misses {share:.1%} of the {effort.name}'s RMS on "
-            f"trials that it was not fitted to; below {settings.rest:.1%} the differences between two "
-            f"builds of the same machine are as large as a missing effect. No candidate carries "
-            f"{settings.floor:.1%} of the {effort.name}.",
+            f"trials that it was not fitted to; below {settings.rest:.1%} the differences between "
+            f"two builds of the same machine are as large as a missing effect. No candidate "
+            f"carries {settings.floor:.1%} of the {effort.name} and most of what is left.",
             "",
         )
     return Verdict(

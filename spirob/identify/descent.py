@@ -89,7 +89,7 @@ def descend(
     value: Callable[[np.ndarray], np.ndarray],
     differences: Callable[[np.ndarray, np.ndarray], np.ndarray],
     start: np.ndarray,
-    box: tuple[np.ndarray, np.ndarray],
+    box: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
     scale: float,
     rounds: int,
     settled: float,
@@ -99,7 +99,7 @@ def descend(
     """Walk down from `start` until a fresh set of derivatives gains less than `settled`.
 
     value        residual at u;  differences  its derivatives at (u, residual there)
-    box          lowest and highest u
+    box          lowest and highest u, seen from a u
     rounds       sets of differences at most
     slopes       derivatives at the start, where they are known already
     """
@@ -111,13 +111,14 @@ def descend(
             slopes = differences(u, residual)
         before = cost
         for _ in range(STEPS_BETWEEN):
-            low, high = box[0] - u, box[1] - u
+            least, most = box(u)
+            low, high = least - u, most - u
             if share < 1.0:
                 reach = REACH * share * np.maximum(1.0, np.abs(u))
                 low, high = np.maximum(low, -reach), np.minimum(high, reach)
             rows = anchor.rows(u) if anchor else None
             moved = np.clip(
-                u + linear_step(residual, slopes, (low, high), scale, rows), box[0], box[1]
+                u + linear_step(residual, slopes, (low, high), scale, rows), least, most
             )
             step = moved - u
             seen = value(moved)

@@ -118,7 +118,7 @@ def fit(
                 value,
                 differ,
                 u0,
-                (scaling.low, scaling.high),
+                scaling.around,
                 scale,
                 iterations,
                 SETTLED,
@@ -261,11 +261,12 @@ def differences(
     halved the interval of η.  Next to a bound they end at it.
     """
     points = []
+    low, high = scaling.around(u)
     widths = np.zeros(len(u))
     for k in range(len(u)):
         for sign in (1.0, -1.0):
             moved = u.copy()
-            moved[k] = np.clip(u[k] + sign * step, scaling.low[k], scaling.high[k])
+            moved[k] = np.clip(u[k] + sign * step, low[k], high[k])
             widths[k] += sign * moved[k]
             points.append({**fixed, **scaling.physical(moved)})
     values = residual.many(points)
@@ -282,7 +283,7 @@ def _slopes(
     step: float,
 ) -> np.ndarray:
     """One-sided differences away from the nearer bound: half the price, for the way there."""
-    widths = np.where(u + step <= scaling.high, step, -step)
+    widths = np.where(u + step <= scaling.around(u)[1], step, -step)
     moved = [u + width * unit for width, unit in zip(widths, np.eye(len(u)), strict=True)]
     values = residual.many([{**fixed, **scaling.physical(m)} for m in moved])
     return np.column_stack([(v - at) / w for v, w in zip(values, widths, strict=True)])

@@ -62,6 +62,22 @@ class Scaling:
         p = np.clip(self._values(u), self._low, self._high)
         return {n: float(v) for n, v in zip(self.names, p, strict=True)}
 
+    def around(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest coordinates while the efficiency stays that of u, (n,) each.
+
+        The box `low`, `high` holds those of every efficiency; between the two a number is cut to
+        its bound, where the residual knows nothing of the coordinate.
+        """
+        if self._strength < 0:
+            return self.low, self.high
+        here = np.array(list(self.physical(u).values()))
+        alone = np.eye(len(u), dtype=bool)
+        ends = [
+            [self._coordinates(np.where(one, bound, here))[k] for k, one in enumerate(alone)]
+            for bound in (self._low, self._high)
+        ]
+        return np.min(ends, axis=0), np.max(ends, axis=0)
+
     def relative(self, u: np.ndarray) -> np.ndarray:
         """Slopes of the relative numbers by the coordinates, (n, n).
 

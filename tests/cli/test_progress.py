@@ -30,11 +30,13 @@ def on_a_terminal(monkeypatch, colourless):
     if colourless:
         monkeypatch.setenv("NO_COLOR", "1")
     leader, follower = os.openpty()
-    with open(follower, "w") as stream:
-        with Progress(["fit", "judge"], {"fit": 3.0, "judge": 60.0}, stream) as progress:
-            progress.begin("fit")
-            progress.tell("a line above")
-            progress.done("fit")
+    with (
+        open(follower, "w") as stream,
+        Progress(["fit", "judge"], {"fit": 3.0, "judge": 60.0}, stream) as progress,
+    ):
+        progress.begin("fit")
+        progress.tell("a line above")
+        progress.done("fit")
     seen = b""
     with suppress(OSError):  # the end, once the other side is closed: one read may hold a part only
         while piece := os.read(leader, 100_000):

@@ -5,17 +5,17 @@ from spirob.parameter import bounded
 
 
 class AsymmetricViscousFriction(Effect):
-    """τ = -D·ω while winding in, if D > 0;  τ = -|D|·ω while paying out, if D < 0.
+    """τ = -D|ω|/2: what the damping b_m ± D/2 of the two directions has beside its mean.
 
-    Only the excess over the symmetric friction, which the model has: one number, dissipative for
-    either sign.
+    The mean is the symmetric friction, which the model has.  Dissipative together with it, as long
+    as |D| ≤ 2 b_m; linear in D, so that a fit finds its way through zero.
     """
 
     port = "motor.torque"
     reads = {"speed": "motor.speed"}
     neutral = {"excess": 0.0}
-    traits = {"dissipative"}
-    equation = "-Max(D, 0)*Max(speed, 0) - Max(-D, 0)*Min(speed, 0)"
+    traits = {"even_in_speed"}
+    equation = "-D*Abs(speed)/2"
     title = "viscous friction that differs between the two directions"
     signature = "Effort in proportion to speed in one direction and missing in the other."
     explanation = (
@@ -32,12 +32,10 @@ class AsymmetricViscousFriction(Effect):
     references = ("Janot, Gautier, Brunot, data set and reference models of EMPS (2019)",)
 
     excess: float = bounded(
-        2e-5, -1e-3, 1e-3, "N·m·s/rad", "D", "extra friction winding in (+) or paying out (-)"
+        2e-5, -1e-3, 1e-3, "N·m·s/rad", "D", "damping winding in less damping paying out"
     )
 
     @staticmethod
     def kernel(speed, excess):
         """Friction torque on the rotor [N·m]."""
-        if speed * excess > 0.0:
-            return -abs(excess) * speed
-        return 0.0
+        return -0.5 * excess * abs(speed)
