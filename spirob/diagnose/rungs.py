@@ -125,7 +125,9 @@ def scores_of(
         scores[role] = score(measured, measured + values[residual.rows])
         if role == "validate":
             missed = values
-            errors = block_errors(values, residual.edges, residual.block)
+            # a mean over samples of the effort, to which further signals only add
+            share = float(np.mean(residual.rows))
+            errors = block_errors(values, residual.edges, residual.block) / share
     return scores, missed, errors
 
 

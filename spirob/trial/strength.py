@@ -18,7 +18,7 @@ VISIBLE = {
     "back_driving_loss": 9.0,
     "cogging": 4.6,
     "constant_pull": 1.7,
-    "current_gain": 3.9,
+    "current_gain": 0.3,
     "current_lag": 10.0,
     "current_offset": 1.35,
     "driver_dead_band": 3.8,
