@@ -14,6 +14,7 @@ import numpy as np
 
 from spirob.diagnose.confirm import confirm, finished, shaped
 from spirob.diagnose.evidence import improvement, win_rates
+from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import (
     Confirmed,
     Rung,
@@ -53,7 +54,7 @@ def climb(
     search = _known(known) if known else _begun(residuals, names, start, settings)
     fitted = [n for n in names if n not in search.vague]
     progress(f"parameters only: {line(search.rungs[0].scores, train.effort)}")
-    rest = settings.rest * effort_rms(validate)
+    rest = complete(validate, settings.rest)
     while len(search.rungs[-1].effects) < settings.rounds:
         rung = search.rungs[-1]
         absent = [c for c in candidates if c not in rung.effects]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, effort_rms
 
 
 def noise_floor(problem: Problem) -> float:
@@ -16,6 +16,14 @@ def noise_floor(problem: Problem) -> float:
     passed = float(np.std(problem.filter(white)))
     levels = [1.4826 * _deviation(np.diff(raw, n=2)) / np.sqrt(6) for raw in problem.raw()]
     return float(np.sqrt(np.mean(np.square(levels)))) * passed
+
+
+def complete(problem: Problem, rest: float) -> float:
+    """RMS error of a model from which nothing is missing, in the unit of the effort.
+
+    rest  what the build of a machine adds to the noise, over the RMS effort
+    """
+    return float(np.hypot(noise_floor(problem), rest * effort_rms(problem)))
 
 
 def _deviation(values: np.ndarray) -> float:

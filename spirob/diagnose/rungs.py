@@ -24,8 +24,8 @@ class Settings:
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
     floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
-    rest         error, over the RMS effort, with which a model counts as complete: as much as the
-                 build of a machine differs from its model with nothing missing
+    rest         error beside the sensor's noise, over the RMS effort, with which a model counts as
+                 complete: as much as the build of a machine differs from its model
     further      least size of a second effect, relative to the first: a law of the library is never
                  quite that of the machine, and what is left of its form is no effect of its own
     confidence   an effect is named when it wins this share of resampled validation errors
@@ -42,7 +42,7 @@ class Settings:
     finalists: int = 4
     rounds: int = 2
     floor: float = 0.002
-    rest: float = 0.0045
+    rest: float = 0.004
     further: float = 0.25
     confidence: float = 0.9
     explained: float = 0.5
@@ -124,10 +124,9 @@ def scores_of(
         measured = residual.measured()[residual.rows]
         scores[role] = score(measured, measured + values[residual.rows])
         if role == "validate":
-            missed = values
             # a mean over samples of the effort, to which further signals only add
-            share = float(np.mean(residual.rows))
-            errors = block_errors(values, residual.edges, residual.block) / share
+            missed = values / np.sqrt(np.mean(residual.rows))
+            errors = block_errors(missed, residual.edges, residual.block)
     return scores, missed, errors
 
 

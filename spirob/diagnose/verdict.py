@@ -7,6 +7,7 @@ import numpy as np
 
 from spirob.diagnose.evidence import alike
 from spirob.diagnose.ladder import counts
+from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Search, Settings, label
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
@@ -41,9 +42,11 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     effort, size = validate.effort, effort_rms(validate)
     share = base.scores["validate"].rmse / size
     first = search.rounds[0] if search.rounds else []
-    if not last.effects:
-        return _nothing_or_unknown(share, settings, first, effort)
-    accounted = explained(search, settings.floor * size)
+    least = complete(validate, settings.rest) / size
+    accounted = explained(search, complete(validate, settings.floor))
+    small = share <= least and accounted < settings.explained
+    if not last.effects or small:
+        return _nothing_or_unknown(share, least, settings, first, effort)
     if accounted < settings.explained:
         return _poorly_explained(share, accounted, last.effects, effort)
     best = _brought(search)
@@ -68,26 +71,26 @@ def _brought(search: Search) -> Confirmed:
 def explained(search: Search, floor: float) -> float:
     """Share of the squared validation error above the floor that the named effects account for.
 
-    floor  RMS that differences between two builds of the same machine leave
+    floor  RMS that noise and small differences between machine and model leave
     """
     before, after = (float(r.errors.mean()) for r in (search.rungs[0], search.rungs[-1]))
     return (before - after) / max(before - floor**2, 1e-300)
 
 
 def _nothing_or_unknown(
-    share: float, settings: Settings, first: Sequence[Confirmed], effort: Effort
+    share: float, least: float, settings: Settings, first: Sequence[Confirmed], effort: Effort
 ) -> Verdict:
     tried = ", ".join(e.title for c in first for e in c.effects)
-    if share <= settings.rest:
+    if share <= least:
         return Verdict(
             "nothing_missing",
             1.0,
             [],
             f"Nothing is missing: the model is within {share:.1%} of the {effort.name}.",
             f"With fitted numbers alone the model misses {share:.1%} of the {effort.name}'s RMS on "
-            f"trials that it was not fitted to; below {settings.rest:.1%} the differences between "
-            f"two builds of the same machine are as large as a missing effect. No candidate "
-            f"carries {settings.floor:.1%} of the {effort.name} and most of what is left.",
+            f"trials that it was not fitted to; sensor noise and the differences between two builds "
+            f"of the same machine account for up to {least:.1%}. No candidate carries "
+            f"{settings.floor:.1%} of the {effort.name} and most of what is left.",
             "",
         )
     return Verdict(
