@@ -88,8 +88,8 @@ def _nothing_or_unknown(
             [],
             f"Nothing is missing: the model is within {share:.1%} of the {effort.name}.",
             f"With fitted numbers alone the model misses {share:.1%} of the {effort.name}'s RMS on "
-            f"trials that it was not fitted to; sensor noise and the differences between two builds "
-            f"of the same machine account for up to {least:.1%}. No candidate carries "
+            f"trials that it was not fitted to; sensor noise and the differences between two "
+            f"builds of the same machine account for up to {least:.1%}. No candidate carries "
             f"{settings.floor:.1%} of the {effort.name} and most of what is left.",
             "",
         )
