@@ -11,13 +11,13 @@ part in them.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from scipy import optimize
 from scipy.stats import qmc
 
 from spirob.identify.descent import Anchor, Descent, descend, robust_cost
+from spirob.identify.intervals import Estimate, block_covariance, estimates
 from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
@@ -34,17 +34,6 @@ FLOOR = 0.01  # of the effort's RMS: how well a model of a real machine may be e
 INDEPENDENT = 10  # samples of the residual that say the same thing
 WALKERS = 2  # of the spread starts, that walk down beside the given one
 DECADE = 10.0  # an interval that wide says nothing
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One fitted number with its 95 % interval, cut to its bounds."""
-
-    value: float
-    low: float
-    high: float
-    unit: str
-    at_bound: bool
 
 
 @dataclass(frozen=True)
@@ -128,9 +117,9 @@ def fit(
             u0, slopes = found.u, None
     jacobian = differences(residual, scaling, found.u, fixed) if exact else found.slopes
     covariance = block_covariance(jacobian, found.residual, residual.edges, scale, residual.block)
-    estimates = _estimates(scaling, found.u, covariance, table)
+    numbers = estimates(scaling, found.u, covariance, table)
     changes = {**fixed, **scaling.physical(found.u)}
-    return Fit(changes, estimates, found.residual, jacobian, found.cost, len(known))
+    return Fit(changes, numbers, found.residual, jacobian, found.cost, len(known))
 
 
 def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
@@ -287,41 +276,3 @@ def _slopes(
     moved = [u + width * unit for width, unit in zip(widths, np.eye(len(u)), strict=True)]
     values = residual.many([{**fixed, **scaling.physical(m)} for m in moved])
     return np.column_stack([(v - at) / w for v, w in zip(values, widths, strict=True)])
-
-
-def block_covariance(
-    jacobian: np.ndarray, residual: np.ndarray, edges: np.ndarray, scale: float, block: int
-) -> np.ndarray:
-    """Sandwich covariance of the scaled parameters with blocks within trials as clusters.
-
-    H = Jᵀ W J, G = Σ_b g_b g_bᵀ with g_b = J_bᵀ ψ(r_b), cov = H⁻¹ G H⁻¹ · B/(B - n)
-    """
-    weight = 1.0 / np.sqrt(1.0 + (residual / scale) ** 2)  # of the soft-L1 loss
-    hessian = jacobian.T @ (weight[:, None] * jacobian)
-    scores = []
-    for start, stop in pairwise(edges):
-        for k in range(start, stop, block):
-            rows = slice(k, min(k + block, stop))
-            scores.append(jacobian[rows].T @ (weight[rows] * residual[rows]))
-    stacked = np.array(scores)
-    inverse = np.linalg.pinv(hessian, rcond=1e-12)
-    blocks, size = stacked.shape
-    correction = blocks / max(1, blocks - size)
-    return correction * inverse @ (stacked.T @ stacked) @ inverse
-
-
-def _estimates(
-    scaling: Scaling, u: np.ndarray, covariance: np.ndarray, table: Table
-) -> dict[str, Estimate]:
-    values = scaling.physical(u)
-    low, high = scaling.spread(u, covariance)
-    found = {}
-    for k, name in enumerate(scaling.names):
-        about, value = table.about[name], values[name]
-        least, most = about.reach(float(table.values[table.position(name)]))
-        near = 1e-3 * (most - least)
-        bound = value <= least + near or value >= most - near
-        if about.log:
-            bound = value <= 1.005 * least or value >= 0.995 * most
-        found[name] = Estimate(value, float(low[k]), float(high[k]), about.unit, bound)
-    return found
