@@ -13,11 +13,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
 from scipy.stats import qmc
 
-from spirob.identify.descent import Anchor, Descent, descend, robust_cost
+from spirob.identify.descent import Anchor, descend, robust_cost
+from spirob.identify.differences import differences, slopes_ahead
 from spirob.identify.intervals import Estimate, block_covariance, estimates
+from spirob.identify.optimum import to_the_optimum
 from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
@@ -27,7 +28,6 @@ from spirob.parameter import Table
 # starts up to four times off, 0.03 ends in a valley each time, 0.1 once, 0.3 finds the truth in
 # 13 to 21 evaluations.
 STEPS = (0.3, 0.03)
-EXACT = 3e-3  # step of the differences for intervals
 SETTLED = 2e-3  # relative fall of the cost in a step that ends the fit: 0.1 % of the RMS
 ANCHOR = 0.5  # relative width of what the data sheet says of a number, at one deviation
 FLOOR = 0.01  # of the effort's RMS: how well a model of a real machine may be expected to fit
@@ -95,13 +95,13 @@ def fit(
         return out
 
     if smooth:
-        found = _to_the_optimum(residual, scaling, value, u0, fixed, scale, iterations, steps[-1])
+        found = to_the_optimum(residual, scaling, value, u0, fixed, scale, iterations, steps[-1])
     else:
         anchor = anchor_of(residual, scaling)
         for step in steps:
 
             def differ(u: np.ndarray, at: np.ndarray, step: float = step) -> np.ndarray:
-                return _slopes(residual, scaling, u, fixed, at, step)
+                return slopes_ahead(residual, scaling, u, fixed, at, step)
 
             found = descend(
                 value,
@@ -128,41 +128,6 @@ def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
     values = {n: float(table.values[table.position(n)]) for n in scaling.names}
     noise = FLOOR * effort_rms(residual) * np.sqrt(INDEPENDENT)
     return Anchor(scaling.scaled(values), ANCHOR, noise)
-
-
-def _to_the_optimum(
-    residual: Problem,
-    scaling: Scaling,
-    value: Callable[[np.ndarray], np.ndarray],
-    start: np.ndarray,
-    fixed: Mapping[str, float],
-    scale: float,
-    iterations: int,
-    step: float,
-) -> Descent:
-    """A smooth and cheap problem, by trust regions."""
-    slopes = np.zeros((0, 0))
-
-    def jacobian(at: np.ndarray) -> np.ndarray:
-        nonlocal slopes
-        slopes = _slopes(residual, scaling, at, fixed, value(at), step)
-        return slopes
-
-    found = optimize.least_squares(
-        value,
-        start,
-        jac=jacobian,
-        method="trf",
-        bounds=(scaling.low, scaling.high),
-        loss="soft_l1",
-        f_scale=scale,
-        max_nfev=iterations,
-        xtol=1e-4,
-        ftol=1e-4,
-        gtol=1e-10,
-    )
-    u = np.asarray(found.x)
-    return Descent(u, value(u), slopes, float(found.cost))
 
 
 def best_start(
@@ -235,44 +200,3 @@ def fit_identifiable(
     begin = {**first.changes, **back}
     second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:], exact)
     return second, vague
-
-
-def differences(
-    residual: Problem,
-    scaling: Scaling,
-    u: np.ndarray,
-    fixed: Mapping[str, float],
-    step: float = EXACT,
-) -> np.ndarray:
-    """Central differences of the residual by the scaled parameters, (samples, parameters).
-
-    One-sided ones bend the weak directions: with η, b_m and J_m nearly moving together, they
-    halved the interval of η.  Next to a bound they end at it.
-    """
-    points = []
-    low, high = scaling.around(u)
-    widths = np.zeros(len(u))
-    for k in range(len(u)):
-        for sign in (1.0, -1.0):
-            moved = u.copy()
-            moved[k] = np.clip(u[k] + sign * step, low[k], high[k])
-            widths[k] += sign * moved[k]
-            points.append({**fixed, **scaling.physical(moved)})
-    values = residual.many(points)
-    pairs = zip(values[::2], values[1::2], widths, strict=True)
-    return np.column_stack([(ahead - behind) / width for ahead, behind, width in pairs])
-
-
-def _slopes(
-    residual: Problem,
-    scaling: Scaling,
-    u: np.ndarray,
-    fixed: Mapping[str, float],
-    at: np.ndarray,
-    step: float,
-) -> np.ndarray:
-    """One-sided differences away from the nearer bound: half the price, for the way there."""
-    widths = np.where(u + step <= scaling.around(u)[1], step, -step)
-    moved = [u + width * unit for width, unit in zip(widths, np.eye(len(u)), strict=True)]
-    values = residual.many([{**fixed, **scaling.physical(m)} for m in moved])
-    return np.column_stack([(v - at) / w for v, w in zip(values, widths, strict=True)])

@@ -68,6 +68,7 @@ def _as_sent(schedule: Schedule, trace: Trace) -> Schedule:
     sent = [f"{motor}.command" for motor in MOTORS]
     reference = schedule.reference.copy()
     for m, name in enumerate(sent):
-        if schedule.mode[m] == CURRENT and name in trace.signals:
+        known = name in trace.signals and np.isfinite(trace[name]).all()
+        if schedule.mode[m] == CURRENT and known:
             reference[:, m] = trace[name]
     return replace(schedule, reference=reference)
