@@ -4,38 +4,29 @@ Current alone carries no scale of force: without a weight J, b and k are known o
 kilogram on the drum adds m g r/(η G k_t), which fixes η k_t, with k_t from the data sheet η, and
 with it all others.  The robot has its own physics; its truth is read for scoring alone.
 
-The emulated arm has 48 hinges, the model 24, and these differ in how far the pull of both tendons
-takes away from the arm's stiffness: both buckle, straight, at 9 to 16 N and 49 to 91 N.  So the
-ratios are taken with a model of 48 hinges as well.
-
     python -m spirob.benchmark.known_weight --seeds 1 2 3 --json FILE
 """
 
 import argparse
 import json
-import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from spirob.bench import Trial, record
+from spirob.bench import Trial
 from spirob.benchmark.coverage import LOSS_SCALE, SPREADS
+from spirob.benchmark.recording import recorded
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.identify.fit import STEPS, Fit, fit
-from spirob.identify.measurement import Measurement
 from spirob.identify.polish import polished
 from spirob.identify.residual import Residual
-from spirob.logs import Transmission, read_log
 from spirob.logs.atomic import write_text
 from spirob.plant import Plant, Rig
-from spirob.plant.nominal import Arm
 
 WEIGHT = 1.0  # kg
-COARSE, FINE = 24, 48  # hinges
 # motor that moves, its (duration [s], length [m]), current of the other motor [A]: low, because
 # what both tendons pull together takes away from the stiffness of the arm
 BENDS = (
@@ -69,32 +60,6 @@ def trials(weight: float) -> list[Trial]:
     return found
 
 
-def recorded(robot: EmulatedRobot, chosen: Sequence[Trial], rig: Rig) -> list[Measurement]:
-    """Trials of an emulated robot, decoded from its logs."""
-    found = []
-    with tempfile.TemporaryDirectory(prefix="spirob-weight-") as folder:
-        for trial in chosen:
-            path = record(
-                trial,
-                robot,
-                Path(folder) / f"{trial.name}.mcap",
-                transmission=Transmission(
-                    gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
-                ),
-                gains=rig.gains,
-                rig=rig.name,
-            )
-            found.append(Measurement.from_trace(read_log(path)))
-    return found
-
-
-def rig_of(units: int) -> Rig:
-    """The default rig, its arm cut into so many units: twice as many hinges are twice as stiff."""
-    arm = Arm()
-    stiffness = arm.base_stiffness * units / COARSE
-    return Rig(units=units, arm=replace(arm, base_stiffness=stiffness))
-
-
 def true_numbers(robot: EmulatedRobot, rig: Rig) -> dict[str, float]:
     """The robot's numbers in the model's terms: mean of both sides, drum added to the rotor."""
     numbers = robot.truth()["numbers"]
@@ -112,29 +77,22 @@ def true_numbers(robot: EmulatedRobot, rig: Rig) -> dict[str, float]:
 
 def one(seed: int) -> dict[str, Any]:
     """Errors of one robot: relative, without a weight of the ratios to η k_t, with it of each."""
-    rig, fine = rig_of(COARSE), rig_of(FINE)
+    rig = Rig()
     robot = EmulatedRobot(EmulatedRig(), HiddenSettings("none"), seed)
     try:
         plain, hoists = (recorded(robot, trials(weight), rig) for weight in (0.0, WEIGHT))
-        true, finer = true_numbers(robot, rig), true_numbers(robot, fine)
+        true = true_numbers(robot, rig)
     finally:
         robot.close()
     plant = Plant(rig)
     without = _fitted(Residual(plant, plain, workers=1), {})
     known = _fitted(Residual(plant, [*plain, *hoists], workers=1), without.changes)
-    stiffness = FINE / COARSE * without.changes["arm.base_stiffness"]
-    begun = without.changes | {"arm.base_stiffness": stiffness}
-    alike = _fitted(Residual(Plant(fine), plain, workers=1), begun)
     return {
         "seed": seed,
         "without": {
             "ratios": _errors(_ratios(without.changes, rig), _ratios(true, rig)),
             "numbers": _errors(without.changes, true),
             "rmse": float(np.sqrt(np.mean(without.residual**2))),
-        },
-        "without_48_hinges": {
-            "ratios": _errors(_ratios(alike.changes, fine), _ratios(finer, fine)),
-            "rmse": float(np.sqrt(np.mean(alike.residual**2))),
         },
         "with": {
             "ratios": _errors(_ratios(known.changes, rig), _ratios(true, rig)),
@@ -147,10 +105,9 @@ def one(seed: int) -> dict[str, Any]:
 
 
 def _fitted(residual: Residual, start: Mapping[str, float]) -> Fit:
-    steps = STEPS[-1:] if start else STEPS
-    return polished(
-        residual, fit(residual, list(SPREADS), start, LOSS_SCALE, steps=steps), LOSS_SCALE
-    )
+    steps = STEPS[-1:] if start else STEPS[:1]
+    found = fit(residual, list(SPREADS), start, LOSS_SCALE, iterations=3, steps=steps)
+    return polished(residual, found, LOSS_SCALE)
 
 
 def _ratios(numbers: Mapping[str, float], rig: Rig) -> dict[str, float]:
@@ -169,9 +126,6 @@ def measure(seeds: Sequence[int], jobs: int = 1) -> dict[str, Any]:
     return {
         "weight_kg": WEIGHT,
         "largest_error_of_ratios_without": _largest(r["without"]["ratios"] for r in robots),
-        "largest_error_of_ratios_without_48_hinges": _largest(
-            r["without_48_hinges"]["ratios"] for r in robots
-        ),
         "largest_error_with": _largest({n: r["with"]["numbers"][n] for n in FIXED} for r in robots),
         "robots": robots,
     }
