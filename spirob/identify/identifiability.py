@@ -126,10 +126,11 @@ def _weakest(slopes: np.ndarray, names: Sequence[str]) -> tuple[float, dict[str,
 
 def _on_bound(value: float, name: str, table: Table) -> bool:
     about = table.about[name]
-    near = 1e-3 * (about.high - about.low)
+    least, most = about.reach(float(table.values[table.position(name)]))
+    near = 1e-3 * (most - least)
     if about.log:
-        return value <= 1.005 * about.low or value >= 0.995 * about.high
-    return value <= about.low + near or value >= about.high - near
+        return value <= 1.005 * least or value >= 0.995 * most
+    return value <= least + near or value >= most - near
 
 
 def _sentence(
