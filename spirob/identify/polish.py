@@ -31,11 +31,11 @@ def polished(problem: Problem, found: Fit, scale: float) -> Fit:
         anchor, covariance = _weighed(problem, residual, slopes, scale, place)
         if evaluations == MOST:
             break
-        room = (scaling.low - u, scaling.high - u)
-        step = linear_step(residual, slopes, room, scale, anchor.rows(u))
+        low, high = scaling.around(u)
+        step = linear_step(residual, slopes, (low - u, high - u), scale, anchor.rows(u))
         if np.all(np.abs(step) < SHORT * np.sqrt(np.diag(covariance))):
             break
-        moved = np.clip(u + step, scaling.low, scaling.high)
+        moved = np.clip(u + step, low, high)
         seen = problem({**fixed, **scaling.physical(moved)})
         evaluations += 1
         before = robust_cost(residual, scale) + anchor.cost(u)
