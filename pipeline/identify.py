@@ -8,6 +8,7 @@ from pipeline.resolution import resolution
 from pipeline.stage import public_config, run, tell, write_json
 from spirob.identify.fit import Fit, best_start, fit_identifiable
 from spirob.identify.identifiability import probe
+from spirob.identify.polish import polished
 from spirob.parameter import Table
 from spirob.score import score
 
@@ -18,12 +19,14 @@ def stage(root: Path) -> None:
     model = plant(config)
     train = residual(root, config, model, "train")
     names, begin = fitted_names(config), start(config)
-    gate = probe(train, names, begin)
+    weighed = any(trial.scene.weights for trial in train.trials)
+    gate = probe(train, names, begin, weighed)
     tell(gate.sentence)
-    names = [n for n in names if n not in gate.silent]
+    names = [n for n in names if n not in gate.silent + gate.held]
     settings = config.identify
     begin = best_start(train, names, begin, settings.scale, settings.starts)
     found, vague = fit_identifiable(train, names, begin, settings.scale, settings.iterations, tell)
+    found = polished(train, found, settings.scale)
     measured = train.measured()[train.rows]
     quality = score(measured, measured + found.residual[train.rows]).as_dict() | {"unit": "A"}
     sentence = gate.sentence
@@ -38,13 +41,18 @@ def stage(root: Path) -> None:
             "vague": vague,
             "identifiability": sentence,
             "condition": gate.condition,
+            "gate": gate.plain() | {"known_weight": weighed, "unit": train.effort.unit},
             "resolution": resolution(found, train, settings.scale),
             "train": quality,
         },
     )
     shown = ("value", "low", "high", "unit")
     figures = {k: {f: v[f] for f in shown} for k, v in parameters.items()}
-    write_json(root / "reports/metrics/identify.json", {"train": quality, "parameters": figures})
+    said = {"sentence": sentence, "null": len(gate.null), "known_weight": weighed}
+    write_json(
+        root / "reports/metrics/identify.json",
+        {"train": quality, "parameters": figures, "identifiability": said},
+    )
 
 
 def described(found: Fit, table: Table) -> dict[str, Any]:

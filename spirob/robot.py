@@ -61,12 +61,25 @@ class Peg:
 
 
 @dataclass(frozen=True)
+class Weights:
+    """Known weights on the winches, each on a line of its own wound beside the tendon.
+
+    left, right  mass [kg], lifted by winding in, let go when the trial begins; 0 is none.  The line
+    stays taut while the drum gives way more slowly than the weight would fall.
+    """
+
+    left: float = 0.0
+    right: float = 0.0
+
+
+@dataclass(frozen=True)
 class Scene:
-    """What surrounds the arm in a trial: nothing, or one of these."""
+    """What surrounds the arm in a trial, or hangs on its winches: nothing, or one of these."""
 
     cylinder: Cylinder | None = None
     ball: Ball | None = None
     peg: Peg | None = None
+    weights: Weights | None = None
 
 
 class Robot(Protocol):

@@ -75,6 +75,10 @@ class CanRobot:
                 f"a cylinder of {1e3 * around.diameter:.1f} mm at x = {1e3 * around.x:.1f} mm, "
                 f"y = {1e3 * around.y:.1f} mm"
             )
+        if hung := scene.weights:
+            put += (
+                f", weights of {hung.left:g} kg (left) and {hung.right:g} kg (right) on the drums"
+            )
         self._ask(f"Arm straight and at rest, tendons just taut, {put}; then press Enter. ")
         self._deadline = None
 

@@ -13,7 +13,7 @@ from spirob.emulator.physics.layout import SCRATCH, STATE
 from spirob.emulator.physics.step import run_cycle
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
-from spirob.robot import CYCLE_NS, Scene
+from spirob.robot import CYCLE_NS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
 NOISE_BLOCK = 1000  # cycles whose noise is drawn at once
@@ -101,6 +101,8 @@ class Machine:
         for name in ("cylinder", "orbit", "ball_mass"):
             self.numbers[name][0] = 0.0
         self._first = np.zeros(4)
+        weights = scene.weights or Weights()
+        self.numbers["hung_mass"][0] = weights.left, weights.right
         around = scene.cylinder or scene.ball or scene.peg
         if around is None:
             return
@@ -123,7 +125,7 @@ class Machine:
             calm = self.numbers.copy()
             calm["damping"] *= SETTLE_DAMPING
             calm["supply"] = 0.0
-            calm["orbit"] = calm["ball_mass"] = 0.0
+            calm["orbit"] = calm["ball_mass"] = calm["hung_mass"] = 0.0
             self.state["wound"] = -1.0
             self._advance(calm, np.zeros(2), steps=SETTLE_STEPS, dt=SETTLE_STEP)
         hanging = self.state["phi"][0].copy()

@@ -11,13 +11,14 @@ part in them.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from scipy import optimize
 from scipy.stats import qmc
 
-from spirob.identify.descent import Anchor, Descent, descend, robust_cost
+from spirob.identify.descent import Anchor, descend, robust_cost
+from spirob.identify.differences import differences, slopes_ahead
+from spirob.identify.intervals import Estimate, block_covariance, estimates
+from spirob.identify.optimum import to_the_optimum
 from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
@@ -27,24 +28,12 @@ from spirob.parameter import Table
 # starts up to four times off, 0.03 ends in a valley each time, 0.1 once, 0.3 finds the truth in
 # 13 to 21 evaluations.
 STEPS = (0.3, 0.03)
-EXACT = 3e-3  # step of the differences for intervals
 SETTLED = 2e-3  # relative fall of the cost in a step that ends the fit: 0.1 % of the RMS
 ANCHOR = 0.5  # relative width of what the data sheet says of a number, at one deviation
 FLOOR = 0.01  # of the effort's RMS: how well a model of a real machine may be expected to fit
 INDEPENDENT = 10  # samples of the residual that say the same thing
 WALKERS = 2  # of the spread starts, that walk down beside the given one
 DECADE = 10.0  # an interval that wide says nothing
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One fitted number with its 95 % interval, cut to its bounds."""
-
-    value: float
-    low: float
-    high: float
-    unit: str
-    at_bound: bool
 
 
 @dataclass(frozen=True)
@@ -106,13 +95,13 @@ def fit(
         return out
 
     if smooth:
-        found = _to_the_optimum(residual, scaling, value, u0, fixed, scale, iterations, steps[-1])
+        found = to_the_optimum(residual, scaling, value, u0, fixed, scale, iterations, steps[-1])
     else:
         anchor = anchor_of(residual, scaling)
         for step in steps:
 
             def differ(u: np.ndarray, at: np.ndarray, step: float = step) -> np.ndarray:
-                return _slopes(residual, scaling, u, fixed, at, step)
+                return slopes_ahead(residual, scaling, u, fixed, at, step)
 
             found = descend(
                 value,
@@ -128,9 +117,9 @@ def fit(
             u0, slopes = found.u, None
     jacobian = differences(residual, scaling, found.u, fixed) if exact else found.slopes
     covariance = block_covariance(jacobian, found.residual, residual.edges, scale, residual.block)
-    estimates = _estimates(scaling, found.u, covariance, table)
+    numbers = estimates(scaling, found.u, covariance, table)
     changes = {**fixed, **scaling.physical(found.u)}
-    return Fit(changes, estimates, found.residual, jacobian, found.cost, len(known))
+    return Fit(changes, numbers, found.residual, jacobian, found.cost, len(known))
 
 
 def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
@@ -139,41 +128,6 @@ def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
     values = {n: float(table.values[table.position(n)]) for n in scaling.names}
     noise = FLOOR * effort_rms(residual) * np.sqrt(INDEPENDENT)
     return Anchor(scaling.scaled(values), ANCHOR, noise)
-
-
-def _to_the_optimum(
-    residual: Problem,
-    scaling: Scaling,
-    value: Callable[[np.ndarray], np.ndarray],
-    start: np.ndarray,
-    fixed: Mapping[str, float],
-    scale: float,
-    iterations: int,
-    step: float,
-) -> Descent:
-    """A smooth and cheap problem, by trust regions."""
-    slopes = np.zeros((0, 0))
-
-    def jacobian(at: np.ndarray) -> np.ndarray:
-        nonlocal slopes
-        slopes = _slopes(residual, scaling, at, fixed, value(at), step)
-        return slopes
-
-    found = optimize.least_squares(
-        value,
-        start,
-        jac=jacobian,
-        method="trf",
-        bounds=(scaling.low, scaling.high),
-        loss="soft_l1",
-        f_scale=scale,
-        max_nfev=iterations,
-        xtol=1e-4,
-        ftol=1e-4,
-        gtol=1e-10,
-    )
-    u = np.asarray(found.x)
-    return Descent(u, value(u), slopes, float(found.cost))
 
 
 def best_start(
@@ -246,82 +200,3 @@ def fit_identifiable(
     begin = {**first.changes, **back}
     second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:], exact)
     return second, vague
-
-
-def differences(
-    residual: Problem,
-    scaling: Scaling,
-    u: np.ndarray,
-    fixed: Mapping[str, float],
-    step: float = EXACT,
-) -> np.ndarray:
-    """Central differences of the residual by the scaled parameters, (samples, parameters).
-
-    One-sided ones bend the weak directions: with η, b_m and J_m nearly moving together, they
-    halved the interval of η.  Next to a bound they end at it.
-    """
-    points = []
-    low, high = scaling.around(u)
-    widths = np.zeros(len(u))
-    for k in range(len(u)):
-        for sign in (1.0, -1.0):
-            moved = u.copy()
-            moved[k] = np.clip(u[k] + sign * step, low[k], high[k])
-            widths[k] += sign * moved[k]
-            points.append({**fixed, **scaling.physical(moved)})
-    values = residual.many(points)
-    pairs = zip(values[::2], values[1::2], widths, strict=True)
-    return np.column_stack([(ahead - behind) / width for ahead, behind, width in pairs])
-
-
-def _slopes(
-    residual: Problem,
-    scaling: Scaling,
-    u: np.ndarray,
-    fixed: Mapping[str, float],
-    at: np.ndarray,
-    step: float,
-) -> np.ndarray:
-    """One-sided differences away from the nearer bound: half the price, for the way there."""
-    widths = np.where(u + step <= scaling.around(u)[1], step, -step)
-    moved = [u + width * unit for width, unit in zip(widths, np.eye(len(u)), strict=True)]
-    values = residual.many([{**fixed, **scaling.physical(m)} for m in moved])
-    return np.column_stack([(v - at) / w for v, w in zip(values, widths, strict=True)])
-
-
-def block_covariance(
-    jacobian: np.ndarray, residual: np.ndarray, edges: np.ndarray, scale: float, block: int
-) -> np.ndarray:
-    """Sandwich covariance of the scaled parameters with blocks within trials as clusters.
-
-    H = Jᵀ W J, G = Σ_b g_b g_bᵀ with g_b = J_bᵀ ψ(r_b), cov = H⁻¹ G H⁻¹ · B/(B - n)
-    """
-    weight = 1.0 / np.sqrt(1.0 + (residual / scale) ** 2)  # of the soft-L1 loss
-    hessian = jacobian.T @ (weight[:, None] * jacobian)
-    scores = []
-    for start, stop in pairwise(edges):
-        for k in range(start, stop, block):
-            rows = slice(k, min(k + block, stop))
-            scores.append(jacobian[rows].T @ (weight[rows] * residual[rows]))
-    stacked = np.array(scores)
-    inverse = np.linalg.pinv(hessian, rcond=1e-12)
-    blocks, size = stacked.shape
-    correction = blocks / max(1, blocks - size)
-    return correction * inverse @ (stacked.T @ stacked) @ inverse
-
-
-def _estimates(
-    scaling: Scaling, u: np.ndarray, covariance: np.ndarray, table: Table
-) -> dict[str, Estimate]:
-    values = scaling.physical(u)
-    low, high = scaling.spread(u, covariance)
-    found = {}
-    for k, name in enumerate(scaling.names):
-        about, value = table.about[name], values[name]
-        least, most = about.reach(float(table.values[table.position(name)]))
-        near = 1e-3 * (most - least)
-        bound = value <= least + near or value >= most - near
-        if about.log:
-            bound = value <= 1.005 * least or value >= 0.995 * most
-        found[name] = Estimate(value, float(low[k]), float(high[k]), about.unit, bound)
-    return found

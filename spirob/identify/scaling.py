@@ -53,6 +53,11 @@ class Scaling:
         self._low, self._high = np.array(reach).reshape(-1, 2).T
         self.low, self.high = self._box()
 
+    @property
+    def size(self) -> np.ndarray:
+        """What counts as one of each number that does not span decades, (n,)."""
+        return self._size
+
     def scaled(self, values: Mapping[str, float]) -> np.ndarray:
         """Coordinates of physical values."""
         return self._coordinates(np.array([values[n] for n in self.names]))

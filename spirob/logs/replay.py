@@ -8,11 +8,17 @@ import numpy as np
 
 from spirob.control.schedule import Schedule
 from spirob.errors import ConfigError, DataError
-from spirob.robot import MOTORS, Ball, Cylinder, Peg, Scene
+from spirob.robot import MOTORS, Ball, Cylinder, Peg, Scene, Weights
 from spirob.trace import Trace
 
-OBJECTS: dict[str, type] = {"cylinder": Cylinder, "ball": Ball, "peg": Peg}
+OBJECTS: dict[str, type] = {
+    "cylinder": Cylinder,
+    "ball": Ball,
+    "peg": Peg,
+    "weights": Weights,
+}
 ABOVE_ZERO = ("diameter", "mass", "radius", "period")
+NOT_BELOW_ZERO = ("friction", "left", "right")
 
 
 def schedule_of(trace: Trace) -> Schedule:
@@ -63,8 +69,11 @@ def _object(given: Any, where: str, kind: str) -> Any:
         if field.default is MISSING and field.name not in values:
             raise ConfigError(f"{where} needs '{field.name}'")
     for key in ABOVE_ZERO:
-        if values.get(key, 1.0) <= 0 or values.get("friction", 0) < 0:
-            raise ConfigError(f"{where}: {key} must be above 0 and friction not below 0")
+        if values.get(key, 1.0) <= 0:
+            raise ConfigError(f"{where}.{key} must be above 0, not {values[key]:g}")
+    for key in NOT_BELOW_ZERO:
+        if values.get(key, 0.0) < 0:
+            raise ConfigError(f"{where}.{key} must not be below 0, not {values[key]:g}")
     return OBJECTS[kind](**values)
 
 

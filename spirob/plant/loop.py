@@ -14,7 +14,9 @@ repeated j_b, j_c for each substep.  Row k of the output is the state at the sta
 as the drive reports it, with the command that follows from it;
 one more row holds the state after the last cycle.
 
-    i** = (J_eq Δl̈/r + b_eq Δl̇/r + r F - G τ_effects)/(η G k_t)
+    i** = (J_eq Δl̈/r + b_eq Δl̇/r + r F + r m (g + Δl̈) - G τ_effects)/(η G k_t)
+
+with m a weight on the drum, where the scene hangs one there.
 
 It is written as i* plus the difference between the arm's motion and the rotor's, which is the same
 equation (the rotor satisfies it with i*) and holds with every effect; a slack tendon tells the
@@ -85,6 +87,7 @@ def run(
     reading_error = state[16]  # of the reported length [m]; its rate is that of the velocity
     extra_length = state[17]  # by which the tendon has grown [m]
     first_angle = state[18]  # of the rotor when the trial began [rad]
+    hung = state[19]  # mass on a line of its own beside each tendon [kg]
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
     demand = np.zeros(motors)
@@ -229,11 +232,11 @@ def run(
                     slope = added if probe == 1 else (added - slope) / 0.01
                 rotor_damping = max(0.0, slope)
                 torque = gear * (added + rotor_damping * gear * rate[m] / radius)
-                inertia = gear * gear * p[P_motor_rotor_inertia] / (radius * radius)
+                inertia = gear * gear * p[P_motor_rotor_inertia] / (radius * radius) + hung[m]
                 own_damping = p[P_motor_rotor_damping]
                 own_damping *= 1.0 + side[m] * p[P_motor_rotor_damping_difference]
                 damping = gear * gear * (own_damping + rotor_damping) / (radius * radius)
-                external = 0.0
+                external = -9.80665 * hung[m]  # standard gravity [m/s²]
                 # @ port tendon.force -> external
                 extra = 0.0
                 # @ port tendon.extra_length -> extra
@@ -315,8 +318,8 @@ def run(
                         * (1.0 + side[m] * p[P_motor_rotor_damping_difference])
                         * slip
                     )
-                    / scale
-                )
+                    + hung[m] * accel
+                ) / scale
         if not (np.isfinite(rate[0] + rate[1]) and np.isfinite(qvel.sum())):
             return cycle
         begun[0] += 1.0

@@ -19,11 +19,12 @@ from spirob.plant.nominal import Arm
 from spirob.plant.objects import launch
 from spirob.plant.rig import Rig
 from spirob.plant.tendon import guides
-from spirob.robot import CYCLE_NS, Scene
+from spirob.robot import CYCLE_NS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
-STATE_ROWS = 19  # see `loop.run`
+STATE_ROWS = 20  # see `loop.run`
+FIRST_ANGLE, HUNG = 18, 19  # rows of it that a trial begins with
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -140,6 +141,8 @@ class Session:
         bends = float(p[plant.table.position("arm.bends_per_hinge")])
         self._guides = guides(plant.geometry, bends)
         self._state = np.zeros((STATE_ROWS, 2))
+        weights = scene.weights or Weights()
+        self._state[HUNG] = weights.left, weights.right
         self._memory = np.repeat(plant._states[:, None], max(2 * hinges, SLOTS), axis=1)
         # a ball or a peg has coordinates behind the hinges, on which no tendon pulls
         self._pull, self._solved = np.zeros((2, model.nv)), np.zeros((2, model.nv))
@@ -148,7 +151,7 @@ class Session:
 
     def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
         """Say where in a turn the rotors stand at the start [rad]."""
-        self._state[-1] = angle
+        self._state[FIRST_ANGLE] = angle
 
     def play(self, schedule: Schedule) -> Response:
         """Play a schedule; the response has one row more than it, the state at its end."""

@@ -51,6 +51,8 @@ def test_no_scene_is_an_empty_table():
         ({"motors": [1]}, "motors must be a mapping"),
         ({"scene": {"cylinder": {"diameter": 0.04, "x": 0.3}}}, "scene.cylinder needs 'y'"),
         ({"scene": {"cylinder": {"diameter": -1, "x": 0, "y": 0}}}, "diameter must be above 0"),
+        ({"scene": {"weights": {"left": -1}}}, "weights.left must not be below 0"),
+        ({"scene": {"weights": {"up": 1}}}, "weights has no key 'up'"),
         ({"scene": {"cylinder": {"diameter": "a", "x": 0, "y": 0}}}, "must be a finite number"),
         ({"scene": {"sphere": {}}}, "no key 'sphere'"),
     ],

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from spirob.effects.external.constant_force import ConstantForce
 from spirob.plant import Plant
 from spirob.plant.winch import demanded_tension, free_rate, one_sided_tensions
-from spirob.robot import Scene
+from spirob.robot import Scene, Weights
 from tests.physics.playing import RIGS, currents
 
 STIFFNESS, DAMPING, STEP, GRAVITY = 4e4, 20.0, 5e-4, 9.81
@@ -75,6 +75,25 @@ def test_a_weight_on_the_drum_follows_the_closed_form_in_the_whole_chain(rig):
     assert np.all(response.tension == 0.0)
     assert response.displacement[:, 0] == pytest.approx(closed, abs=2e-3 * abs(closed[-1]))
     assert response.displacement[:, 1] == pytest.approx(closed, abs=2e-3 * abs(closed[-1]))
+
+
+@pytest.mark.parametrize("rig", RIGS.values(), ids=RIGS)
+def test_a_known_weight_on_the_drum_follows_the_closed_form_in_the_whole_chain(rig):
+    # tendon slack: (m + m_w) ẇ = η G k_t i/r - m_w g - b w, another weight on each side
+    inertia, damping = rotor(rig)
+    drive = rig.winch.efficiency * rig.winch.gear_ratio * rig.motor.torque_constant
+    amperes = -0.3
+    pull = drive * amperes / rig.winch.radius
+    hung = np.array([0.5, 1.0]) * 0.2 * abs(pull) / GRAVITY
+    response = Plant(rig).simulate(
+        currents(np.full(1500, amperes), amperes), Scene(weights=Weights(*hung))
+    )
+    top = (pull - hung * 9.80665) / damping
+    lag = (inertia + hung) / damping
+    t = 1e-3 * np.arange(1500)[:, None]
+    closed = top * (t - lag * (1.0 - np.exp(-t / lag)))
+    assert np.all(response.tension == 0.0)
+    assert np.abs(response.displacement - closed).max() < 2e-3 * np.abs(closed[-1]).max()
 
 
 number = st.floats(-100.0, 100.0)

@@ -18,6 +18,7 @@ from spirob.emulator.physics import (
     gear,
     guides,
     line,
+    load,
     magnets,
     motor,
     sensing,
@@ -26,7 +27,7 @@ from spirob.emulator.physics import (
 )
 
 ARM = (body, chain, contact, guides, tendon, line)
-DRIVES = (drive, magnets, motor, friction, gear, winch, sensing)
+DRIVES = (drive, magnets, motor, friction, gear, winch, load, sensing)
 PARTS = (*ARM, *DRIVES)
 
 

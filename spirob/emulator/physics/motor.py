@@ -15,6 +15,7 @@ import numpy as np
 from spirob.emulator.physics.compiled import SIDES, compiled
 from spirob.emulator.physics.friction import friction_level, viscous
 from spirob.emulator.physics.gear import gear
+from spirob.emulator.physics.load import hung
 from spirob.emulator.physics.magnets import cogging, saturated, torque_constant
 from spirob.emulator.physics.winch import drum, outside_torque
 
@@ -53,11 +54,14 @@ def motors(p, s, w, h):
         stiff = h * slope + damping
         rotor = p.rotor_inertia[m] + h * (viscous(p, s, m) + level * bend)
         rotor += h * stiff / ratio**2
-        winch = p.winch_inertia[m] + h * stiff
+        added, weight = hung(p, w, m)
+        inertia = p.winch_inertia[m] + added
+        winch = inertia + h * stiff
         cross = h * stiff / ratio
         det = rotor * winch - cross * cross
         push = p.rotor_inertia[m] * speed + h * (torque - spring / ratio)
-        pull = p.winch_inertia[m] * s.winch_speed[m] + h * (spring + outside_torque(p, s, w, m))
+        outside = outside_torque(p, s, w, m) + weight
+        pull = inertia * s.winch_speed[m] + h * (spring + outside)
         w.rotor_free[m] = (winch * push + cross * pull) / det
         w.winch_free[m] = radius * (rotor * pull + cross * push) / det
         w.rotor_yield[m] = h * radius * cross / det
