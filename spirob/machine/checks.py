@@ -90,7 +90,7 @@ def position(
     span = float(np.ptp(values))
     large = np.abs(steps) > max(8.0 * usual, 0.02 * span)
     if not large.any():
-        _not_counts(where, name, raw)
+        _not_counts(where, name, values, raw)
         return values
     sizes = np.abs(steps[large])
     if len(sizes) <= FEW * len(values):
@@ -133,9 +133,10 @@ def _without_spikes(values: np.ndarray, large: np.ndarray) -> np.ndarray | None:
     )
 
 
-def _not_counts(where: str, name: str, raw: np.ndarray) -> None:
-    """`raw` is the column before its factor: whole numbers only are counts without a scale."""
-    if np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
+def _not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> None:
+    """`raw` is the column before its factor: whole numbers that no factor scales are counts."""
+    scaled = abs(np.ptp(values) / np.ptp(raw) - 1.0) > 1e-6
+    if not scaled and np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
         raise DataError(
             f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: "
             "these are counts; give their size as 'factor'"

@@ -1,0 +1,36 @@
+"""The filters of a log: zero phase, the same for motion, effort and model."""
+
+from functools import cache
+
+import numpy as np
+from scipy import signal
+
+
+def smooth(values: np.ndarray, cutoff: float, period: float) -> np.ndarray:
+    """Zero-phase Butterworth filter of 4th order; above half the sample rate it passes all."""
+    if cutoff * period >= 0.49:
+        return values
+    padding = min(30, len(values) - 1)
+    return np.asarray(signal.sosfiltfilt(_low_pass(cutoff, period), values, padlen=padding))
+
+
+def before_thinning(values: np.ndarray, every: int) -> np.ndarray:
+    """The zero-phase filter that goes before keeping every n-th sample, same length."""
+    padding = min(60, len(values) - 1)
+    return np.asarray(signal.sosfiltfilt(_anti_alias(every), values, padlen=padding))
+
+
+def rates(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """First and second derivative by central differences."""
+    v = np.gradient(q, period)
+    return v, np.gradient(v, period)
+
+
+@cache
+def _low_pass(cutoff: float, period: float) -> np.ndarray:
+    return np.asarray(signal.butter(4, cutoff, fs=1.0 / period, output="sos"))
+
+
+@cache
+def _anti_alias(every: int) -> np.ndarray:
+    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))  # scipy.signal.decimate
