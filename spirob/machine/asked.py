@@ -20,7 +20,8 @@ from spirob.machine.rig import NUMBERS
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
-PASSES = 8  # of the solution for the effort before the drive's pipes
+PASSES = 10  # of the solution for the effort before the drive's pipes
+SHRINKS = 0.9  # what is missed after a pass, over before: above, the step is too short
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 KEPT = 24  # torques of effects, as arrays along all trials
@@ -104,12 +105,16 @@ class AskedEffort:
     def solved(
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """e with P(e) = wanted, by fixed-point iteration from e = wanted."""
+        """e with P(e) = wanted, by fixed-point iteration from e = wanted.
+
+        Where an effort changes nothing, in a dead band, the steps grow until it does.
+        """
         pipes = [e for port in BEFORE for e in self.present(port, p)]
         shares = self.present("winch.efficiency", p)
         effort = wanted
         if not pipes and not shares:
             return effort
+        step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
         for _ in range(PASSES):
             seen = {**signals, "motor.current": effort, "motor.command": effort}
             passed = effort
@@ -118,7 +123,10 @@ class AskedEffort:
             share = np.ones_like(effort)
             for effect in shares:
                 share = self.run(effect, p, motion, seen, share)
-            effort = effort + (wanted - share * passed)
+            miss = wanted - share * passed
+            flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
+            step, missed = np.where(flat, 2.0 * step, 1.0), miss
+            effort = effort + step * miss
         return effort
 
     def run(

@@ -5,6 +5,9 @@ from functools import cache
 import numpy as np
 from scipy import signal
 
+BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
+ALIAS = 0.4  # of the thinned sample rate: edge of the filter before thinning
+
 
 def smooth(values: np.ndarray, cutoff: float, period: float) -> np.ndarray:
     """Zero-phase Butterworth filter of 4th order; above half the sample rate it passes all."""
@@ -33,4 +36,6 @@ def _low_pass(cutoff: float, period: float) -> np.ndarray:
 
 @cache
 def _anti_alias(every: int) -> np.ndarray:
-    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))  # scipy.signal.decimate
+    return np.asarray(
+        signal.cheby1(8, 0.05, 2.0 * ALIAS / every, output="sos")
+    )  # scipy.signal.decimate

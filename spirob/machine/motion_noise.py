@@ -11,10 +11,10 @@ from math import comb
 import numpy as np
 from scipy import signal
 
-from spirob.machine.filtering import smooth
+from spirob.machine.filtering import BELOW, smooth
 
 FASTEST = 50.0  # Hz; motors move their load within tens of milliseconds
-SAMPLES = 20.0  # in a period of the cutoff, at least
+SAMPLES = 8.0  # in a period of the cutoff, at least
 CLEAN = 0.01  # noise over RMS acceleration at which a cutoff is low enough
 SLOWEST = 4.0  # times the frequency below which most of the effort lies
 MOST = 0.9  # of its variance
@@ -32,8 +32,11 @@ def sensor_noise(values: np.ndarray) -> float:
 
 
 def acceleration_noise(values: np.ndarray, order: int, cutoff: float, period: float) -> float:
-    """Deviation of the noise in an acceleration, from a position (order 2) or a velocity (1)."""
-    return sensor_noise(values) * _passed(order, cutoff, period)
+    """Deviation of the noise in a compared acceleration, from a position (order 2) or velocity (1).
+
+    Compared is what passes the last filter.
+    """
+    return sensor_noise(values) * _passed(order, BELOW * cutoff, period)
 
 
 def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: float) -> float:
@@ -44,7 +47,7 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     fastest = min(FASTEST, 1.0 / (SAMPLES * period))
     slowest = min(fastest, SLOWEST * _band(effort, period))
     for cutoff in map(float, np.geomspace(fastest, slowest, STEPS)):
-        size = float(np.std(_derived(smooth(values, cutoff, period), order, period)))
+        size = float(np.std(_derived(smooth(values, BELOW * cutoff, period), order, period)))
         if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:
             return cutoff
     return slowest

@@ -12,11 +12,13 @@ import numpy as np
 
 from spirob.errors import DataError, MissingChannel
 from spirob.machine import checks
-from spirob.machine.filtering import before_thinning, rates, smooth
+from spirob.machine.filtering import ALIAS, BELOW, before_thinning, rates, smooth
 from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
 from spirob.machine.reading import read_columns
 from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, RigFile
 from spirob.machine.rows import usable
+
+CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
 
 
 @dataclass
@@ -58,14 +60,17 @@ class Recording:
         return smooth(values, self.cutoff, self.period)
 
     def last(self, values: np.ndarray) -> np.ndarray:
-        """The filter before thinning, which measured and modelled effort pass, same length.
+        """The last filter, which measured and modelled effort pass before thinning, same length.
 
-        A product of filtered signals, such as a sign, is no longer band-limited; thinned as it is,
-        it would fold into the band that is compared.
+        The measured effort has passed `smooth`, a product or a sign of smoothed motion has not.
+        So what is compared lies well below that filter's edge, where it changes nothing.
         """
-        if self.every == 1:
-            return self.smooth(values)
-        return before_thinning(values, self.every)
+        alias = ALIAS / (self.every * self.period)
+        edge = BELOW * self.cutoff
+        if self.every > 1 and alias <= edge:
+            return before_thinning(values, self.every)
+        out = smooth(values, edge, self.period)
+        return before_thinning(out, self.every) if alias < CLOSE * edge else out
 
 
 def read_trial(path: Path | str, rig: RigFile, cutoff: float | None = None) -> Recording:
@@ -108,7 +113,7 @@ def prepare(
     values = {key: _si(rig, key) * value for key, value in values.items()}
     period, grids = checks.regular_grid(name, seconds, values, said)
     cutoff = cutoff or rig.filter.cutoff or _cutoff(grids, period)
-    every = rig.filter.decimate or max(1, int(1.0 / (period * 10.0 * cutoff)))
+    every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff)))
     pieces = [_piece(name, grid, rig, period, cutoff, said) for grid in grids]
     used = sum(int(p.use.sum()) for p in pieces) * period
     if used < checks.SHORTEST:

@@ -21,7 +21,7 @@ def usable(
     use = np.ones(len(v), bool)
     drop = rig.filter.drop
     if drop is None:
-        drop = round(5.0 / (cutoff * period))
+        drop = round(6.0 / (cutoff * period))
     use[:drop] = False
     use[len(use) - drop :] = False
     reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row

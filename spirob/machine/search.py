@@ -11,7 +11,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.kinship import related
+from spirob.machine.kinship import related, same_wave
 from spirob.machine.models import Model, Models
 from spirob.machine.motion_noise import noise_in_effort
 from spirob.machine.screening import ABSORBED, Offer, Screening
@@ -124,7 +124,7 @@ class Search:
                 start |= offer.values
             added = (*current.effects, *(offer.effect for offer in chosen))
             grown.append(self.models.fitted(added, start))
-        passed = [m for m in grown if self.worth.matters(current, m)]
+        passed = [m for m in grown if self._plain(m) and self.worth.matters(current, m)]
         return self.worth.simplest(passed) if passed else None
 
     def _without(self, model: Model, effect: type[Effect]) -> Model:
@@ -165,7 +165,10 @@ class Search:
             effects = tuple(offer.effect if e is effect else e for e in model.effects)
             if len({e.name() for e in effects}) == len(effects):
                 made.append(self.models.fitted(effects, start))
-        return made
+        return [m for m in made if self._plain(m)]
+
+    def _plain(self, model: Model) -> bool:
+        return not same_wave(model, self.train.sizes)
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse."""
