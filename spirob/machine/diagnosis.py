@@ -14,6 +14,7 @@ from spirob.effects import all_effects, find_effects
 from spirob.errors import ConfigError
 from spirob.identify.fit import Fit
 from spirob.identify.identifiability import Identifiability, probe
+from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.document import document
@@ -21,7 +22,6 @@ from spirob.machine.flexible import ceiling
 from spirob.machine.forward import closed_loop, open_loop, possible
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
-from spirob.machine.own_numbers import with_delay
 from spirob.machine.plausible import doubts, oddities
 from spirob.machine.recording import Recording, read_trial
 from spirob.machine.rig import ANGLES, LENGTHS, SI, RigFile, load_rig

@@ -24,9 +24,21 @@ def before_thinning(values: np.ndarray, every: int) -> np.ndarray:
 
 
 def rates(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """First and second derivative by central differences."""
-    v = np.gradient(q, period)
-    return v, np.gradient(v, period)
+    """First and second derivative by time, (n,) each."""
+    v = derivative(q, period)
+    return v, derivative(v, period)
+
+
+def derivative(values: np.ndarray, period: float) -> np.ndarray:
+    """Derivative by central differences of 4th order, same length.
+
+    At an eighth of the sample rate those of 2nd order are 10 % short, these 1 %.
+    """
+    found = np.gradient(values, period)
+    if len(values) > 4:
+        near, far = values[3:-1] - values[1:-3], values[4:] - values[:-4]
+        found[2:-2] = (8.0 * near - far) / (12.0 * period)
+    return np.asarray(found)
 
 
 @cache

@@ -11,7 +11,7 @@ from math import comb
 import numpy as np
 from scipy import signal
 
-from spirob.machine.filtering import BELOW, smooth
+from spirob.machine.filtering import BELOW, derivative, smooth
 
 FASTEST = 50.0  # Hz; motors move their load within tens of milliseconds
 SAMPLES = 8.0  # in a period of the cutoff, at least
@@ -61,7 +61,7 @@ def noise_in_effort(noise: float, effort: np.ndarray, a: np.ndarray) -> float:
 
 def _derived(values: np.ndarray, order: int, period: float) -> np.ndarray:
     for _ in range(order):
-        values = np.gradient(values, period)
+        values = derivative(values, period)
     return values
 
 

@@ -3,30 +3,13 @@
 from collections.abc import Sequence
 
 from spirob.effects import Effect
-from spirob.machine.rig import NUMBERS, Bounded, RigFile
+from spirob.machine.rig import NUMBERS, RigFile
 from spirob.machine.scaling import Sizes, parameters
 from spirob.parameter import Parameter, Table
 
 SYMBOLS = {"inertia": "J", "viscous": "b", "stiffness": "k", "scale": "k_e", "delay": "δ"}
 ABSENT = {"scale": 1.0}  # what a number is that the description does not name; the others are 0
 FAMILIAR = {"N·s²/m": "kg", "N·m·s²/rad": "kg·m²"}
-ROWS, LEAST = 1.5, 1e-3  # samples, and s: so far apart two channels of one log may be
-
-
-def with_delay(rig: RigFile, period: float) -> RigFile:
-    """The rig with a delay between effort and motion to fit, where the description names none.
-
-    A controller holds its effort for a cycle, a drive answers one cycle later, channels are logged
-    one after the other: no log is aligned to better than a sample.  Not fitted, that is friction,
-    a lag or an efficiency to whatever effect is free to follow it.  What exceeds `ROWS` samples is
-    an effect and may be named.
-    """
-    if "delay" in rig.fit or "delay" in rig.known:
-        return rig
-    most = max(ROWS * period, LEAST)
-    return rig.model_copy(
-        update={"fit": {**rig.fit, "delay": Bounded(nominal=0.0, low=-most, high=most)}}
-    )
 
 
 def table_of(rig: RigFile, effects: Sequence[type[Effect]], sizes: Sizes) -> Table:

@@ -12,7 +12,7 @@ import numpy as np
 
 from spirob.errors import DataError, MissingChannel
 from spirob.machine import checks
-from spirob.machine.filtering import ALIAS, BELOW, before_thinning, rates, smooth
+from spirob.machine.filtering import ALIAS, BELOW, before_thinning, derivative, rates, smooth
 from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
 from spirob.machine.reading import read_columns
 from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, RigFile
@@ -160,7 +160,7 @@ def _piece(
     if "velocity" in grid:
         given = smooth(grid["velocity"], cutoff, period)
         checks.velocity(name, rig.velocity.column if rig.velocity else "velocity", given, v)
-        v, a = given, np.gradient(given, period)
+        v, a = given, derivative(given, period)
     effort = smooth(grid["effort"], cutoff, period)
     others = {}
     for key, values in grid.items():

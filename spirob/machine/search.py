@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spirob.effects import Effect
+from spirob.machine.alignment import only_aligns
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kinship import related, same_wave
 from spirob.machine.models import Model, Models
@@ -63,6 +64,9 @@ class Search:
         """Search from the bare model."""
         bare = self.models.fitted((), {})
         current, offers = bare, self._screen(bare, self.candidates)
+        # what the fitted numbers can say themselves is no effect, whatever is added later
+        possible = {o.effect.name() for o in offers}
+        self.candidates = [e for e in self.candidates if e.name() in possible]
         first, seen = offers, {current.names}
         while len(current.effects) < self.settings.most:
             grown = self._grown(current, offers)
@@ -168,7 +172,8 @@ class Search:
         return [m for m in made if self._plain(m)]
 
     def _plain(self, model: Model) -> bool:
-        return not same_wave(model, self.train.sizes)
+        """Whether a model says something that no simpler words would."""
+        return not same_wave(model, self.train.sizes) and not only_aligns(model, self.train.rig)
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse."""
