@@ -21,7 +21,7 @@ from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
 PASSES = 10  # of the solution for the effort before the drive's pipes
-SHRINKS = 0.9  # what is missed after a pass, over before: above, the step is too short
+SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written

@@ -22,7 +22,7 @@ LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak 
 REST = 0.1  # of what the named effects took away: so much may be left for the flexible residual
 MOST_KEPT = 0.4  # of the squared held-out error: where more is left,
 SOME_SHARE = 0.1  # and so much of it follows from the motion, the name is a guess
-POOR = 0.3  # of the effort's RMS left after naming: no model to trust, whatever is left follows
+POOR = 0.2  # of the effort's RMS left after naming: no model to trust, whatever is left follows
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ SENSE = 0.3  # R² below which the effort does not follow from this motion
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 GIVEN = -0.1  # mean power over the product of RMS effort and speed: below, the axis drives
 SCALE = 10.0  # between the effort and what a model file asks for
+SEEN = 0.2  # of a sample, of delay that is worth a word
 FAR = 20.0  # between a number and its nominal one
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 
@@ -24,8 +25,14 @@ def doubts(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -
 
 
 def oddities(search: Search, bare: Model) -> list[str]:
-    """What looks like a wrong unit, but changes no name: a name does not depend on the scale."""
+    """What a reader should know, though it changes no name: alignment, and doubtful scales."""
     said = []
+    delay = bare.fit.estimates.get("rig.delay")
+    if delay is not None and abs(delay.value) > SEEN * search.train.recordings[0].period:
+        way = "trails" if delay.value > 0 else "leads"
+        said.append(
+            f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms in the logs; aligned."
+        )
     about = search.train.table.about
     for name in search.models.base:
         value, nominal = bare.fit.estimates[name].value, about[name].nominal
