@@ -1,16 +1,13 @@
 """Which effects are laws of dry friction, asked of their kernels."""
 
-from functools import cache
-
 from spirob.effects import Effect
 
 SPEEDS = {"motor.speed", "motor.rest_speed"}
 SLOW, FAST = 1e3, 1e4  # rest speeds at which sliding friction has settled
-SETTLING = 4000  # steps that a memory is given for that
+SETTLING = 100  # steps that a memory is given for that
 STEP = 1e-3  # s
 
 
-@cache
 def is_dry(effect: type[Effect]) -> bool:
     """Whether this is a law of dry friction by speed alone: level at speed, and odd in it.
 

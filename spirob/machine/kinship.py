@@ -1,7 +1,6 @@
 """Which effects say the same in richer or poorer words: at most one of them may be missing."""
 
 from collections.abc import Collection
-from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -31,11 +30,6 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
         model.fit.changes[f"{e.name()}.{f}"]
         for e in model.effects
         for f in e.parameters()
-        if f not in e.neutral and _counts(e, f)
+        if f not in e.neutral and counts_periods(e, f)
     ]
     return any(abs(one - two) < apart for one, two in combinations(orders, 2))
-
-
-@cache
-def _counts(effect: type[Effect], field: str) -> bool:
-    return counts_periods(effect, field)
