@@ -12,12 +12,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from spirob.errors import ConfigError, MissingLog
+from spirob.errors import ConfigError, DataError, MissingLog
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body
 
 LARGEST = 2**20  # bytes of a model file
 MOST_JOINTS = 64
+BEYOND = 0.25  # of a joint's range, by which a log may exceed it
 REFUSED = ("plugin", "extension", "composite", "flexcomp", "replicate", "attach", "include", "size")
 PATH = re.compile(
     r"""\b(file|meshdir|texturedir|assetdir|fileright|fileleft|fileup|filedown|
@@ -50,6 +51,7 @@ class RigidBody:
         along, across   torque of the weight if gravity pointed along +x or +y
         """
         motion = [self._motion(piece, k) for k in range(3)]
+        self._within_range(motion[0])
         found = {name: np.zeros(len(piece.q)) for name in ("load", "payload", "along", "across")}
         gravity = self.model.opt.gravity.copy()
         size = float(np.linalg.norm(gravity))
@@ -67,6 +69,20 @@ class RigidBody:
                 found[name] = nothing - self._inverse(*rest)
             self.model.opt.gravity[:] = gravity
         return found
+
+    def _within_range(self, q: np.ndarray) -> None:
+        """Raise where a joint goes far beyond what the model allows it."""
+        for dof in range(self.model.nv):
+            joint = self.model.dof_jntid[dof]
+            low, high = self.model.jnt_range[joint]
+            slack = BEYOND * (high - low)
+            reached = float(q[np.argmax(np.abs(q[:, dof])), dof])
+            if self.model.jnt_limited[joint] and not low - slack <= reached <= high + slack:
+                raise DataError(
+                    f"{self.body.mjcf}: joint '{self.model.joint(joint).name}' reaches "
+                    f"{reached:.3g}, where the model allows {low:.3g} to {high:.3g}: is the "
+                    "position's unit or zero wrong?"
+                )
 
     def _place(self) -> dict[int, str]:
         """Which degree of freedom each measured joint moves; "" is the driven one."""

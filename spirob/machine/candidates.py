@@ -49,8 +49,8 @@ def _reason(
     hinged = not isinstance(rig.body, str)
     if port == "command.current" and rig.effort.origin != "command":
         return "the log holds no commanded effort to compare with"
-    if port == "sensing.frame" and rig.effort.origin != "command":
-        return "effort and motion come in the same frame, so a delay of both shows nowhere"
+    if port == "sensing.frame" and reads:
+        return "the frame of a bus is not in the log"
     if port in DRIVE and rig.effort.origin == "sensor":
         return f"{DRIVE[port]} lies before the sensor that measures this effort"
     if port == "body.tip_mass":

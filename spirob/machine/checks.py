@@ -88,9 +88,9 @@ def position(
     steps[apart > GAP * np.median(apart)] = 0.0  # across a gap anything may have happened
     usual = np.quantile(np.abs(steps), 0.98)
     span = float(np.ptp(values))
-    large = np.abs(steps) > max(8.0 * usual, 0.02 * span)
+    large = _alone(steps, span)
     if not large.any():
-        _not_counts(where, name, raw)
+        _not_counts(where, name, values, raw)
         return values
     sizes = np.abs(steps[large])
     if len(sizes) <= FEW * len(values):
@@ -113,6 +113,19 @@ def position(
     )
 
 
+def _alone(steps: np.ndarray, span: float) -> np.ndarray:
+    """Steps that their neighbours know nothing of: a motor is fast for more than one sample.
+
+    A jump by J is off the mean of its neighbours by J, and throws each of them off by -J/2; the
+    start of a fast motion throws off one of them only.
+    """
+    padded = np.pad(steps, 1, mode="edge")
+    off = steps - 0.5 * (padded[:-2] + padded[2:])
+    beside = np.pad(off, 1)
+    large = np.abs(off) > max(8.0 * float(np.quantile(np.abs(off), 0.98)), 0.01 * span)
+    return np.asarray(large & (np.abs(beside[:-2] + off + beside[2:]) < 0.4 * np.abs(off)))
+
+
 def _period(steps: np.ndarray, large: np.ndarray) -> float:
     # a wrap is a whole period less the way travelled in that sample; taken from the steps beside
     usual = np.interp(np.arange(len(steps)), np.flatnonzero(~large), steps[~large])
@@ -125,17 +138,13 @@ def _without_spikes(values: np.ndarray, large: np.ndarray) -> np.ndarray | None:
     bad[1:-1] = large[:-1] & large[1:]
     index = np.arange(len(values))
     healed = np.interp(index, index[~bad], values[~bad])
-    steps = np.abs(np.diff(healed))
-    return (
-        healed
-        if np.all(steps <= max(8.0 * np.quantile(steps, 0.98), 0.02 * np.ptp(healed)))
-        else None
-    )
+    return None if _alone(np.diff(healed), float(np.ptp(healed))).any() else healed
 
 
-def _not_counts(where: str, name: str, raw: np.ndarray) -> None:
-    """`raw` is the column before its factor: whole numbers only are counts without a scale."""
-    if np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
+def _not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> None:
+    """`raw` is the column before its factor: whole numbers that no factor scales are counts."""
+    scaled = abs(np.ptp(values) / np.ptp(raw) - 1.0) > 1e-6
+    if not scaled and np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
         raise DataError(
             f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: "
             "these are counts; give their size as 'factor'"

@@ -14,21 +14,24 @@ from spirob.effects import all_effects, find_effects
 from spirob.errors import ConfigError
 from spirob.identify.fit import Fit
 from spirob.identify.identifiability import Identifiability, probe
+from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.document import document
-from spirob.machine.flexible import Ceiling, ceiling
+from spirob.machine.flexible import ceiling
 from spirob.machine.forward import closed_loop, open_loop, possible
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import judge, senseless
+from spirob.machine.judgement import judge
+from spirob.machine.plausible import doubts, oddities
 from spirob.machine.recording import Recording, read_trial
 from spirob.machine.rig import ANGLES, LENGTHS, SI, RigFile, load_rig
 from spirob.machine.scaling import Sizes
-from spirob.machine.search import Found, Search, Settings
+from spirob.machine.search import Found, Search
 from spirob.machine.splitting import split
+from spirob.machine.standstill import without_holds
+from spirob.machine.worth import Settings
 
 REST = 0.01  # of the fast part of the motion: the scale of a smooth sign
-WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 
 
 @dataclass(frozen=True)
@@ -95,13 +98,18 @@ def diagnose_recordings(
     if missing := [e.name() for e in own if e not in possible]:
         raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
     sizes, rest = _sizes(rig, body, train)
+    rig = with_delay(rig, max(r.period for r in train))
+    if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
+        (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
+        repairs += [*lost, *more]
     problems = [InverseProblem(rig, body, r, possible, sizes, rest) for r in (train, test)]
     names = [f"rig.{name}" for name in rig.fit]
     names += [f"{e.name()}.{f}" for e in own for f in e.parameters()]
-    if not names:
+    if names == ["rig.delay"]:
         raise ConfigError("fit: name at least one number to fit, such as viscous")
     table = problems[0].table
-    gate = probe(problems[0], names, {n: table.about[n].nominal for n in names})
+    asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
+    gate = probe(problems[0], asked, {n: table.about[n].nominal for n in asked})
     if gate.silent:
         raise ConfigError(f"fit: {gate.sentence}")
     candidates = [e for e in possible if e not in own]
@@ -121,14 +129,15 @@ def _finish(
 ) -> Diagnosis:
     bare, chosen = found.rungs[0], found.chosen
     problems = search.train, search.heldout
-    rest = ceiling(*problems, chosen.fit.residual, chosen.heldout, search.folds)
+    rest = ceiling(*problems, chosen.fit.residual, chosen.heldout, search.models.folds)
     low = rest
     if chosen is not bare:
-        low = ceiling(*problems, bare.fit.residual, bare.heldout, search.folds, split=False)
-    warnings = _warnings(search, found, rest, gate)
+        low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
+    warnings = doubts(search, found, rest, gate)
     judgement = judge(search, found, low, rest, warnings)
+    notes = [*repairs, *oddities(search, bare)]
     regimes = atlas(search.train, bare.fit.residual)
-    written = document(rig, search, found, judgement, rest, regimes, repairs, excluded)
+    written = document(rig, search, found, judgement, rest, regimes, notes, excluded)
     if rig.predict != "effort":
         written["motion"] = _forward(search, found)
     return Diagnosis(
@@ -151,25 +160,6 @@ def _forward(search: Search, found: Found) -> dict[str, Any]:
         rungs.append({"effects": [e.name() for e in model.effects], **errors})
     unit = problem.sizes.axis_unit
     return {"unit": unit, "effort_unit": problem.effort.unit, "rungs": rungs}
-
-
-def _warnings(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -> list[str]:
-    """Why a name could not be trusted, whatever the errors say."""
-    said = []
-    if text := senseless(search, found, rest):
-        said.append(text)
-    if gate.condition > WEAK:
-        said.append(f"The fitted numbers cannot be told apart: {gate.sentence}")
-    table = search.train.table
-    for name, estimate in found.chosen.fit.estimates.items():
-        about = table.about[name]
-        at_zero = about.low == 0.0 and estimate.value < 0.5 * about.high
-        if name in search.base and estimate.at_bound and not at_zero:
-            said.append(
-                f"{name.removeprefix('rig.')} ended at its bound, {estimate.value:.3g} "
-                f"{estimate.unit}: the bounds, a unit or a factor are wrong."
-            )
-    return said
 
 
 def _sizes(rig: RigFile, body: RigidBody | None, train: Sequence[Recording]) -> tuple[Sizes, float]:

@@ -10,8 +10,9 @@ from spirob.diagnose.atlas import Regime, worst
 from spirob.diagnose.noise import noise_floor
 from spirob.machine.flexible import Ceiling
 from spirob.machine.judgement import Judgement
+from spirob.machine.models import Model
 from spirob.machine.rig import RigFile
-from spirob.machine.search import Found, Model, Search, scores
+from spirob.machine.search import Found, Search
 from spirob.score import score
 
 
@@ -53,7 +54,7 @@ def document(
         "atlas_sentences": worst(regimes, effort),
         "unit": effort.unit,
         "effort": effort.name,
-        "effort_rms": {"train": search.size, "test": _rms(search.heldout.measured())},
+        "effort_rms": {"train": search.models.size, "test": _rms(search.heldout.measured())},
         "repairs": list(repairs),
         "excluded": excluded,
         "numbers": _numbers(found.chosen, "rig"),
@@ -80,10 +81,12 @@ def _candidates(search: Search, found: Found, judgement: Judgement) -> list[dict
     most = max(1, len(found.chosen.effects))
     for offer in found.offers:
         name = offer.effect.name()
-        models = [m for m in search.tried.values() if name in m.names and len(m.effects) <= most]
+        models = [
+            m for m in search.models.tried.values() if name in m.names and len(m.effects) <= most
+        ]
         models = [found.chosen] if name in found.chosen.names else models
         best = min(models, key=lambda m: m.mean_square) if models else None
-        single = search.tried.get(frozenset({name}))
+        single = search.models.tried.get(frozenset({name}))
         probability = judgement.probability.get(name, 0.0)
         for chosen, rivals in judgement.rivals.items():
             if name in rivals:
@@ -111,7 +114,7 @@ def _ladder(search: Search, found: Found) -> list[dict[str, Any]]:
     for model in found.rungs:
         names = [e.name() for e in model.effects]
         label = " + ".join(["fitted numbers", *(n.replace("_", " ") for n in names)])
-        both = {role: s.as_dict() for role, s in scores(search, model).items()}
+        both = {role: s.as_dict() for role, s in search.models.scores(model).items()}
         rungs.append({"label": label, "effects": names, **both})
     return rungs
 

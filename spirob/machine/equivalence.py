@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spirob.machine.search import Model
+from spirob.machine.models import Model
 
 ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
 

@@ -63,7 +63,9 @@ def ceiling(
         for group, own in (SIGNALS.items() if split else ())
     }
     tree = _tree().fit(np.column_stack([features[n] for n in names]), residual)
-    rest = other - tree.predict(np.column_stack([held[n] for n in names]))
+    # as much of it as it was worth on the folds left out: trees know nothing of a time to come
+    guess = tree.predict(np.column_stack([held[n] for n in names]))
+    rest = other - _worth(residual, residual - whole) * guess
     orders, power = spectrum(residual, train.signals()["angle"], 0.01, 100.0)
     top = int(np.argmax(power)) if len(power) else 0
     order, wave = (float(orders[top]), float(power[top])) if len(power) else (0.0, 0.0)
@@ -79,6 +81,12 @@ def depends_on(found: Ceiling) -> str:
     if found.wave > TALL * max(found.share, 0.1):
         said += f", with a wave of {found.order:.3g} periods a turn of the motor"
     return said
+
+
+def _worth(residual: np.ndarray, predicted: np.ndarray) -> float:
+    """The factor, 0 to 1, with which predictions of folds left out come closest."""
+    power = float(np.dot(predicted, predicted))
+    return float(np.clip(np.dot(residual, predicted) / power, 0.0, 1.0)) if power > 0 else 0.0
 
 
 def _features(problem: InverseProblem) -> dict[str, np.ndarray]:

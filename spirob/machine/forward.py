@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.inverse import BEFORE, InverseProblem
+from spirob.machine.asked import ADDED, BEFORE
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import Piece, Recording
 from spirob.machine.rig import EFFORTS, NUMBERS
 
 WINDOW = 0.5  # s, of a short horizon that starts again from the measured motion
 NUDGE = 1e-3  # of the rest speed, for the derivative by speed
-ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 Effort = Callable[[int, float, float], float]
 
 
@@ -108,15 +108,15 @@ class _Axis:
         get = problem.table.position
         self._own = {name: float(self._p[get(f"rig.{name}")]) for name in NUMBERS}
         self._nudge = NUDGE * problem.rest_speed
-        self._added = [e for port in ADDED for e in problem.present(port, self._p)]
-        self._pipes = [e for port in BEFORE for e in problem.present(port, self._p)]
-        self._shares = problem.present("winch.efficiency", self._p)
-        self._values = {e: problem.values(e, self._p) for e in problem.effects}
+        self._added = [e for port in ADDED for e in problem.asked.present(port, self._p)]
+        self._pipes = [e for port in BEFORE for e in problem.asked.present(port, self._p)]
+        self._shares = problem.asked.present("winch.efficiency", self._p)
+        self._values = {e: problem.asked.values(e, self._p) for e in problem.effects}
 
     def behind_sensor(self, piece: Piece) -> np.ndarray:
         """The effort itself, from its reading."""
         effort = piece.effort
-        for effect in self.problem.present("sensing.current", self._p):
+        for effect in self.problem.asked.present("sensing.current", self._p):
             if not effect.state:  # a lag of milliseconds moves no position that can be seen
                 values = self._values[effect]
                 effort = np.array([2 * e - effect.kernel(upstream=e, **values) for e in effort])

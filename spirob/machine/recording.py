@@ -6,19 +6,19 @@ zero-phase Butterworth filter of 4th order; products are built from what it leav
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 
 import numpy as np
-from scipy import signal
 
 from spirob.errors import DataError, MissingChannel
 from spirob.machine import checks
+from spirob.machine.filtering import ALIAS, BELOW, before_thinning, derivative, rates, smooth
+from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
 from spirob.machine.reading import read_columns
 from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, RigFile
+from spirob.machine.rows import usable
 
-FULL = 0.98  # of the drive's limit counts as saturated
-STUCK = 5  # equal extreme values in a row are a limit that nobody declared
+CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
 
 
 @dataclass
@@ -27,6 +27,7 @@ class Piece:
 
     seconds  since the trial began;  q, v, a  position, speed, acceleration [m or rad]
     effort   filtered;  raw  unfiltered effort;  use  rows that are compared
+    noise    deviation of the sensor's noise in `a`
     others   further joints by name, (n, 3): position, speed, acceleration
     reference  commanded position, where the rig has one
     """
@@ -38,6 +39,7 @@ class Piece:
     effort: np.ndarray
     raw: np.ndarray
     use: np.ndarray
+    noise: float = 0.0
     others: dict[str, np.ndarray] = field(default_factory=dict)
     reference: np.ndarray | None = None
 
@@ -58,33 +60,17 @@ class Recording:
         return smooth(values, self.cutoff, self.period)
 
     def last(self, values: np.ndarray) -> np.ndarray:
-        """The filter before thinning, which measured and modelled effort pass, same length.
+        """The last filter, which measured and modelled effort pass before thinning, same length.
 
-        A product of filtered signals, such as a sign, is no longer band-limited; thinned as it is,
-        it would fold into the band that is compared.
+        The measured effort has passed `smooth`, a product or a sign of smoothed motion has not.
+        So what is compared lies well below that filter's edge, where it changes nothing.
         """
-        if self.every == 1:
-            return self.smooth(values)
-        padding = min(60, len(values) - 1)
-        return np.asarray(signal.sosfiltfilt(_before_thinning(self.every), values, padlen=padding))
-
-
-def smooth(values: np.ndarray, cutoff: float, period: float) -> np.ndarray:
-    """Zero-phase Butterworth filter of 4th order; above half the sample rate it passes all."""
-    if cutoff * period >= 0.49:
-        return values
-    padding = min(30, len(values) - 1)
-    return np.asarray(signal.sosfiltfilt(_low_pass(cutoff, period), values, padlen=padding))
-
-
-@cache
-def _low_pass(cutoff: float, period: float) -> np.ndarray:
-    return np.asarray(signal.butter(4, cutoff, fs=1.0 / period, output="sos"))
-
-
-@cache
-def _before_thinning(every: int) -> np.ndarray:
-    return np.asarray(signal.cheby1(8, 0.05, 0.8 / every, output="sos"))  # scipy.signal.decimate
+        alias = ALIAS / (self.every * self.period)
+        edge = BELOW * self.cutoff
+        if self.every > 1 and alias <= edge:
+            return before_thinning(values, self.every)
+        out = smooth(values, edge, self.period)
+        return before_thinning(out, self.every) if alias < CLOSE * edge else out
 
 
 def read_trial(path: Path | str, rig: RigFile, cutoff: float | None = None) -> Recording:
@@ -126,8 +112,8 @@ def prepare(
     )
     values = {key: _si(rig, key) * value for key, value in values.items()}
     period, grids = checks.regular_grid(name, seconds, values, said)
-    cutoff = cutoff or rig.filter.cutoff or _usual_cutoff(period)
-    every = rig.filter.decimate or max(1, int(1.0 / (period * 10.0 * cutoff)))
+    cutoff = cutoff or rig.filter.cutoff or _cutoff(grids, period)
+    every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff)))
     pieces = [_piece(name, grid, rig, period, cutoff, said) for grid in grids]
     used = sum(int(p.use.sum()) for p in pieces) * period
     if used < checks.SHORTEST:
@@ -161,11 +147,6 @@ def _si(rig: RigFile, key: str) -> float:
     return units[rig.position.unit]
 
 
-def _usual_cutoff(period: float) -> float:
-    # motors move their load within tens of milliseconds; twenty samples a period keep it clean
-    return min(50.0, 0.05 / period)
-
-
 def _piece(
     name: str,
     grid: dict[str, np.ndarray],
@@ -179,66 +160,25 @@ def _piece(
     if "velocity" in grid:
         given = smooth(grid["velocity"], cutoff, period)
         checks.velocity(name, rig.velocity.column if rig.velocity else "velocity", given, v)
-        v, a = given, np.gradient(given, period)
+        v, a = given, derivative(given, period)
     effort = smooth(grid["effort"], cutoff, period)
     others = {}
     for key, values in grid.items():
         if key.startswith("joint "):
             angle = smooth(values, cutoff, period)
             others[key.removeprefix("joint ")] = np.column_stack([angle, *rates(angle, period)])
-    use = _usable(name, grid["effort"], v, rig, period, cutoff, said)
-    return Piece(grid["time"], q, v, a, effort, grid["effort"], use, others, grid.get("reference"))
+    use = usable(name, grid["effort"], v, rig, period, cutoff, said)
+    noise = acceleration_noise(*_differentiated(grid), cutoff, period)
+    return Piece(
+        grid["time"], q, v, a, effort, grid["effort"], use, noise, others, grid.get("reference")
+    )
 
 
-def rates(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """First and second derivative by central differences."""
-    v = np.gradient(q, period)
-    return v, np.gradient(v, period)
+def _differentiated(grid: Mapping[str, np.ndarray]) -> tuple[np.ndarray, int]:
+    """The signal that acceleration is taken from, and how often it is differentiated."""
+    return (grid["velocity"], 1) if "velocity" in grid else (grid["position"], 2)
 
 
-def _usable(
-    name: str,
-    effort: np.ndarray,
-    v: np.ndarray,
-    rig: RigFile,
-    period: float,
-    cutoff: float,
-    said: list[str],
-) -> np.ndarray:
-    use = np.ones(len(v), bool)
-    drop = rig.filter.drop
-    if drop is None:
-        drop = round(5.0 / (cutoff * period))
-    use[:drop] = False
-    use[len(use) - drop :] = False
-    reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
-    full = _saturated(effort, rig)
-    if full.any():
-        use &= ~_widened(full, reach)
-        said.append(f"{name}: {full.mean():.1%} of the rows left out, where the drive saturates.")
-    unit = _si(rig, "position")
-    if rig.rows.minimum_speed is not None:
-        slow = np.abs(v) < unit * rig.rows.minimum_speed
-        use &= ~slow
-        said.append(f"{name}: {slow.mean():.1%} of the rows left out as too slow.")
-    if rig.rows.maximum_speed is not None:
-        use &= np.abs(v) <= unit * rig.rows.maximum_speed
-    return use
-
-
-def _saturated(effort: np.ndarray, rig: RigFile) -> np.ndarray:
-    if rig.effort.limit is not None:
-        limit = rig.effort.limit * EFFORTS[rig.effort.kind][rig.effort.unit]
-        return np.abs(effort) >= FULL * limit
-    full = np.zeros(len(effort), bool)
-    for extreme in (effort.max(), effort.min()):
-        at = np.concatenate([[0], (effort == extreme).astype(int), [0]])
-        edges = np.flatnonzero(np.diff(at))
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
-            if stop - start >= STUCK:
-                full[start:stop] = True
-    return full
-
-
-def _widened(mask: np.ndarray, reach: int) -> np.ndarray:
-    return np.convolve(mask, np.ones(2 * reach + 1), "same") > 0.5
+def _cutoff(grids: list[dict[str, np.ndarray]], period: float) -> float:
+    longest = max(grids, key=lambda grid: len(grid["time"]))
+    return usual_cutoff(*_differentiated(longest), longest["effort"], period)

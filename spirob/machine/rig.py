@@ -120,10 +120,13 @@ class Rows(Entry):
 
     minimum_speed  slower rows, in the unit of position per second: at standstill dry friction may
                    take any value below its level, and says nothing about it
+    standstill     what happens to holds of a tenth of a second or more, where no minimum speed is
+                   given: "drop" or "keep"
     """
 
     minimum_speed: float | None = Field(default=None, ge=0)
     maximum_speed: float | None = Field(default=None, gt=0)
+    standstill: Literal["drop", "keep"] = "drop"
 
 
 class Control(Entry):
@@ -143,6 +146,7 @@ NUMBERS = {
     "viscous": "friction in proportion to speed",
     "stiffness": "spring that pulls towards position 0",
     "scale": "torque or force for one unit of effort",
+    "delay": "time by which the effort trails the motion in the log",
 }
 
 

@@ -14,8 +14,11 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from spirob.effects import Effect
+from spirob.identify.fit import Fit
+from spirob.identify.scaling import Scaling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.shapes import starts
+from spirob.parameter import Table
 
 PROBE = 0.2  # of an amplitude's nominal value
 RIDGE = 1e-8  # of the mean square of a column
@@ -45,23 +48,15 @@ class Offer:
 
 
 class Screening:
-    """Screening around one fitted model of a problem.
+    """Screening around one fitted model of a problem; `folds` (N,) is the label of each sample."""
 
-    residual, jacobian  at `changes`;  folds  (N,) label of each sample
-    """
-
-    def __init__(
-        self,
-        problem: InverseProblem,
-        residual: np.ndarray,
-        jacobian: np.ndarray,
-        changes: Mapping[str, float],
-        folds: np.ndarray,
-    ):
-        self.problem, self.residual, self.jacobian = problem, residual, jacobian
-        self.changes, self.folds = dict(changes), folds
-        self._angle = problem.signals()["angle"]
-        self._q = np.linalg.qr(jacobian / (np.linalg.norm(jacobian, axis=0) + 1e-300))[0]
+    def __init__(self, problem: InverseProblem, at: Fit, folds: np.ndarray):
+        self.problem, self.residual, self.jacobian = problem, at.residual, at.jacobian
+        self.changes, self.folds = dict(at.changes), folds
+        self._room = room(problem.table, at)
+        self._signals = {**problem.signals(), "effort": problem.measured()}
+        sizes = np.linalg.norm(at.jacobian, axis=0) + 1e-300
+        self._q = np.linalg.qr(at.jacobian / sizes)[0]
 
     def offers(self, effects: Sequence[type[Effect]]) -> list[Offer]:
         """The effects, each at its best shape, best first."""
@@ -69,7 +64,7 @@ class Screening:
         for effect in effects:
             table = self.problem.table
             about = {f: table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
-            shapes = starts(effect, about, self.residual, self._angle)
+            shapes = starts(effect, about, self.residual, self._signals)
             tried = [self._offer(effect, shape) for shape in shapes]
             found.append(min(tried, key=lambda offer: offer.error))
         return sorted(found, key=lambda offer: offer.error)
@@ -113,8 +108,7 @@ class Screening:
         return Offer(effect, values, stacked, *bounds, np.array(sizes), error, new)
 
     def _bounds(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        free = np.full(self.jacobian.shape[1], np.inf)
-        return np.append(-free, low), np.append(free, high)
+        return np.append(self._room[0], low), np.append(self._room[1], high)
 
     def _left_out(self, columns: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
         design = np.hstack([self.jacobian, columns])
@@ -122,17 +116,21 @@ class Screening:
         return float(np.mean(left**2))
 
 
+def room(table: Table, at: Fit) -> tuple[np.ndarray, np.ndarray]:
+    """How far each fitted number may move from where it is, in the coordinates of its slopes."""
+    scaling = Scaling(table, list(at.estimates))
+    u = scaling.scaled(at.changes)
+    return np.minimum(scaling.low - u, -1e-9), np.maximum(scaling.high - u, 1e-9)
+
+
 def left_out(
     design: np.ndarray,
     residual: np.ndarray,
     folds: np.ndarray,
-    low: np.ndarray | None = None,
-    high: np.ndarray | None = None,
+    low: np.ndarray,
+    high: np.ndarray,
 ) -> np.ndarray:
-    """The residual of each fold after a step that the other folds chose, (N,)."""
-    if low is None or high is None:
-        free = np.full(design.shape[1], np.inf)
-        low, high = -free, free
+    """The residual of each fold after a step, within bounds, that the other folds chose, (N,)."""
     labels = np.unique(folds)
     grams = {k: design[folds == k].T @ design[folds == k] for k in labels}
     sides = {k: design[folds == k].T @ residual[folds == k] for k in labels}

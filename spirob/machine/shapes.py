@@ -22,21 +22,38 @@ WIDE = 30.0  # bounds further apart than this factor are walked by ratio
 
 
 def starts(
-    effect: type[Effect], about: Mapping[str, Parameter], residual: np.ndarray, angle: np.ndarray
+    effect: type[Effect],
+    about: Mapping[str, Parameter],
+    residual: np.ndarray,
+    signals: Mapping[str, np.ndarray],
 ) -> list[dict[str, float]]:
     """Shape numbers to try, field -> value; one empty entry where there is no shape.
 
-    residual, angle  (N,) along the trials
+    residual  (N,) along the trials;  signals  of the motion and the effort there
     """
     fields = [f for f in about if f not in effect.neutral]
     grids = []
     for field in fields:
         if counts_periods(effect, field):
-            grids.append(peaks(residual, angle, about[field].low, about[field].high))
+            wave = residual * _carrier(effect, signals)
+            grids.append(peaks(wave, signals["angle"], about[field].low, about[field].high))
         else:
             grids.append(grid(about[field], 5 if len(fields) == 1 else 3))
     combined = [dict(zip(fields, values, strict=True)) for values in product(*grids)]
     return combined[:: max(1, -(-len(combined) // MOST))]
+
+
+def _carrier(effect: type[Effect], signals: Mapping[str, np.ndarray]) -> np.ndarray:
+    """What a wave of this effect is multiplied by on its way to the residual, (N,).
+
+    The spectrum of an effort that ripples in proportion to itself has side bands in place of the
+    ripple's order; multiplied by the effort once more, it shows the order.
+    """
+    if effect.port in ("motor.drive_torque", "winch.efficiency"):
+        return signals["effort"]
+    if effect.port == "sensing.displacement":  # read as acceleration: in proportion to speed²
+        return np.asarray(signals["speed"] ** 2)
+    return np.ones_like(signals["angle"])
 
 
 def grid(about: Parameter, count: int) -> list[float]:

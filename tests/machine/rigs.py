@@ -339,6 +339,49 @@ def spring(seed: int) -> Case:
     return Case(description(), trials[:2], trials[2], {"unknown"})
 
 
+def late(seed: int) -> Case:
+    """A position that arrives some milliseconds after the effort that the same log shows."""
+    rng = np.random.default_rng(seed)
+    inertia, viscous, age = rng.uniform(0.02, 0.05), 0.1, rng.uniform(0.005, 0.0075)
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        follow = reference(rng, 1.5, 1.5)
+        made = driven(lambda q, v, t, u: -viscous * v, follow, inertia, (5.0, 0.8))
+        return {**made, "q": np.interp(made["t"] - age, made["t"], made["q"])}
+
+    trials = _trials(make, rng, 0.004)
+    return Case(description(), trials[:2], trials[2], {"named"}, [{"feedback_latency"}])
+
+
+def coarse(seed: int) -> Case:
+    """Nothing is missing: an encoder of 1024 counts, steps with holds, effort held for 4 ms."""
+    rng = np.random.default_rng(seed)
+    inertia, viscous = rng.uniform(0.01, 0.03), rng.uniform(0.05, 0.15)
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        goals = rng.uniform(-1.5, 1.5, 8)
+
+        def follow(t: float) -> float:
+            k, x = int(t // 1.5), min(1.0, (t % 1.5) / 0.4)
+            before = goals[k - 1] if k else 0.0
+            return float(before + (goals[k] - before) * x * x * (3 - 2 * x))
+
+        held = [0.0, 0.0]
+
+        def torque(q: float, v: float, t: float, u: float) -> float:
+            if t - held[0] >= 4e-3 or t == 0.0:
+                held[:] = [t, u]
+            return held[1] - u - viscous * v
+
+        return driven(torque, follow, inertia, (3.0, 0.5))
+
+    trials = _trials(make, rng, 0.003)
+    for trial in trials:
+        trial["q"] = np.round(trial["q"] / (2 * np.pi / 1024)) * 2 * np.pi / 1024
+    rig = {k: v for k, v in description().items() if k != "filter"}
+    return Case(rig, trials[:2], trials[2], {"nothing_missing"})
+
+
 CASES = {
     f.__name__: f
     for f in (
@@ -353,5 +396,7 @@ CASES = {
         smoothed,
         magnets,
         spring,
+        late,
+        coarse,
     )
 }

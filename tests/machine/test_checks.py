@@ -111,3 +111,32 @@ def test_rows_at_the_limit_of_the_drive_are_left_out():
     log = good()
     clipped = prepare("log", {**log, "u": np.clip(log["u"], -0.3, 0.3)}, RIG)
     assert any("where the drive saturates" in said for said in clipped.said)
+
+
+def test_a_step_of_the_motor_is_no_jump():
+    """Standing most of the time, then there within 20 ms, as in a step test."""
+    log = good(12.0)
+
+    def risen(seconds):
+        x = np.clip((log["t"] % 6.0 - seconds) / 0.02, 0, 1)
+        return 0.5 * x * x * (3 - 2 * x)
+
+    log["q"] = risen(1.0) - risen(4.0)
+    assert prepare("log", log, RIG).said == []
+
+
+def test_a_small_jump_within_a_fast_motion_is_seen():
+    log = good()
+    log["q"] = log["q"] + 0.06 * (log["t"] > 2.05)
+    with pytest.raises(DataError, match="'q' jumps by"):
+        prepare("log", log, RIG)
+
+
+def test_counts_with_a_factor_are_no_counts_any_more():
+    log = good()
+    turns = {"column": "q", "unit": "turn", "factor": 1 / 4096}
+    rig = RigFile.model_validate(description(position=turns))
+    log["q"] = np.round(log["q"] / (2 * np.pi) * 4096)
+    assert prepare("log", log, rig).pieces[0].v.max() > 5.0
+    with pytest.raises(DataError, match="these are counts"):
+        prepare("log", log, RIG)

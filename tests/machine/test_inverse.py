@@ -65,14 +65,14 @@ def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
     """The effort found, sent forward through the kernel, gives the torque that was asked for."""
     made = problem(name)
     p = made.table.vector({f"{name}.{number}": value})
-    motion = made._motion
+    asked, motion = made.asked, made.asked.motion
     wanted = 0.5 * motion.v
-    signals = made._signals(motion, wanted)
-    effort = made._solved(wanted, p, motion, signals)
+    signals = asked.signals(motion, wanted)
+    effort = asked.solved(wanted, p, motion, signals)
     effect = LIBRARY[name]
     share = effect.port == "winch.efficiency"
     above = np.ones_like(effort) if share else effort
-    out = made._run(effect, p, motion, {**signals, "motor.current": effort}, above)
+    out = asked.run(effect, p, motion, {**signals, "motor.current": effort}, above)
     reached = out * effort if share else out
     np.testing.assert_allclose(reached, wanted, atol=0.01 * np.abs(wanted).max())
 

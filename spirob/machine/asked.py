@@ -1,0 +1,212 @@
+"""The effort that a measured motion asks for, unfiltered: the equations of the inverse model.
+
+    scale·P(e) = J·a + b·v + k·q + body(q, v, a) - Σ τ_effects(q, v, ...)
+    e_model    = S(e)
+
+P are the pipes between the effort and the axis (torque constant, efficiency, dead band), S those
+between the effort and its reading (offset, gain, lag).  The first line is solved for e, so that the
+model knows nothing of the effort that it is compared with.  The kernels are those of the library,
+run over the measured signals.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from spirob.effects import Effect
+from spirob.machine.kernel_loop import loop_of
+from spirob.machine.motion import Motion
+from spirob.machine.rig import NUMBERS
+from spirob.machine.scaling import Sizes
+from spirob.parameter import Table
+
+PASSES = 10  # of the solution for the effort before the drive's pipes
+SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
+BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
+ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
+CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
+KEPT = 24  # torques of effects, as arrays along all trials
+Run = Callable[..., None]
+
+
+class AskedEffort:
+    """The equations over one motion.
+
+    stiffness   of the driven joint [N·m/rad], which effects at a hinge read
+    rest_speed  below which the axis counts as standing
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        effects: Sequence[type[Effect]],
+        table: Table,
+        sizes: Sizes,
+        rest_speed: float,
+        stiffness: float,
+    ):
+        self.motion, self.effects, self.table, self.sizes = motion, list(effects), table, sizes
+        self.rest_speed, self._stiffness = rest_speed, stiffness
+        self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
+        self._known: dict[tuple[object, ...], np.ndarray] = {}
+
+    def effort(self, p: np.ndarray) -> np.ndarray:
+        """The effort at every sample of every piece, (n,), for a vector of the table."""
+        motion = self._seen(p)
+        own = {name: p[self.table.position(f"rig.{name}")] for name in NUMBERS}
+        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
+        tip = sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass"))
+        if tip:
+            load = load + tip / self.sizes.mass * motion.body["payload"]
+        needed = load + own["viscous"] * motion.v
+        signals = self.signals(motion, load)
+        for port in ADDED:
+            for effect in self.present(port, p):
+                needed = needed - self._torque(effect, p, motion, signals, tip)
+        effort = self.solved(needed / own["scale"], p, motion, signals)
+        for effect in self.present("sensing.current", p):
+            effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
+        for effect in self.present("sensing.frame", p):
+            # the motion in the frame is late: compare with the command of that time
+            late = self._in_cycles(effect, p, motion)
+            effort = effort + motion.effort - late
+        return _late(effort, float(own["delay"]), motion)
+
+    def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
+        """The effects at a port that are not neutral."""
+        neutral = self.table.values
+        found = []
+        for effect in self._at(port):
+            cells = [self.table.position(f"{effect.name()}.{f}") for f in effect.neutral]
+            if any(p[k] != neutral[k] for k in cells):
+                found.append(effect)
+        return found
+
+    def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
+        """An effect's numbers, by field, in a vector of the table."""
+        name = effect.name()
+        return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
+
+    def signals(self, motion: Motion, load: np.ndarray) -> dict[str, np.ndarray]:
+        """What kernels may read, each (n,)."""
+        n = len(motion.q)
+        return {
+            "time": motion.seconds,
+            "motor.rest_speed": np.full(n, self.rest_speed),
+            "motor.speed": motion.v,
+            "motor.angle": motion.q / self.sizes.angle,
+            "motor.load_torque": load,
+            "hinge.angle": motion.q,
+            "hinge.speed": motion.v,
+            "hinge.stiffness": np.full(n, self._stiffness),
+            "hinge.weight_x": motion.body["along"],
+            "hinge.weight_y": motion.body["across"],
+        }
+
+    def solved(
+        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """e with P(e) = wanted, by fixed-point iteration from e = wanted.
+
+        Where an effort changes nothing, in a dead band, the steps grow until it does.
+        """
+        pipes = [e for port in BEFORE for e in self.present(port, p)]
+        shares = self.present("winch.efficiency", p)
+        effort = wanted
+        if not pipes and not shares:
+            return effort
+        step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
+        for _ in range(PASSES):
+            seen = {**signals, "motor.current": effort, "motor.command": effort}
+            passed = effort
+            for effect in pipes:
+                passed = self.run(effect, p, motion, seen, passed)
+            share = np.ones_like(effort)
+            for effect in shares:
+                share = self.run(effect, p, motion, seen, share)
+            miss = wanted - share * passed
+            flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
+            step, missed = np.where(flat, 2.0 * step, 1.0), miss
+            effort = effort + step * miss
+        return effort
+
+    def run(
+        self,
+        effect: type[Effect],
+        p: np.ndarray,
+        motion: Motion,
+        signals: Mapping[str, np.ndarray],
+        upstream: np.ndarray | None,
+    ) -> np.ndarray:
+        """An effect's kernel at every sample, (n,)."""
+        reads = np.array([signals[name] for name in effect.reads.values()])
+        n = len(motion.q)
+        out = np.empty(n)
+        values = np.array(list(self.values(effect, p).values()))
+        above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
+        self._runs[effect.name()](
+            out, motion.starts, motion.steps, above, reads.reshape(len(effect.reads), n), values
+        )
+        return out
+
+    def _in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
+        """The measured effort through a kernel that remembers some cycles of a bus, (n,).
+
+        A log may be faster than any bus: its samples are then dealt out to as many rows, each at
+        the pace of a cycle.
+        """
+        stride = max(1, round(CYCLE / float(np.min(motion.steps))))
+        pieces = zip(motion.starts[:-1], motion.starts[1:], strict=True)
+        rows = [np.arange(a + k, b, stride) for a, b in pieces for k in range(stride)]
+        order = np.concatenate(rows)
+        starts = np.cumsum([0, *(len(row) for row in rows)])
+        steps = np.repeat(stride * motion.steps, stride)
+        values = np.array(list(self.values(effect, p).values()))
+        dealt, out = np.empty(len(order)), np.empty(len(order))
+        reads = np.empty((0, len(order)))
+        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], reads, values)
+        out[order] = dealt
+        return out
+
+    def _torque(
+        self,
+        effect: type[Effect],
+        p: np.ndarray,
+        motion: Motion,
+        signals: Mapping[str, np.ndarray],
+        tip: float,
+    ) -> np.ndarray:
+        """An effect's torque; kept, because a derivative moves one number and leaves the others."""
+        if motion is not self.motion:
+            return self.run(effect, p, motion, signals, None)
+        key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
+        if "motor.load_torque" in effect.reads.values():
+            own = (p[self.table.position(f"rig.{n}")] for n in ("inertia", "stiffness"))
+            key = (*key, *own, tip)
+        if key not in self._known:
+            if len(self._known) >= KEPT:
+                self._known.pop(next(iter(self._known)))
+            self._known[key] = self.run(effect, p, motion, signals, None)
+        return self._known[key]
+
+    def _seen(self, p: np.ndarray) -> Motion:
+        """The motion with errors of its sensor taken out."""
+        wrong = self.present("sensing.displacement", p)
+        if not wrong:
+            return self.motion
+        signals = self.signals(self.motion, np.zeros_like(self.motion.q))
+        error = np.zeros_like(self.motion.q)
+        for effect in wrong:
+            error += self.run(effect, p, self.motion, signals, self.motion.q) - self.motion.q
+        return self.motion.without(error)
+
+    def _at(self, port: str) -> list[type[Effect]]:
+        return [e for e in self.effects if e.port == port]
+
+
+def _late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
+    """e(t - δ) to second order in δ, which is a sample or two of a signal that is band-limited."""
+    if delay == 0.0:
+        return effort
+    first, second = motion.rates(effort)
+    return np.asarray(effort - delay * first + 0.5 * delay**2 * second)

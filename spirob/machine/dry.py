@@ -1,0 +1,33 @@
+"""Which effects are laws of dry friction, asked of their kernels."""
+
+from spirob.effects import Effect
+
+SPEEDS = {"motor.speed", "motor.rest_speed"}
+SLOW, FAST = 1e3, 1e4  # rest speeds at which sliding friction has settled
+SETTLING = 100  # steps that a memory is given for that
+STEP = 1e-3  # s
+
+
+def is_dry(effect: type[Effect]) -> bool:
+    """Whether this is a law of dry friction by speed alone: level at speed, and odd in it.
+
+    Asked of the kernel itself, so that it holds for effects that nobody here has seen.
+    """
+    reads = set(effect.reads.values())
+    if effect.port != "motor.torque" or "motor.speed" not in reads or not reads <= SPEEDS:
+        return False
+    slow, fast, back = (_settled(effect, v) for v in (SLOW, FAST, -FAST))
+    return abs(fast) > 0.0 and abs(fast - slow) < 1e-3 * abs(fast) and fast * back < 0.0
+
+
+def _settled(effect: type[Effect], speed: float) -> float:
+    given = {a: 1.0 if s == "motor.rest_speed" else speed for a, s in effect.reads.items()}
+    given |= {f: p.nominal for f, p in effect.parameters().items()}
+    given |= {"dt": STEP} if "dt" in effect.arguments() else {}
+    memory = dict(effect.state)
+    if not memory:
+        return float(effect.kernel(**given))
+    for _ in range(SETTLING):
+        out = effect.kernel(**given, **memory)
+        memory = dict(zip(memory, out[1:], strict=True))
+    return float(out[0])

@@ -1,0 +1,122 @@
+"""Sets of effects, each fitted in full on the training trials and judged on data left out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.diagnose.evidence import block_errors
+from spirob.effects import Effect
+from spirob.identify.fit import Fit, fit
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.screening import left_out, room
+from spirob.score import Score, score
+
+BLOCKS = 5  # folds of one or two trials
+ITERATIONS = 12  # of a fit
+# of differences, in scaled numbers: an inverse model is smooth, and the order of a ripple over many
+# turns needs a fine one
+STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Model:
+    """A set of effects, fitted; errors are mean squares by block.
+
+    left     residual of each training sample after a step that the other folds chose
+    heldout  residual on the held-out trials
+    """
+
+    effects: tuple[type[Effect], ...]
+    fit: Fit
+    left: np.ndarray
+    errors: np.ndarray
+    heldout: np.ndarray
+    heldout_errors: np.ndarray
+
+    @property
+    def mean_square(self) -> float:
+        """Of the folds left out."""
+        return float(np.mean(self.left**2))
+
+    @property
+    def heldout_square(self) -> float:
+        """Of the held-out trials."""
+        return float(np.mean(self.heldout**2))
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of its effects."""
+        return frozenset(e.name() for e in self.effects)
+
+    @property
+    def numbers(self) -> int:
+        """How rich it is: numbers and memories of its effects."""
+        return sum(len(e.parameters()) + len(e.state) for e in self.effects)
+
+
+class Models:
+    """Fits sets of effects and keeps every one.
+
+    base   names of the numbers that every set fits
+    size   RMS of the measured effort
+    tried  names of the effects -> model
+    """
+
+    def __init__(
+        self,
+        train: InverseProblem,
+        heldout: InverseProblem,
+        base: Sequence[str],
+        progress: Callable[[str], None] = lambda text: None,
+    ):
+        self.train, self.heldout, self.base, self.progress = train, heldout, list(base), progress
+        self.folds = folds_of(train.edges)
+        self.size = float(np.sqrt(np.mean(train.measured() ** 2)))
+        self.tried: dict[frozenset[str], Model] = {}
+
+    def fitted(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
+        """The fitted model of a set; `start` holds where its numbers begin."""
+        key = frozenset(e.name() for e in effects)
+        if key not in self.tried:
+            self.tried[key] = self._fit(effects, start)
+        return self.tried[key]
+
+    def _fit(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
+        names = [*self.base, *(f"{e.name()}.{f}" for e in effects for f in e.parameters())]
+        table = self.train.table
+        begin = {n: start.get(n, table.about[n].nominal) for n in names}
+        robust = 10.0 * self.size  # repairs have taken the outliers; plain least squares inside
+        found = fit(
+            self.train, names, begin, robust, ITERATIONS, steps=(STEP,), exact=False, smooth=True
+        )
+        left = left_out(found.jacobian, found.residual, self.folds, *room(table, found))
+        held = self.heldout(found.changes)
+        made = Model(
+            effects,
+            found,
+            left,
+            block_errors(left, self.train.edges, self.train.block),
+            held,
+            block_errors(held, self.heldout.edges, self.heldout.block),
+        )
+        share = np.sqrt(made.mean_square) / self.size
+        self.progress(f"{' + '.join(e.name() for e in effects) or 'bare model'}: {share:.2%}")
+        return made
+
+    def scores(self, model: Model) -> dict[str, Score]:
+        """Scores of a model on the trials that it was fitted to and on the held-out ones."""
+        measured = self.train.measured(), self.heldout.measured()
+        return {
+            "train": score(measured[0], measured[0] + model.fit.residual),
+            "test": score(measured[1], measured[1] + model.heldout),
+        }
+
+
+def folds_of(edges: np.ndarray) -> np.ndarray:
+    """Label of the fold of each sample: its trial, or a block of the whole where trials are few."""
+    trials = len(edges) - 1
+    if trials >= 3:
+        return np.repeat(np.arange(trials), np.diff(edges))
+    samples = int(edges[-1])
+    return np.arange(samples) * BLOCKS // samples

@@ -1,0 +1,86 @@
+"""The measured motion of all trials in a row, and what the body behind the motor asks for on it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spirob.machine.body import RigidBody
+from spirob.machine.filtering import rates
+from spirob.machine.recording import Piece, Recording
+
+NEEDS = ("load", "payload", "along", "across")  # of `RigidBody.needs`
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The signals of all pieces in a row, each (n,), and what the body asks for along them.
+
+    starts  (pieces + 1,) where each piece begins and ends;  steps  (pieces,) sample periods [s]
+    """
+
+    starts: np.ndarray
+    steps: np.ndarray
+    seconds: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    effort: np.ndarray
+    body: dict[str, np.ndarray]
+
+    def rates(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """First and second derivative of a signal by time, none across pieces, (n,) each."""
+        first, second = np.empty_like(values), np.empty_like(values)
+        for k, step in enumerate(self.steps):
+            rows = slice(self.starts[k], self.starts[k + 1])
+            first[rows], second[rows] = rates(values[rows], step)
+        return first, second
+
+    def without(self, error: np.ndarray) -> "Motion":
+        """The motion with an error of its sensor taken out."""
+        fast, faster = self.rates(error)
+        return replace(self, q=self.q - error, v=self.v - fast, a=self.a - faster)
+
+
+def motion_of(recordings: Sequence[Recording], body: RigidBody | None, mass: float) -> Motion:
+    """The motion of all pieces; `mass` is the payload that the body's needs are given for [kg]."""
+    pieces = [(r, p) for r in recordings for p in r.pieces]
+    needs = []
+    for _, piece in pieces:
+        nothing = {name: np.zeros(len(piece.q)) for name in NEEDS}
+        needs.append(body.needs(piece, mass) if body else nothing)
+
+    def along(field: str) -> np.ndarray:
+        return np.concatenate([getattr(p, field) for _, p in pieces])
+
+    return Motion(
+        np.cumsum([0, *(len(p.q) for _, p in pieces)]),
+        np.array([r.period for r, _ in pieces]),
+        along("seconds"),
+        along("q"),
+        along("v"),
+        along("a"),
+        along("effort"),
+        {name: np.concatenate([n[name] for n in needs]) for name in NEEDS},
+    )
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The rows of one piece that are compared: `inside` it, and `along` all pieces in a row."""
+
+    recording: Recording
+    piece: Piece
+    inside: np.ndarray
+    along: np.ndarray
+
+
+def kept_rows(recordings: Sequence[Recording]) -> Iterator[Kept]:
+    """What is left of each piece after thinning and the row filters."""
+    begin = 0
+    for recording in recordings:
+        for piece in recording.pieces:
+            inside = np.arange(0, len(piece.q), recording.every)
+            inside = inside[piece.use[inside]]
+            yield Kept(recording, piece, inside, begin + inside)
+            begin += len(piece.q)

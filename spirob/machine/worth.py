@@ -1,0 +1,80 @@
+"""When is an effect worth its place?  The three questions that every addition has to pass.
+
+Does the error of the folds left out rise without it by more than a floor, in size and in share?
+Surely, when half-second blocks are drawn again?  And do the held-out trials agree?
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.diagnose.evidence import improvement
+from spirob.machine.models import Model
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the search decides.
+
+    floor    least size of an effect: √(fall of the mean square) over the RMS effort; more where
+             the noise of the motion makes more of the modelled effort
+    share    least fall of the squared error, relative
+    veto     least fall of the squared error on held-out trials, relative
+    better   relative fall that makes a richer effect worth its further numbers
+    most     effects in a set
+    """
+
+    floor: float = 0.01
+    share: float = 0.05
+    veto: float = 0.05
+    better: float = 0.10
+    most: int = 4
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Worth:
+    """The questions; `least` is the size of the least effect, in the unit of the effort."""
+
+    settings: Settings
+    least: float
+
+    def matters(self, before: Model, after: Model) -> bool:
+        """Whether `after` explains more by a size that counts, surely."""
+        fall = before.mean_square - after.mean_square
+        if fall <= 0.0 or np.sqrt(fall) < self.least:
+            return False
+        if fall < self.settings.share * before.mean_square:
+            return False
+        return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
+
+    def clearly(self, before: Model, after: Model) -> bool:
+        """Whether `after` is better than a rival by enough to be preferred to a simpler one."""
+        if after.mean_square > (1.0 - self.settings.better) * before.mean_square:
+            return False
+        return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
+
+    def possible(self, current: Model, error: float) -> bool:
+        """Whether an addition could matter, judged by its screened error and half the floor."""
+        return current.mean_square - error > (0.5 * self.least) ** 2
+
+    def denied(self, before: Model, after: Model) -> bool:
+        """Whether the held-out trials do not confirm a step."""
+        least = 1.0 - self.settings.veto
+        return after.heldout_square > least * before.heldout_square
+
+    def simplest(self, models: Sequence[Model]) -> Model:
+        """The poorest model to which no other is clearly preferable.
+
+        A richer model has to be better by the least size of an effect: the edges of a smooth sign
+        never fit quite, and a richer law always takes some of that.
+        """
+        best = min(models, key=lambda m: m.mean_square)
+        equal = [m for m in models if m is best or not self._beaten(m, best)]
+        return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
+
+    def _beaten(self, model: Model, best: Model) -> bool:
+        if model.numbers < best.numbers:
+            return self.matters(model, best)
+        return self.clearly(model, best)
