@@ -7,7 +7,7 @@ which its section prints in place of the numbers.
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,18 +22,19 @@ class Source:
     """A file: its path under the root, the stage that writes it, the keys or columns it must hold.
 
     why  for a file that may be absent: what its absence means; None where it is required
+    instead  path of a lesser file that is read where this one is absent
     """
 
     path: str
     stage: str
     keys: tuple[str, ...] = ()
     why: str | None = None
+    instead: str = ""
 
 
+CHANNELS = ("current", "displacement", "velocity")
 OVERLAY_CHANNELS = tuple(
-    f"{origin}_{channel}"
-    for channel in ("current", "displacement", "velocity")
-    for origin in ("measured", "base", "named")
+    f"{origin}_{channel}" for channel in CHANNELS for origin in ("measured", "base", "named")
 )
 SOURCES = {
     "config": Source("data/config/config.yaml", "config"),
@@ -58,11 +59,17 @@ SOURCES = {
         ("trial", "time", "q0"),
         "the model of this rig has no arm, or its motion was not kept",
     ),
-    "finalists": Source(
-        "data/diagnosis/finalists.parquet",
+    "combinations": Source(
+        "data/diagnosis/combinations.parquet",
         "diagnose",
-        ("effect", "trial", "role", "motor", "time", "current", "displacement", "velocity"),
+        ("effects", "trial", "role", "motor", "time", "how", *CHANNELS),
         "no candidate was fitted, or its response was not kept",
+    ),
+    "laws": Source(
+        "data/diagnosis/laws.parquet",
+        "diagnose",
+        ("effect", "trial", "role", "motor", "time", "with_current", "without_current"),
+        "no candidate was fitted, so there is no law to draw",
     ),
     "posture": Source(
         "data/truth/posture",
@@ -92,6 +99,13 @@ SOURCES = {
         "size was not learned from the other models in this run",
     ),
     "sweep": Source("data/sweep/table.json", "sweep", ("columns", "rows"), "no sweep was run here"),
+    "trial": Source(
+        "reports/metrics/trial_full.json",
+        "trial",
+        (),
+        "no trial was run here",
+        instead="reports/metrics/trial.json",
+    ),
     "score": Source(
         "reports/metrics/score.json", "score", (), "the truth of this machine was not opened"
     ),
@@ -116,11 +130,13 @@ class ReportData:
     provenance: Provenance
     motion: pd.DataFrame | None = None
     posture: pd.DataFrame | None = None
-    finalists: pd.DataFrame | None = None
+    combinations: pd.DataFrame | None = None
+    laws: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
     experiments: dict[str, Any] | None = None
     transfer: dict[str, Any] | None = None
     sweep: dict[str, Any] | None = None
+    trial: dict[str, Any] | None = None
     score: dict[str, Any] | None = None
     absent: dict[str, str] = field(default_factory=dict)
 
@@ -133,7 +149,8 @@ def load(root: Path | str) -> ReportData:
     root = Path(root)
     found: dict[str, Any] = {}
     absent: dict[str, str] = {}
-    for name, source in SOURCES.items():
+    for name, declared in SOURCES.items():
+        source = _present(root, declared)
         if _is_there(root / source.path):
             found[name] = _read(root / source.path, source)
         elif source.why is None:
@@ -145,9 +162,16 @@ def load(root: Path | str) -> ReportData:
         for name in list(found)
         if name.endswith("_metrics")
     }
-    read = [source.path for name, source in SOURCES.items() if name not in absent]
+    read = [_present(root, source).path for n, source in SOURCES.items() if n not in absent]
     provenance = collect(root, read, found["config"])
     return ReportData(metrics=metrics, provenance=provenance, absent=absent, **found)
+
+
+def _present(root: Path, source: Source) -> Source:
+    """The source, or what stands in for it where it is absent."""
+    if source.instead and not _is_there(root / source.path) and _is_there(root / source.instead):
+        return replace(source, path=source.instead)
+    return source
 
 
 def _is_there(path: Path) -> bool:

@@ -31,6 +31,8 @@ def test_sections_stand_in_the_order_of_the_page():
         "comparison",
         "failure",
         "ladder",
+        "laws",
+        "trial",
         "parameters",
         "experiments",
         "object_size",
