@@ -1,12 +1,14 @@
 """Tables for the report: measured and modelled signals side by side, and the arm in motion."""
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from pipeline.stage import workers
 from spirob.identify.residual import Residual
 from spirob.logs.atomic import replacing
 from spirob.robot import MOTORS
@@ -36,22 +38,27 @@ def table_of(
     One row for each kept sample of each motor: trial, role, motor, time [s]; SI.
     measured  the robot's own signals besides
     """
+    trials = [(r, k) for r in ("validate", "heldout") for k in range(len(residuals[r].trials))]
+    jobs = [(role, k, changes) for role, k in trials for changes in models.values()]
+    with ThreadPoolExecutor(workers()) as pool:  # the compiled loop runs without the GIL
+        responses = iter(
+            list(pool.map(lambda job: residuals[job[0]].respond(job[2], job[1]), jobs))
+        )
     parts = []
-    for role in ("validate", "heldout"):
-        residual = residuals[role]
-        for k, trial in enumerate(residual.trials):
-            sides: dict[str, Any] = {"measured": trial} if measured else {}
-            sides |= {name: residual.respond(changes, k) for name, changes in models.items()}
-            thin = residual.filter.thin
-            for m, motor in enumerate(MOTORS):
-                columns = {
-                    f"{side}_{channel}": thin(getattr(signals, channel)[:, m], trial.name)
-                    for channel in CHANNELS
-                    for side, signals in sides.items()
-                }
-                time = trial.seconds[:: residual.filter.every]
-                about = {"trial": trial.name, "role": role, "motor": motor, "time": time}
-                parts.append(pd.DataFrame(about | columns))
+    for role, k in trials:
+        residual, trial = residuals[role], residuals[role].trials[k]
+        sides: dict[str, Any] = {"measured": trial} if measured else {}
+        sides |= {name: next(responses) for name in models}
+        thin = residual.filter.thin
+        for m, motor in enumerate(MOTORS):
+            columns = {
+                f"{side}_{channel}": thin(getattr(signals, channel)[:, m], trial.name)
+                for channel in CHANNELS
+                for side, signals in sides.items()
+            }
+            time = trial.seconds[:: residual.filter.every]
+            about = {"trial": trial.name, "role": role, "motor": motor, "time": time}
+            parts.append(pd.DataFrame(about | columns))
     return pd.concat(parts, ignore_index=True)
 
 

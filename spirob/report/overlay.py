@@ -72,9 +72,9 @@ def _motor(rows: pd.DataFrame, most: int, best: str, played: Sequence[str]) -> d
         }
         for origin in LOOKS:
             signals[f"{origin}_{channel}"] = pack(values[f"{origin}_{channel}"])
-        for name in played:
-            change = values[f"{name}_{channel}"] - values[f"base_{channel}"]
-            signals[f"{name}_{channel}"] = pack(change, coarse=True)
+        for combination in played:
+            change = values[f"{combination}_{channel}"] - values[f"base_{channel}"]
+            signals[f"{combination}_{channel}"] = pack(change, coarse=True)
         errors[channel] = _errors(rows, channel, factor, name, best)
     return {"signals": {k: v for k, v in signals.items() if v is not None}, "errors": errors}
 
