@@ -31,7 +31,7 @@ class Switches(Section):
                 for name in (effects if found else [])
             ],
             "combinations": [entry(one) for one in found],
-            "rows": rows(found, titles),
+            "rows": rows(found),
             "plot": _plot(found[0]) if found else None,
             "reason": data.absent.get("combinations", "No candidate passed the screening."),
         }
@@ -55,15 +55,15 @@ def entry(one: Combination) -> dict[str, Any]:
     }
 
 
-def rows(found: list[Combination], titles: dict[str, str]) -> list[dict[str, Any]]:
-    """The same for those who read tables: a line for each combination."""
+def rows(found: list[Combination]) -> list[dict[str, Any]]:
+    """The same for those who read tables: a line for each combination, by the effects' names."""
     errors = {
         role: column([MILLI * one.rmse[role] if role in one.rmse else None for one in found])
         for role in ("validate", "heldout")
     }
     return [
         {
-            "label": " + ".join(titles[name] for name in one.effects) or "none",
+            "label": " + ".join(name.replace("_", " ") for name in one.effects) or "none",
             "how": HOW[one.how],
             "validate": errors["validate"][k],
             "heldout": errors["heldout"][k],

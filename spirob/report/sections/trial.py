@@ -71,7 +71,7 @@ def plots(found: Mapping[str, Any]) -> list[dict[str, Any]]:
         plot = Plot("strength", caption, figure)
         shown.append({"caption": caption, "plot": plot, "wide": False})
     if found.get("confusion"):
-        caption = "What was hidden, and what was said; the table below holds the same numbers"
+        caption = "What was hidden, and what was said; the list below holds the same numbers"
         figure = trial_figures.confusion(found["confusion"])
         plot = Plot("confusion", caption, figure)
         shown.append({"caption": caption, "plot": plot, "wide": True})
