@@ -39,6 +39,7 @@ def test_sections_stand_in_the_order_of_the_page():
         "transfer",
         "sweep",
         "library",
+        "loop",
         "provenance",
     ]
 
