@@ -67,6 +67,7 @@ def reliability(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
     figure.add_scatter(
         x=[one["said"] for one in kept],
         y=[one["right"] for one in kept],
+        error_y=_interval(kept, "right"),
         mode="markers+text",
         name="robots, their number beside",
         text=[str(one["n"]) for one in kept],
@@ -82,13 +83,11 @@ def reliability(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
 
 
 def strength(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
-    """Rate of right names in each bin of the error that knowing the effect removes."""
+    """Rate of right names in each bin of what knowing the effect leaves of the held-out error."""
     figure = blank(330)
     kept = [one for one in bins if one.get("n") and one.get("value") is not None]
     middle = [(one["low"] + one["high"]) / 2 for one in kept]
     half = [(one["high"] - one["low"]) / 2 for one in kept]
-    above = [max(one.get("high_ci", one["value"]) - one["value"], 0) for one in kept]
-    below = [max(one["value"] - one.get("low_ci", one["value"]), 0) for one in kept]
     figure.add_scatter(
         x=middle,
         y=[one["value"] for one in kept],
@@ -98,11 +97,18 @@ def strength(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
         textposition="top right",
         marker={"color": BASE, "size": 9},
         error_x={"type": "data", "array": half, "color": NEUTRAL, "thickness": 1, "width": 0},
-        error_y={"type": "data", "array": above, "arrayminus": below, "color": INK, "width": 4},
-        hovertemplate="%{x:.0%} removed: named rightly %{y:.0%} of %{text}<extra></extra>",
+        error_y=_interval(kept, "value"),
+        hovertemplate="%{x:.0%} left: named rightly %{y:.0%} of %{text}<extra></extra>",
     )
     figure.update_xaxes(
-        title_text="held-out error that knowing the effect removes", tickformat=".0%"
+        title_text="share of the held-out error that knowing the effect leaves", tickformat=".0%"
     )
     figure.update_yaxes(title_text="named rightly", range=[-0.03, 1.08], tickformat=".0%")
     return figure
+
+
+def _interval(bins: Sequence[Mapping[str, Any]], key: str) -> dict[str, Any]:
+    """Bars of the 95 % interval about each rate."""
+    above = [max(one.get("high_ci", one[key]) - one[key], 0) for one in bins]
+    below = [max(one[key] - one.get("low_ci", one[key]), 0) for one in bins]
+    return {"type": "data", "array": above, "arrayminus": below, "color": INK, "width": 4}
