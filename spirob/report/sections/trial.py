@@ -66,7 +66,7 @@ def plots(found: Mapping[str, Any]) -> list[dict[str, Any]]:
         plot = Plot("reliability", caption, figure)
         shown.append({"caption": caption, "plot": plot, "wide": False})
     if found.get("strength"):
-        caption = "How strong must it be? Right names over what knowing the effect leaves of the error"
+        caption = "How strong must it be? Right names over the error that is left when it is known"
         figure = trial_figures.strength(found["strength"])
         plot = Plot("strength", caption, figure)
         shown.append({"caption": caption, "plot": plot, "wide": False})
