@@ -1,7 +1,7 @@
 """Stage `collect`: play all trials on the robot; one MCAP log each, and the truth apart.
 
 Real hardware is never driven from here: its logs are recorded with `python -m pipeline.record`
-and lie in data/recorded.
+and lie in data/recorded/logs.
 """
 
 import shutil
@@ -13,6 +13,8 @@ from pipeline.stage import HIDDEN, public_config, read_yaml, run, write_json
 from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
 from spirob.errors import MissingLog
 from spirob.logs.atomic import replacing
+
+RECORDED = Path("data/recorded/logs")
 
 
 def stage(root: Path, with_wraps: bool = True) -> None:
@@ -31,9 +33,12 @@ def stage(root: Path, with_wraps: bool = True) -> None:
 
 
 def _fetch(root: Path, name: str) -> None:
-    source = root / "data/recorded" / name
+    source = root / RECORDED / name
     if not source.exists():
-        raise MissingLog(f"{source} is missing; record it with `python -m pipeline.record`")
+        raise MissingLog(
+            f"{source} is missing; record it with `python -m pipeline.record`, or get it with "
+            "`dvc pull`"
+        )
     with replacing(root / "data/raw" / name) as temporary:
         shutil.copyfile(source, temporary)
 

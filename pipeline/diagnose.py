@@ -5,13 +5,14 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.model import fitted_names, plant, residual
-from pipeline.overlay import finalists, motion, overlay
+from pipeline.overlay import motion, overlay
 from pipeline.stage import public_config, read_json, run, tell, write_json
+from pipeline.switches import laws, switches
 from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.rungs import Settings, label
+from spirob.diagnose.rungs import Settings
 from spirob.diagnose.verdict import judge
 from spirob.effects import all_effects, find_effects
 
@@ -42,8 +43,8 @@ def stage(root: Path) -> None:
     )
     overlay(root, residuals, base.changes, last.fit.changes)
     motion(root, residuals, last.fit.changes)
-    first = search.rounds[0] if search.rounds else []
-    finalists(root, residuals, {label(c.effects): c.fit.changes for c in first})
+    switches(root, residuals, search, settings.scale)
+    laws(root, residuals, search, verdict.kind == "named")
     write_json(root / "reports/metrics/diagnose.json", metrics(search, verdict, effort))
     tell(verdict.sentence)
 

@@ -1,11 +1,14 @@
 """Tables for the report: measured and modelled signals side by side, and the arm in motion."""
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from pipeline.stage import workers
 from spirob.identify.residual import Residual
 from spirob.logs.atomic import replacing
 from spirob.robot import MOTORS
@@ -21,51 +24,42 @@ def overlay(
     named: Mapping[str, float],
 ) -> None:
     """data/diagnosis/overlay.parquet: trials that no fit has seen, both sides filtered alike."""
-    parts = []
-    for role in ("validate", "heldout"):
-        residual = residuals[role]
-        for k, trial in enumerate(residual.trials):
-            sides = {
-                "measured": trial,
-                "base": residual.respond(base, k),
-                "named": residual.respond(named, k),
-            }
-            thin = residual.filter.thin
-            for m, motor in enumerate(MOTORS):
-                columns = {
-                    f"{side}_{channel}": thin(getattr(signals, channel)[:, m], trial.name)
-                    for channel in CHANNELS
-                    for side, signals in sides.items()
-                }
-                time = trial.seconds[:: residual.filter.every]
-                about = {"trial": trial.name, "role": role, "motor": motor, "time": time}
-                parts.append(pd.DataFrame(about | columns))
-    _write(root / "data/diagnosis/overlay.parquet", pd.concat(parts, ignore_index=True))
+    table = table_of(residuals, {"base": base, "named": named}, measured=True)
+    write_table(root / "data/diagnosis/overlay.parquet", table)
 
 
-def finalists(
-    root: Path, residuals: Mapping[str, Residual], fits: Mapping[str, Mapping[str, float]]
-) -> None:
-    """data/diagnosis/finalists.parquet: response with each candidate added and all refitted.
+def table_of(
+    residuals: Mapping[str, Residual],
+    models: Mapping[str, Mapping[str, float]],
+    measured: bool = False,
+) -> pd.DataFrame:
+    """Columns NAME_CHANNEL of each model, by its numbers, in the trials that no fit has seen.
 
-    fits  numbers of the full fit with that candidate alone, by its name; rows are the overlay's
+    One row for each kept sample of each motor: trial, role, motor, time [s]; SI.
+    measured  the robot's own signals besides
     """
+    trials = [(r, k) for r in ("validate", "heldout") for k in range(len(residuals[r].trials))]
+    jobs = [(role, k, changes) for role, k in trials for changes in models.values()]
+    with ThreadPoolExecutor(workers()) as pool:  # the compiled loop runs without the GIL
+        responses = iter(
+            list(pool.map(lambda job: residuals[job[0]].respond(job[2], job[1]), jobs))
+        )
     parts = []
-    for role in ("validate", "heldout"):
-        residual = residuals[role]
-        for k, trial in enumerate(residual.trials):
-            for name, changes in fits.items():
-                response = residual.respond(changes, k)
-                for m, motor in enumerate(MOTORS):
-                    about = {"effect": name, "trial": trial.name, "role": role, "motor": motor}
-                    time = trial.seconds[:: residual.filter.every]
-                    columns = {
-                        channel: residual.filter.thin(getattr(response, channel)[:, m], trial.name)
-                        for channel in CHANNELS
-                    }
-                    parts.append(pd.DataFrame(about | {"time": time} | columns))
-    if parts:
-        _write(root / "data/diagnosis/finalists.parquet", pd.concat(parts, ignore_index=True))
+    for role, k in trials:
+        residual, trial = residuals[role], residuals[role].trials[k]
+        sides: dict[str, Any] = {"measured": trial} if measured else {}
+        sides |= {name: next(responses) for name in models}
+        thin = residual.filter.thin
+        for m, motor in enumerate(MOTORS):
+            columns = {
+                f"{side}_{channel}": thin(getattr(signals, channel)[:, m], trial.name)
+                for channel in CHANNELS
+                for side, signals in sides.items()
+            }
+            time = trial.seconds[:: residual.filter.every]
+            about = {"trial": trial.name, "role": role, "motor": motor, "time": time}
+            parts.append(pd.DataFrame(about | columns))
+    return pd.concat(parts, ignore_index=True)
 
 
 def motion(root: Path, residuals: Mapping[str, Residual], changes: Mapping[str, float]) -> None:
@@ -77,9 +71,10 @@ def motion(root: Path, residuals: Mapping[str, Residual], changes: Mapping[str, 
         rows = np.arange(0, len(angles), round(1000 / FRAMES_PER_SECOND))
         columns = {f"q{i}": angles[rows, i] for i in range(angles.shape[1])}
         parts.append(pd.DataFrame({"trial": trial.name, "time": rows * 1e-3} | columns))
-    _write(root / "data/diagnosis/motion.parquet", pd.concat(parts, ignore_index=True))
+    write_table(root / "data/diagnosis/motion.parquet", pd.concat(parts, ignore_index=True))
 
 
-def _write(path: Path, table: pd.DataFrame) -> None:
+def write_table(path: Path, table: pd.DataFrame) -> None:
+    """Write a table whole or not at all."""
     with replacing(path) as temporary:
         table.to_parquet(temporary, compression="zstd", index=False)

@@ -1,8 +1,9 @@
-"""Record the configured trials on real hardware into data/recorded (not a stage of `dvc repro`)."""
+"""Record the configured trials on hardware into data/recorded/logs (no stage of `dvc repro`)."""
 
 import shutil
 from pathlib import Path
 
+from pipeline.collect import RECORDED
 from pipeline.robots import record_all
 from pipeline.stage import public_config, run
 from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
@@ -18,8 +19,8 @@ def stage(root: Path) -> None:
     record_all(root, config, {}, trials)
     for trial in trials:
         name = f"{trial['name']}.mcap"
-        (root / "data/recorded").mkdir(parents=True, exist_ok=True)
-        shutil.move(root / "data/raw" / name, root / "data/recorded" / name)
+        (root / RECORDED).mkdir(parents=True, exist_ok=True)
+        shutil.move(root / "data/raw" / name, root / RECORDED / name)
 
 
 if __name__ == "__main__":

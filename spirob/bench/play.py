@@ -7,12 +7,14 @@ is zero current, sent before the log is closed.
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 from spirob.bench.trial import Trial
 from spirob.can_protocol import encode_command
 from spirob.control.law import Gains, current_command
 from spirob.drives import Drive, Translator
 from spirob.errors import HardwareError
+from spirob.logs.threaded import ThreadedLog
 from spirob.logs.transmission import Transmission
 from spirob.logs.writer import TrialLog
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
@@ -22,6 +24,14 @@ ZERO = encode_command((0.0,) * len(MOTORS))
 FIRST_ANSWER = 100  # cycles a drive may take until its first feedback
 PROGRESS_EVERY = 500  # cycles
 PERIOD = CYCLE_NS / 1e9
+
+
+@runtime_checkable
+class Timed(Protocol):
+    """A robot in real time, which knows how its loop kept its deadlines; it does not wait."""
+
+    def timing(self) -> dict[str, str]:
+        """Lateness and what it was due to, as text for the log."""
 
 
 def record(
@@ -46,7 +56,8 @@ def record(
     drive    what the robot's drives are where they are not C620-style
     See `TrialLog` for rig, config and about, `play` for the rest.
     """
-    log = TrialLog(
+    kind = ThreadedLog if isinstance(robot, Timed) else TrialLog
+    log = kind(
         path,
         trial=trial.plain,
         transmission=transmission,
@@ -59,7 +70,11 @@ def record(
     (prepare or robot.prepare)(trial.scene)
     guarded.arm()
     with log:
-        play(trial, guarded, log, gains=gains, progress=progress)
+        try:
+            play(trial, guarded, log, gains=gains, progress=progress)
+        finally:
+            if isinstance(robot, Timed):
+                log.timing = robot.timing()
     return log.path
 
 

@@ -7,6 +7,8 @@ from contextlib import suppress
 import can
 
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
+from spirob.canbus.lateness import Lateness
+from spirob.canbus.operator import set_up
 from spirob.canbus.urgency import Urgency
 from spirob.drives import Drive
 from spirob.errors import HardwareError
@@ -61,6 +63,7 @@ class CanRobot:
         self._heard: dict[int, int] = {}
         self._frames: list[CanFrame] = []
         self._open = True
+        self._lateness = Lateness()
 
     def prepare(self, scene: Scene) -> None:
         """Disarm, hold zero current and ask the operator to set the scene."""
@@ -68,18 +71,7 @@ class CanRobot:
         if self.urgency:
             self.urgency.give_back()
         self._send(ZERO)
-        around = scene.cylinder
-        put = "nothing near the arm"
-        if around:
-            put = (
-                f"a cylinder of {1e3 * around.diameter:.1f} mm at x = {1e3 * around.x:.1f} mm, "
-                f"y = {1e3 * around.y:.1f} mm"
-            )
-        if hung := scene.weights:
-            put += (
-                f", weights of {hung.left:g} kg (left) and {hung.right:g} kg (right) on the drums"
-            )
-        self._ask(f"Arm straight and at rest, tendons just taut, {put}; then press Enter. ")
+        self._ask(set_up(scene))
         self._deadline = None
 
     def arm(self) -> None:
@@ -91,6 +83,13 @@ class CanRobot:
             self._send_all(self._drive.sent(self._drive.about.arm))
         self.armed = True
         self._deadline = None
+        self._lateness.restart()
+        self.overruns = 0
+
+    def timing(self) -> dict[str, str]:
+        """How the loop kept its deadlines since it was armed, as text for the log."""
+        said = self.urgency.said if self.urgency else "not asked for"
+        return {**self._lateness.summary(), "skipped": str(self.overruns), "priority": said}
 
     def exchange(self, command: bytes) -> list[CanFrame]:
         """One cycle: send, then collect frames up to its deadline.
@@ -111,6 +110,7 @@ class CanRobot:
         frames += self._send(command)
         while (left := deadline - time.monotonic_ns()) > 0:
             self._receive(frames, left / 1e9)
+        self._lateness.ended(time.monotonic_ns() - deadline)
         self._drain(frames)  # what had arrived by the deadline still counts
         self._watch()
         return frames

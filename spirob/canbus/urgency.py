@@ -2,7 +2,9 @@
 
 import gc
 import os
+import sys
 
+SWITCH = 1e-4  # s: how long another thread, the log's, may hold the interpreter at a stretch
 PRIORITY = 50  # of SCHED_FIFO: above everything that is not real-time, below the kernel's own
 
 
@@ -17,12 +19,15 @@ class Urgency:
         self._taken = False
         self._before: tuple[int, os.sched_param] | None = None
         self._collecting = gc.isenabled()
+        self._switch = sys.getswitchinterval()
 
     def take(self) -> None:
         """Claim what the system allows."""
         if self._taken:
             return
         self._taken, self._collecting = True, gc.isenabled()
+        self._switch = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCH)
         gc.collect()
         gc.freeze()
         gc.disable()
@@ -37,11 +42,17 @@ class Urgency:
         else:
             self._before = before
 
+    @property
+    def said(self) -> str:
+        """What the loop runs with, in a phrase."""
+        return self.lacking or f"SCHED_FIFO {PRIORITY}, no garbage collection in the loop"
+
     def give_back(self) -> None:
         """Leave everything as it was."""
         if not self._taken:
             return
         self._taken = False
+        sys.setswitchinterval(self._switch)
         if self._before:
             os.sched_setscheduler(0, *self._before)
             self._before = None

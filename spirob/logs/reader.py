@@ -24,6 +24,7 @@ from spirob.logs.schema import (
     COMMAND_TOPIC,
     DBC_FILE,
     DRIVE_FILE,
+    LOOP,
     RAW_TOPIC,
     STOPPED,
     TRIAL_FILE,
@@ -99,6 +100,8 @@ def _trace(where: str, content: Content) -> Trace:
         "torn": content.torn,
         "first_angle": cycles.first_angle,
     }
+    if LOOP in content.metadata:
+        meta[LOOP] = dict(content.metadata[LOOP])
     if STOPPED in content.metadata:
         meta[STOPPED] = content.metadata[STOPPED].get("reason", "")
     return Trace(str(trial["name"]), cycles.time_ns, signals, units, meta)

@@ -13,6 +13,7 @@ from spirob.robot import MOTORS
 RAW_TOPIC, JOINTS_TOPIC, COMMAND_TOPIC = "/can/raw", "/joint_states", "/command"
 ABOUT, CONFIG_FILE, TRIAL_FILE = "spirob", "config.yaml", "trial.yaml"
 DRIVE_FILE, DBC_FILE = "drive.yaml", "drive.dbc"  # of drives that are not C620-style
+LOOP = "loop"  # metadata: how the loop kept its deadlines
 STOPPED = "stopped"  # metadata of a trial that did not end well
 
 DOUBLE, STRING, MESSAGE, BYTES, FIXED32, SFIXED64 = 1, 9, 11, 12, 7, 16

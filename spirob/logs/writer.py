@@ -23,6 +23,7 @@ from spirob.logs.schema import (
     DBC_FILE,
     DRIVE_FILE,
     JOINTS_TOPIC,
+    LOOP,
     RAW_TOPIC,
     SCHEMAS,
     STOPPED,
@@ -49,6 +50,7 @@ class TrialLog:
     config        bytes of the resolved configuration; must not hold the emulator's truth
     drive         whose frames these are where they are not C620-style; its files are attached
     about         further provenance as text, e.g. git_commit, start_time
+    timing        how the loop kept its deadlines, as text; set before the block ends
 
     Raises DataError where the file cannot be opened or written.
     """
@@ -88,6 +90,7 @@ class TrialLog:
             }
         self._joints = JointPacker(MOTORS)
         self._sequence = 0
+        self.timing: Mapping[str, str] = {}
 
     def __enter__(self) -> Self:
         try:
@@ -158,6 +161,8 @@ class TrialLog:
         trace: TracebackType | None,
     ) -> None:
         try:
+            if self.timing:
+                self._writer.add_metadata(LOOP, dict(self.timing))
             if error is not None:
                 self._writer.add_metadata(STOPPED, {"reason": str(error) or type(error).__name__})
             self._writer.finish()

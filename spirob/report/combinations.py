@@ -1,67 +1,85 @@
-"""What any combination of candidate effects would leave, ready before somebody asks for it.
+"""What any combination of candidate effects leaves, ready before somebody asks for it.
 
-Each candidate was added alone to the base model, everything refitted, in full simulation: what it
-changes in a signal is g_e = model with e − base model.  Several at once are taken to first order,
-
-    model(S) = base + Σ w_e·g_e,     0 ≤ w_e ≤ 1,
-
-with the weights that fit the validation trials best; w = 1 for one alone, which is then the full
-simulation again.  The combination that the verdict names is its own model, fitted to the end.
-Held-out trials are only scored.
+Every combination of the first five candidates was played on the validation and held-out trials
+before: one alone with all numbers refitted, several with numbers to first order from those (see
+`pipeline/switches.py`).  The combination that the verdict names is its own model, fitted to the
+end.  Held-out trials are only scored.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations as subsets
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import lsq_linear
 
 from spirob.report.data import ReportData
 from spirob.report.regimes import masks
 
-MOST = 5  # effects to switch: 32 combinations
+JOINT = " + "  # between the names of a combination
 KEYS = ["trial", "motor", "time"]
+CHANNELS = ("current", "displacement", "velocity")
+HOW = {
+    "base": "full simulation, fitted numbers only",
+    "verdict": "full simulation, the verdict's model, fitted to the end",
+    "refitted": "full simulation, everything refitted",
+    "screened": "full simulation, numbers as the screening left them",
+    "replayed": "in replay: numbers to first order, the trials played again with them",
+}
 
 
 @dataclass(frozen=True)
 class Combination:
     """Some of the effects, and what is left of the current [A].
 
-    weights  of their changes; None for the model of the verdict, which is no sum
+    how      key of `HOW`
     rmse     by role;  regimes  by regime, over all trials of these roles
     """
 
     effects: tuple[str, ...]
-    weights: dict[str, float] | None
+    how: str
     rmse: dict[str, float]
     regimes: dict[str, float]
 
     @property
-    def full(self) -> bool:
-        """Whether it is a full simulation rather than a first-order sum."""
-        return self.weights is None or len(self.effects) < 2
+    def column(self) -> str:
+        """What its columns in the wide table begin with."""
+        return {"base": "base", "verdict": "named"}.get(self.how, key(self.effects))
+
+
+def key(effects: Sequence[str]) -> str:
+    """Name of a combination, whatever the order of its effects."""
+    return JOINT.join(sorted(effects))
 
 
 def switchable(data: ReportData) -> tuple[pd.DataFrame, list[str]]:
-    """The overlay with what each candidate makes of it, and their names, most probable first."""
-    if data.finalists is None:
+    """The overlay with what each combination makes of it, and the effects, most probable first."""
+    if data.combinations is None:
         return data.overlay, []
-    there = set(data.finalists["effect"].unique())
-    ranked = sorted(data.diagnosis["candidates"], key=lambda c: -(c.get("probability") or 0))
-    names = [c["name"] for c in ranked if c["name"] in there][:MOST]
-    kept = data.finalists[data.finalists["effect"].isin(names)]
-    return widened(data.overlay, kept), names
+    there = {key(str(name).split(JOINT)) for name in data.combinations["effects"].unique()}
+    alone = [name for name in there if JOINT not in name]
+    chances = {c["name"]: c.get("probability") or 0.0 for c in data.diagnosis["candidates"]}
+    # those that were only screened have no probability and come last
+    ranked = sorted(sorted(alone), key=lambda name: -chances.get(name, -1.0))
+    return widened(data.overlay, data.combinations), ranked
 
 
-def widened(overlay: pd.DataFrame, finalists: pd.DataFrame) -> pd.DataFrame:
-    """The overlay with columns EFFECT_CHANNEL for each candidate, at the same samples."""
-    wide = overlay
-    for name, rows in finalists.groupby("effect", sort=False):
-        columns = {c: f"{name}_{c}" for c in ("current", "displacement", "velocity")}
-        wide = wide.merge(rows[[*KEYS, *columns]].rename(columns=columns), on=KEYS, how="left")
+def widened(overlay: pd.DataFrame, played: pd.DataFrame) -> pd.DataFrame:
+    """The overlay with columns COMBINATION_CHANNEL at the same samples; `how` in its attributes."""
+    wide, how = overlay, {}
+    for label, rows in played.groupby("effects", sort=False, observed=True):
+        name = key(str(label).split(JOINT))
+        how[name] = str(rows["how"].iloc[0])
+        columns = {channel: f"{name}_{channel}" for channel in CHANNELS}
+        rows = rows[[*KEYS, *columns]].rename(columns=columns).astype({"trial": str, "motor": str})
+        wide = wide.merge(rows, on=KEYS, how="left")
+    wide.attrs["how"] = how
     return wide
+
+
+def played(wide: pd.DataFrame) -> list[str]:
+    """Names of the combinations whose signals the wide table holds."""
+    return list(wide.attrs.get("how", ()))
 
 
 def combinations(
@@ -70,7 +88,7 @@ def combinations(
     driven: Collection[tuple[str, str]],
     verdict: Collection[str] = (),
 ) -> list[Combination]:
-    """All combinations of the first `MOST` effects, fewer effects first, none before all.
+    """All combinations that were played, fewer effects first, none before all.
 
     wide     as `widened` returned it;  driven  trial and motor wherever the current is compared
     verdict  effects that the overlay's model `named` holds
@@ -83,34 +101,29 @@ def combinations(
     if not pieces:
         return []
     table = pd.concat(pieces)
-    off = {
-        origin: (table[f"{origin}_current"] - table["measured_current"]).to_numpy(float)
-        for origin in ("base", "named", *effects[:MOST])
-    }
-    roles = table["role"].to_numpy(str)
-    validate = roles == "validate"
+    roles, measured = table["role"].to_numpy(str), table["measured_current"].to_numpy(float)
     inside = _regimes(pieces)
     found = []
-    for count in range(len(effects[:MOST]) + 1):
-        for chosen in subsets(effects[:MOST], count):
-            columns = np.array([off[e] - off["base"] for e in chosen]).reshape(count, len(roles))
-            weights: dict[str, float] | None = None
-            left = off["named"]
-            if not chosen or set(chosen) != set(verdict):
-                shares = _weights(columns[:, validate], off["base"][validate])
-                weights = dict(zip(chosen, shares.tolist(), strict=True))
-                left = off["base"] + shares @ columns
-            rmse = {str(role): _rms(left[roles == role]) for role in np.unique(roles)}
-            by_regime = {name: _rms(left[mask]) for name, mask in inside.items() if mask.any()}
-            found.append(Combination(chosen, weights, rmse, by_regime))
+    for chosen, how, column in _played(wide.attrs["how"], effects, verdict):
+        left = table[f"{column}_current"].to_numpy(float) - measured
+        rmse = {str(role): _rms(left[roles == role]) for role in np.unique(roles)}
+        by_regime = {name: _rms(left[mask]) for name, mask in inside.items() if mask.any()}
+        found.append(Combination(chosen, how, rmse, by_regime))
     return found
 
 
-def _weights(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Share of each change, between none and all; one alone is taken whole."""
-    if len(columns) < 2 or not len(base):
-        return np.ones(len(columns))
-    return np.asarray(lsq_linear(columns.T, -base, (0.0, 1.0)).x)
+def _played(
+    how: dict[str, str], effects: Sequence[str], verdict: Collection[str]
+) -> Iterator[tuple[tuple[str, ...], str, str]]:
+    """Effects, origin and column of every combination."""
+    for count in range(len(effects) + 1):
+        for chosen in subsets(effects, count):
+            if not chosen:
+                yield chosen, "base", "base"
+            elif set(chosen) == set(verdict):
+                yield chosen, "verdict", "named"
+            elif key(chosen) in how:
+                yield chosen, how[key(chosen)], key(chosen)
 
 
 def _regimes(pieces: Sequence[pd.DataFrame]) -> dict[str, np.ndarray]:

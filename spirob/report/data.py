@@ -7,95 +7,16 @@ which its section prints in place of the numbers.
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from spirob.errors import DataError, MissingChannel, MissingLog
+from spirob.report.loops import read_loops
 from spirob.report.provenance import Provenance, collect
-
-
-@dataclass(frozen=True)
-class Source:
-    """A file: its path under the root, the stage that writes it, the keys or columns it must hold.
-
-    why  for a file that may be absent: what its absence means; None where it is required
-    """
-
-    path: str
-    stage: str
-    keys: tuple[str, ...] = ()
-    why: str | None = None
-
-
-OVERLAY_CHANNELS = tuple(
-    f"{origin}_{channel}"
-    for channel in ("current", "displacement", "velocity")
-    for origin in ("measured", "base", "named")
-)
-SOURCES = {
-    "config": Source("data/config/config.yaml", "config"),
-    "identified": Source("data/identified/base.json", "identify", ("parameters",)),
-    "compare": Source("data/compare/compare.json", "compare", ("trials",)),
-    "diagnosis": Source(
-        "data/diagnosis/diagnosis.json",
-        "diagnose",
-        ("verdict", "sentence", "effects", "candidates", "ladder", "atlas", "unit"),
-    ),
-    "overlay": Source(
-        "data/diagnosis/overlay.parquet",
-        "diagnose",
-        ("trial", "role", "motor", "time", *OVERLAY_CHANNELS),
-    ),
-    "identify_metrics": Source("reports/metrics/identify.json", "identify"),
-    "compare_metrics": Source("reports/metrics/compare.json", "compare"),
-    "diagnose_metrics": Source("reports/metrics/diagnose.json", "diagnose"),
-    "motion": Source(
-        "data/diagnosis/motion.parquet",
-        "diagnose",
-        ("trial", "time", "q0"),
-        "the model of this rig has no arm, or its motion was not kept",
-    ),
-    "finalists": Source(
-        "data/diagnosis/finalists.parquet",
-        "diagnose",
-        ("effect", "trial", "role", "motor", "time", "current", "displacement", "velocity"),
-        "no candidate was fitted, or its response was not kept",
-    ),
-    "posture": Source(
-        "data/truth/posture",
-        "collect",
-        ("trial", "time", "q0"),
-        "the robot's own shape is not known: its drives do not see it",
-    ),
-    "size_metrics": Source(
-        "reports/metrics/size.json", "size", (), "object size was not estimated in this run"
-    ),
-    "predictions": Source(
-        "data/features/predictions.parquet",
-        "size",
-        ("domain", "true_mm", "predicted_mm"),
-        "object size was not estimated in this run",
-    ),
-    "experiments": Source(
-        "data/experiments/experiments.json",
-        "experiments",
-        (),
-        "the paper's experiments were not played in this run",
-    ),
-    "transfer": Source(
-        "data/transfer/transfer.json",
-        "transfer",
-        ("robot",),
-        "size was not learned from the other models in this run",
-    ),
-    "sweep": Source("data/sweep/table.json", "sweep", ("columns", "rows"), "no sweep was run here"),
-    "score": Source(
-        "reports/metrics/score.json", "score", (), "the truth of this machine was not opened"
-    ),
-}
+from spirob.report.sources import SOURCES, Source
 
 
 @dataclass(frozen=True)
@@ -104,6 +25,7 @@ class ReportData:
 
     config      the resolved configuration as its YAML text
     metrics     stage -> its metrics file
+    loops       trial -> how the loop kept its deadlines, where the robot was in real time
     absent      name of an optional source -> sentence saying why it is not here
     """
 
@@ -116,12 +38,15 @@ class ReportData:
     provenance: Provenance
     motion: pd.DataFrame | None = None
     posture: pd.DataFrame | None = None
-    finalists: pd.DataFrame | None = None
+    combinations: pd.DataFrame | None = None
+    laws: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
     experiments: dict[str, Any] | None = None
     transfer: dict[str, Any] | None = None
     sweep: dict[str, Any] | None = None
+    trial: dict[str, Any] | None = None
     score: dict[str, Any] | None = None
+    loops: dict[str, dict[str, Any]] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
 
 
@@ -133,7 +58,8 @@ def load(root: Path | str) -> ReportData:
     root = Path(root)
     found: dict[str, Any] = {}
     absent: dict[str, str] = {}
-    for name, source in SOURCES.items():
+    for name, declared in SOURCES.items():
+        source = _present(root, declared)
         if _is_there(root / source.path):
             found[name] = _read(root / source.path, source)
         elif source.why is None:
@@ -145,9 +71,17 @@ def load(root: Path | str) -> ReportData:
         for name in list(found)
         if name.endswith("_metrics")
     }
-    read = [source.path for name, source in SOURCES.items() if name not in absent]
+    read = [_present(root, source).path for n, source in SOURCES.items() if n not in absent]
     provenance = collect(root, read, found["config"])
-    return ReportData(metrics=metrics, provenance=provenance, absent=absent, **found)
+    loops = read_loops(root / "data/traces")
+    return ReportData(metrics=metrics, provenance=provenance, loops=loops, absent=absent, **found)
+
+
+def _present(root: Path, source: Source) -> Source:
+    """The source, or what stands in for it where it is absent."""
+    if source.instead and not _is_there(root / source.path) and _is_there(root / source.instead):
+        return replace(source, path=source.instead)
+    return source
 
 
 def _is_there(path: Path) -> bool:

@@ -116,8 +116,14 @@ def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str
     return figure
 
 
-def size(points: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> go.Figure:
-    """Predicted over true diameter [mm] with the line of a perfect estimate."""
+def size(
+    points: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    half_widths: Mapping[str, float] | None = None,
+) -> go.Figure:
+    """Predicted over true diameter [mm] with the line of a perfect estimate.
+
+    half_widths  of the interval [mm] that comes with each size, by domain
+    """
     figure = blank(430)
     every = [value for pair in points.values() for values in pair for value in values]
     low, high = min(every) - 4, max(every) + 4
@@ -138,6 +144,7 @@ def size(points: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> go.Fi
             mode="markers",
             name=domain,
             marker={"color": colour, "symbol": symbol, "size": 8, "line": {"width": 1.6}},
+            error_y=_bar((half_widths or {}).get(domain), colour),
             hovertemplate="true %{x:.1f} mm, predicted %{y:.1f} mm<extra>" + domain + "</extra>",
         )
     figure.update_xaxes(
@@ -151,6 +158,12 @@ def size(points: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> go.Fi
         constrain="domain",
     )
     return figure
+
+
+def _bar(half: float | None, colour: str) -> dict[str, Any]:
+    if half is None:
+        return {"visible": False}
+    return {"type": "constant", "value": half, "color": colour, "thickness": 0.7, "width": 2}
 
 
 def wrap(label: str, width: int = LABEL_WIDTH) -> str:

@@ -19,8 +19,8 @@ from spirob.report.regimes import spans
 ROLES = ("heldout", "validate", "train")  # what nothing has seen comes first
 UNITS = {"current": "A", "displacement": "m", "velocity": "m/s"}
 MOST_SAMPLES = 2000  # of one signal; more than a laptop has pixels
-BUDGET = 1_800_000  # bytes of base64 for all trials together
-BYTES_PER_SAMPLE = 4 / 3 * 2 * (1 + 3 * len(UNITS))
+BUDGET = 2_000_000  # bytes of base64 for all trials together
+BASE64 = 4 / 3  # bytes for one
 SIGNAL_HEIGHT, RESIDUAL_HEIGHT, GAP = 190, 105, 26  # pixels
 LOOKS = {
     "measured": {"color": MEASURED, "width": 2},
@@ -33,23 +33,23 @@ def payload(
     overlay: pd.DataFrame,
     best: str,
     driven: Collection[tuple[str, str]] = (),
-    effects: Sequence[str] = (),
+    played: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Every trial, held-out trials first: packed signals in the units they are shown in.
 
     best    short name of the model beside the base model, for the phrase with the errors
     driven  trial and motor wherever the regimes of the atlas can be marked
-    effects whose own responses are in columns EFFECT_CHANNEL, to be switched on and off
+    played  combinations of effects whose responses are in columns COMBINATION_CHANNEL
     """
     groups = dict(list(overlay.groupby(["trial", "motor"], sort=False)))
-    each = BYTES_PER_SAMPLE * (1 + len(effects) / 3) * max(len(groups), 1)
-    most = int(min(MOST_SAMPLES, BUDGET / each))
+    sample = BASE64 * (2 + len(UNITS) * (2 * len(LOOKS) + len(played)))  # bytes
+    most = int(min(MOST_SAMPLES, BUDGET / (sample * max(len(groups), 1))))
     trials: dict[str, dict[str, Any]] = {}
     for (trial, motor), rows in groups.items():
         entry = trials.setdefault(
             str(trial), {"name": str(trial), "role": str(rows["role"].iloc[0]), "motors": {}}
         )
-        about = _motor(rows.sort_values("time"), most, best, effects)
+        about = _motor(rows.sort_values("time"), most, best, played)
         known = (str(trial), str(motor)) in driven
         about["regimes"] = spans(rows, str(trial), str(motor)) if known else {}
         entry["motors"][str(motor)] = about
@@ -58,16 +58,23 @@ def payload(
     return {"trials": ordered, "units": titles}
 
 
-def _motor(rows: pd.DataFrame, most: int, best: str, effects: Sequence[str]) -> dict[str, Any]:
+def _motor(rows: pd.DataFrame, most: int, best: str, played: Sequence[str]) -> dict[str, Any]:
+    """Signals of one motor; those of combinations as what they change of the base model."""
     step = stride(len(rows), most)
     kept = rows.iloc[::step]
     signals = {"time": pack(kept["time"].to_numpy())}
     errors = {}
     for channel, unit in UNITS.items():
         name, factor = shown(unit)
-        for origin in (*LOOKS, *effects):
-            key = f"{origin}_{channel}"
-            signals[key] = pack(factor * kept[key].to_numpy(float))
+        values = {
+            f"{origin}_{channel}": factor * kept[f"{origin}_{channel}"].to_numpy(float)
+            for origin in (*LOOKS, *played)
+        }
+        for origin in LOOKS:
+            signals[f"{origin}_{channel}"] = pack(values[f"{origin}_{channel}"])
+        for combination in played:
+            change = values[f"{combination}_{channel}"] - values[f"base_{channel}"]
+            signals[f"{combination}_{channel}"] = pack(change, coarse=True)
         errors[channel] = _errors(rows, channel, factor, name, best)
     return {"signals": {k: v for k, v in signals.items() if v is not None}, "errors": errors}
 

@@ -130,8 +130,10 @@ class GuardedRobot:
                 state = self.states[m]
                 before = state.changed_ns
                 state.update(frame.data, frame.stamp_ns, *self._scale)
+                watched = self._watched[m]
                 if state.changed_ns != before:
-                    self._watched[m].changed()
+                    watched.changed()
+                watched.flicker.heard(watched.sent, state.angle, state.current, state.heard_ns)
                 heard.add(m)
         for m, motor in enumerate(self._watched):
             reason = reason_to_stop(motor, self._limits, now + CYCLE_NS, m in heard)

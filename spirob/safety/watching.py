@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from spirob.can_protocol import COUNTS_PER_TURN
+from spirob.safety.flicker import TIMES, Flicker
 from spirob.safety.limits import Limits
 from spirob.safety.motor import MotorState
 
@@ -21,6 +22,7 @@ class Watched:
 
     sent     latest command [A];  lowest, highest  of the commands since the feedback last changed
     unlike   since when command and reported current have been apart [ns], or None
+    flicker  noise of its current reading at rest
     counts   frames in a row for which a reason has held
     """
 
@@ -30,6 +32,7 @@ class Watched:
     lowest: float = 0.0
     highest: float = 0.0
     unlike_ns: int | None = None
+    flicker: Flicker = field(default_factory=Flicker)
     counts: dict[str, int] = field(default_factory=dict)
 
     def command(self, amperes: float) -> None:
@@ -112,8 +115,17 @@ def frozen(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     return f"the same feedback for {1e3 * lasted:.0f} ms while the command moved {moved:.2f} A"
 
 
+def lifeless(motor: Watched, limits: Limits, now_ns: int) -> str | None:
+    """Always the same feedback under a constant command, from a drive whose reading flickers."""
+    lasted = now_ns - motor.state.changed_ns
+    least = max(limits.frozen * 1e9, TIMES * motor.flicker.longest_ns)
+    if lasted <= least or not motor.flicker.expected(motor.sent):
+        return None
+    return f"the same feedback for {lasted / 1e6:.0f} ms from a drive whose reading flickers"
+
+
 AT_ONCE: tuple[Reason, ...] = (silence,)
-LASTING: tuple[Reason, ...] = (travel, speed, temperature, encoder, following, frozen)
+LASTING: tuple[Reason, ...] = (travel, speed, temperature, encoder, following, frozen, lifeless)
 
 
 def reason_to_stop(motor: Watched, limits: Limits, now_ns: int, heard: bool) -> str | None:

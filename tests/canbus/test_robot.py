@@ -41,7 +41,7 @@ def test_a_cycle_returns_the_command_and_the_feedback(channel):
         robot = ready(channel, silence_ns=PATIENT_NS)
         cycles = [robot.exchange(HALF_AMPERE) for _ in range(50)]
         robot.close()
-        assert drives.wait_for(lambda commands: len(commands) >= 52)
+        assert drives.wait_for(lambda: len(drives.commands) >= 52)
     assert all(frames[0].arbitration_id == COMMAND_ID for frames in cycles)
     assert all(frames[0].data == HALF_AMPERE for frames in cycles)
     heard = {f.arbitration_id for frames in cycles for f in frames[1:]}
@@ -70,7 +70,7 @@ def test_a_silent_drive_is_named_after_zero_was_commanded(channel, motor):
         with pytest.raises(HardwareError, match=f"motor {motor} for .* ms"):
             for _ in range(2000):
                 robot.exchange(HALF_AMPERE)
-        assert drives.wait_for(lambda commands: commands[-1] == (0.0, 0.0))
+        assert drives.wait_for(lambda: drives.commands[-1] == (0.0, 0.0))
         robot.close()
 
 
@@ -90,7 +90,7 @@ def test_closing_commands_zero_and_can_be_repeated(channel):
         robot.exchange(HALF_AMPERE)
         robot.close()
         robot.close()
-        assert drives.wait_for(lambda commands: commands[-1] == (0.0, 0.0))
+        assert drives.wait_for(lambda: drives.commands[-1] == (0.0, 0.0))
 
 
 def test_a_dead_bus_is_a_hardware_error(channel):
@@ -115,7 +115,7 @@ def test_no_current_flows_before_the_operator_has_armed(channel):
         assert all(command == (0.0, 0.0) for command in drives.commands)
         robot.arm()
         robot.exchange(HALF_AMPERE)
-        assert drives.wait_for(lambda commands: any(c[0] > 0.4 for c in commands))
+        assert drives.wait_for(lambda: any(c[0] > 0.4 for c in drives.commands))
         robot.close()
 
 
@@ -143,7 +143,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
             limits=Limits(silence=1e-9 * PATIENT_NS),
         )
         robot.close()
-        assert drives.wait_for(lambda commands: commands[-1] == (0.0, 0.0))
+        assert drives.wait_for(lambda: drives.commands[-1] == (0.0, 0.0))
     trace = read_log(path)
     assert len(trace) >= 300 - 1  # jitter may put two commands into one cycle
     assert trace["left.displacement"][-1] > 0

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[2]
@@ -17,6 +18,7 @@ SHORT = [
     "experiments=short",
     "trial=short",
 ]
+READMES = ("data/sweep/README.md", "data/recorded/README.md")
 DECIDING = ("identify", "compare", "diagnose")  # stages that must not know the truth
 
 
@@ -28,7 +30,7 @@ class Project:
         ignored = shutil.ignore_patterns("__pycache__")
         for folder in ("conf", "pipeline", "spirob"):
             shutil.copytree(SOURCE / folder, root / folder, ignore=ignored)
-        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", "data/sweep/README.md"):
+        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", *READMES):
             (root / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(SOURCE / file, root / file)
         self.override(overrides)
@@ -56,8 +58,11 @@ class Project:
         """`dvc repro` to the end."""
         return self.run(sys.executable, "-m", "dvc", "repro")
 
-    def kill_repro_at(self, stage: str, after: float) -> None:
-        """Start `dvc repro`, wait until a stage runs, kill everything `after` seconds later."""
+    def kill_repro_at(self, stage: str, after: float) -> bool:
+        """Start `dvc repro`, wait until a stage runs, kill everything `after` seconds later.
+
+        False where the stage had nothing to do any more.
+        """
         process = subprocess.Popen(
             [sys.executable, "-m", "dvc", "repro"],
             cwd=self.root,
@@ -72,10 +77,14 @@ class Project:
             if f"pipeline.{stage}" in line:
                 break
         else:
-            raise AssertionError(f"stage '{stage}' never ran")
+            process.wait()
+            return False
         time.sleep(after)
-        os.killpg(process.pid, signal.SIGKILL)
+        with suppress(ProcessLookupError):  # it may have come to its end
+            os.killpg(process.pid, signal.SIGKILL)
+        process.stdout.close()
         process.wait()
+        return True
 
     def metrics(self) -> dict[str, bytes]:
         """All metrics files, byte for byte."""

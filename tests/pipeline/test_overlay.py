@@ -1,11 +1,14 @@
-"""The finalists' responses stand at the same samples as the overlay's."""
+"""Responses of all models stand at the same samples as the overlay's."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from pipeline.overlay import finalists, overlay
+from pipeline import switches as module
+from pipeline.overlay import overlay
+from pipeline.switches import candidates, laws, switches
 from spirob.identify.residual import Filter
 
 SAMPLES = 3000
@@ -20,27 +23,100 @@ class Machine:
         self.trials = [SimpleNamespace(name=name, seconds=seconds, **signals)]
         self.filter = Filter(every=10)
 
+    def __call__(self, changes):
+        return np.full(5, changes["level"])
+
     def respond(self, changes, index):
-        whole = np.full((SAMPLES, 2), changes["level"])
+        whole = np.full((SAMPLES, 2), changes.get("level", 0.0))
         return SimpleNamespace(current=whole, displacement=2 * whole, velocity=3 * whole)
 
 
-def test_every_finalist_has_every_sample_of_the_overlay(tmp_path):
-    machines = {"validate": Machine("one"), "heldout": Machine("two")}
+class Named:
+    """In place of an effect."""
+
+    def __init__(self, name):
+        self.name = lambda: name
+
+
+CREEP, COGGING, SAG = Named("creep"), Named("cogging"), Named("sag")
+
+
+def search(confirmed=((CREEP, 0.5), (COGGING, 0.25)), screened=((SAG, 0.1, 0.3),)):
+    fits = [
+        SimpleNamespace(
+            effects=(e,), fit=SimpleNamespace(changes={"level": v}, residual=np.full(5, v))
+        )
+        for e, v in confirmed
+    ]
+    ranked = [SimpleNamespace(effect=e, changes={"level": v}, gain=g) for e, v, g in screened]
+    rung = SimpleNamespace(effects=[CREEP], fit=SimpleNamespace(changes={"level": 0.7}))
+    return SimpleNamespace(rounds=[fits], screened=[ranked], rungs=[rung])
+
+
+@pytest.fixture
+def machines(monkeypatch):
+    def summed(problem, base, chosen, scale):
+        return {"level": sum(one.changes["level"] for one in chosen)}
+
+    monkeypatch.setattr(module, "together", summed)
+    monkeypatch.setattr(module, "amplitudes", lambda effect, problem: ["level"])
+    return {"train": Machine("none"), "validate": Machine("one"), "heldout": Machine("two")}
+
+
+def test_every_combination_has_every_sample_of_the_overlay(tmp_path, machines):
     overlay(tmp_path, machines, {"level": 0.0}, {"level": 1.0})
-    finalists(tmp_path, machines, {"creep": {"level": 0.5}, "cogging": {"level": 0.25}})
+    switches(tmp_path, machines, search(), 0.05)
     drawn = pd.read_parquet(tmp_path / "data/diagnosis/overlay.parquet")
-    found = pd.read_parquet(tmp_path / "data/diagnosis/finalists.parquet")
-    keys = ["trial", "role", "motor", "time"]
-    for name, level in (("creep", 0.5), ("cogging", 0.25)):
-        rows = found[found["effect"] == name].reset_index(drop=True)
-        pd.testing.assert_frame_equal(rows[keys], drawn[keys])
+    found = pd.read_parquet(tmp_path / "data/diagnosis/combinations.parquet")
+    expected = {
+        "creep": ("refitted", 0.5),
+        "cogging": ("refitted", 0.25),
+        "sag": ("screened", 0.1),
+        "creep + cogging": ("replayed", 0.75),
+        "creep + sag": ("replayed", 0.6),
+        "cogging + sag": ("replayed", 0.35),
+        "creep + cogging + sag": ("replayed", 0.85),
+    }
+    assert list(found["effects"].unique()) == list(expected)
+    for name, (how, level) in expected.items():
+        rows = found[found["effects"] == name].reset_index(drop=True)
+        keys = ["trial", "motor"]
+        pd.testing.assert_frame_equal(rows[keys].astype(str), drawn[keys].astype(str))
+        assert np.array_equal(rows["time"], drawn["time"])
+        assert set(rows["how"]) == {how}
         assert np.allclose(rows["current"], level)
         assert np.allclose(rows["displacement"], 2 * level)
         assert np.allclose(rows["velocity"], 3 * level)
 
 
-def test_without_finalists_there_is_no_file(tmp_path):
-    machines = {"validate": Machine("one"), "heldout": Machine("two")}
-    finalists(tmp_path, machines, {})
-    assert not (tmp_path / "data/diagnosis/finalists.parquet").exists()
+def test_what_made_nothing_better_in_the_screening_is_not_offered(machines):
+    alone = candidates(machines["train"], search(screened=((SAG, 0.1, -0.01),)))
+    assert [one.effect for one in alone] == [CREEP, COGGING]
+
+
+def test_pairs_that_were_fitted_jointly_are_made_of_their_parts(machines):
+    tried = search()
+    tried.rounds[0].append(SimpleNamespace(effects=(CREEP, COGGING)))
+    assert [one.effect for one in candidates(machines["train"], tried)] == [CREEP, COGGING, SAG]
+
+
+def test_without_candidates_there_is_no_file(tmp_path, machines):
+    empty = search(confirmed=())
+    switches(tmp_path, machines, empty, 0.05)
+    laws(tmp_path, machines, empty, named=False)
+    assert not (tmp_path / "data/diagnosis").exists()
+
+
+def test_a_law_is_the_named_model_with_and_without_the_effect(tmp_path, machines):
+    laws(tmp_path, machines, search(), named=True)
+    rows = pd.read_parquet(tmp_path / "data/diagnosis/laws.parquet")
+    assert set(rows["effect"]) == {"creep"}
+    assert np.allclose(rows["with_current"], 0.7)
+    assert np.allclose(rows["without_current"], 0.0)
+
+
+def test_where_none_is_named_the_leading_candidates_show_theirs(tmp_path, machines):
+    laws(tmp_path, machines, search(), named=False)
+    rows = pd.read_parquet(tmp_path / "data/diagnosis/laws.parquet")
+    assert list(rows["effect"].unique()) == ["creep", "cogging"]
+    assert np.allclose(rows.groupby("effect")["with_current"].first(), [0.25, 0.5])

@@ -1,6 +1,7 @@
 """The whole way on short trials: complete, idempotent, blind to the truth, survives a kill."""
 
 import json
+import random
 import shutil
 import sys
 
@@ -8,6 +9,21 @@ import pytest
 
 from tests.pipeline.project import DECIDING, SHORT, Project
 
+STAGES = {  # in the order in which they run: about how long each takes [s]
+    "config": 3,
+    "collect": 6,
+    "decode": 3,
+    "identify": 8,
+    "compare": 4,
+    "diagnose": 15,
+    "experiments": 6,
+    "features": 5,
+    "train": 4,
+    "transfer": 8,
+    "evaluate": 4,
+    "trial": 20,
+    "report": 4,
+}
 METRICS = ["compare", "diagnose", "experiments", "identify", "score", "size", "transfer", "trial"]
 
 
@@ -56,10 +72,12 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
         assert (blind / file).read_bytes() == (finished.root / file).read_bytes()
 
 
-def test_a_killed_run_ends_with_the_same_metrics(finished, tmp_path):
+def test_a_run_that_is_killed_in_every_stage_ends_with_the_same_metrics(finished, tmp_path):
+    seed = random.randrange(10**6)  # a moment of its own in each stage, another in each run
+    rng = random.Random(seed)
     killed = Project(tmp_path / "killed", SHORT)
-    killed.kill_repro_at("collect", after=3.0)
-    killed.kill_repro_at("identify", after=4.0)
-    killed.kill_repro_at("diagnose", after=4.0)
+    hit = [name for name, s in STAGES.items() if killed.kill_repro_at(name, rng.uniform(0, s))]
     killed.repro()
-    assert killed.metrics() == finished.metrics()
+    assert killed.metrics() == finished.metrics(), f"seed {seed}, killed in {hit}"
+    assert (killed.root / "reports/index.html").stat().st_size > 1e6
+    assert len(hit) > len(STAGES) / 2, f"seed {seed}: only {hit} still had something to do"

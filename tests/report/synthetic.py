@@ -1,6 +1,7 @@
 """A finished run that never happened: every file the report reads, with plausible numbers."""
 
 import json
+from itertools import combinations as subsets
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,9 @@ def write_run(root: Path, optional: bool = True) -> Path:
 
 def _optional(root: Path, rng: np.random.Generator, overlay: pd.DataFrame) -> None:
     _table(root, "data/diagnosis/motion.parquet", _motion())
-    _table(root, "data/diagnosis/finalists.parquet", _finalists(overlay))
+    _table(root, "data/diagnosis/combinations.parquet", _combinations(overlay))
+    _table(root, "data/diagnosis/laws.parquet", _laws(overlay))
+    _json(root, "reports/metrics/trial_full.json", TRIAL)
     _table(root, "data/truth/posture/hysteresis_left.parquet", _posture())
     _table(root, "data/features/predictions.parquet", _predictions(rng))
     simulation = {"mae": 1.31, "rmse": 1.74, "r2": 0.992, "std": 1.73}
@@ -124,16 +127,56 @@ def _motion() -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def _finalists(overlay: pd.DataFrame) -> pd.DataFrame:
-    """Each candidate takes its own share of what the named model changes."""
+SHARES = {"capstan_friction": 0.9, "coulomb_friction": 0.4, "cogging": -0.1}
+
+
+def _combinations(overlay: pd.DataFrame) -> pd.DataFrame:
+    """Each combination takes its own share of what the named model changes."""
     parts = []
-    for name, share in (("capstan_friction", 0.9), ("coulomb_friction", 0.4), ("cogging", -0.1)):
-        rows = overlay[["trial", "role", "motor", "time"]].assign(effect=name)
-        for channel in CHANNELS:
-            base = overlay[f"base_{channel}"]
-            rows[channel] = base + share * (overlay[f"named_{channel}"] - base)
-        parts.append(rows)
+    for count in (1, 2, 3):
+        for chosen in subsets(SHARES, count):
+            how = "replayed" if count > 1 else "screened" if "cogging" in chosen else "refitted"
+            about = {"effects": " + ".join(chosen), "how": how}
+            rows = overlay[["trial", "role", "motor", "time"]].assign(**about)
+            for channel in CHANNELS:
+                base = overlay[f"base_{channel}"]
+                change = overlay[f"named_{channel}"] - base
+                rows[channel] = base + sum(SHARES[name] for name in chosen) * change
+            parts.append(rows)
     return pd.concat(parts, ignore_index=True)
+
+
+def _laws(overlay: pd.DataFrame) -> pd.DataFrame:
+    rows = overlay[["trial", "role", "motor", "time"]].assign(effect="capstan_friction")
+    for name, side in (("with", "named"), ("without", "base")):
+        rows[f"{name}_current"] = overlay[f"{side}_current"]
+    return rows
+
+
+def _rate(value: float, n: int) -> dict:
+    return {"value": value, "low": value - 0.1, "high": min(value + 0.1, 1.0), "n": n}
+
+
+TRIAL = {
+    "cases": 62,
+    "top1": _rate(0.78, 50),
+    "false_alarm": _rate(0.1, 12),
+    "pairs_both": {"value": float("nan"), "low": 0.0, "high": 1.0, "n": 0},
+    "confusion": {
+        "guide_friction": {"capstan_friction": 4, "undecided": 1},
+        "rotor_friction": {"coulomb_friction": 3, "capstan_friction": 1, "unknown": 1},
+        "none": {"nothing_missing": 5},
+    },
+    "reliability": [
+        {"low": 0.5, "high": 0.9, "said": 0.71, "right": 0.6, "n": 15},
+        {"low": 0.9, "high": 1.0, "said": 0.98, "right": 0.94, "n": 32},
+        {"low": 0.0, "high": 0.5, "said": None, "right": None, "n": 0},
+    ],
+    "strength": [
+        {"low": 0.1, "high": 0.4, "value": 0.55, "low_ci": 0.34, "high_ci": 0.74, "n": 20},
+        {"low": 0.4, "high": 0.7, "value": 0.93, "low_ci": 0.78, "high_ci": 0.98, "n": 30},
+    ],
+}
 
 
 def _posture() -> pd.DataFrame:

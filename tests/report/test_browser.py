@@ -1,5 +1,6 @@
 """The page at work: figures drawn, the arm played, moments and regimes linked, phone and print."""
 
+import numpy as np
 import pytest
 
 from spirob.report.sections.switches import Switches
@@ -120,10 +121,14 @@ def test_a_switch_redraws_error_regimes_and_signals(desk, data):
     for state, effects in shown.items():
         read = float(desk[state]["error"].removesuffix(" mA").split(" ")[-1])
         assert read == pytest.approx(left[effects], rel=5e-3), state
-    assert "first order" in desk["both"]["how"]
+    assert "in replay" in desk["both"]["how"]
     assert "full simulation" in desk["other"]["how"]
     assert desk["other"]["second"]
     assert not desk["none"]["second"]
+    for state, effects in (("other", 0.4), ("both", 1.3)):  # shares in the synthetic run
+        base, named = np.array(desk["none"]["drawn"]), np.array(desk["verdict"]["drawn"])
+        expected = base + effects * (named - base)
+        assert np.allclose(desk[state]["drawn"], expected, atol=4e-3), state  # A, a coarse step
     assert desk["other"]["drawn"] != desk["verdict"]["drawn"]
     assert "switched" in desk["other"]["note"]
     assert desk["again"] == desk["verdict"]
@@ -150,9 +155,9 @@ def test_a_phone_scrolls_in_one_direction_only(page, tmp_path):
     assert min(found["targets"]) >= 30  # pixels, for a finger
 
 
-def test_print_unfolds_everything_and_takes_light_colours(page, tmp_path):
+def test_print_unfolds_everything_but_the_library_and_takes_light_colours(page, tmp_path):
     script = """
-    const folded = () => document.querySelectorAll('details:not([open])').length;
+    const folded = () => document.querySelectorAll('details:not([open]):not(.card)').length;
     const before = folded();
     dispatchEvent(new Event('beforeprint'));
     await wait(500);

@@ -6,7 +6,7 @@ import pytest
 
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.report import load
-from spirob.report.data import SOURCES
+from spirob.report.sources import SOURCES
 
 REQUIRED = [name for name, source in SOURCES.items() if source.why is None]
 
@@ -44,3 +44,12 @@ def test_a_missing_key_lists_what_is_there(copy):
 def test_every_file_read_is_hashed(data, run):
     assert set(data.provenance.hashes) == {source.path for source in SOURCES.values()}
     assert data.provenance.seed == "experiment.seed = 7, diagnose.seed = 11"
+
+
+def test_a_lesser_file_is_read_where_the_full_one_is_absent(copy):
+    full = copy / SOURCES["trial"].path
+    full.rename(copy / SOURCES["trial"].instead)
+    data = load(copy)
+    assert data.trial["cases"] == 62
+    assert SOURCES["trial"].instead in data.provenance.hashes
+    assert "trial" not in data.absent

@@ -31,12 +31,15 @@ def test_sections_stand_in_the_order_of_the_page():
         "comparison",
         "failure",
         "ladder",
+        "laws",
+        "trial",
         "parameters",
         "experiments",
         "object_size",
         "transfer",
         "sweep",
         "library",
+        "loop",
         "provenance",
     ]
 
@@ -115,6 +118,14 @@ def test_without_motion_the_arm_gives_way_to_a_reason(sparse):
     shown = text("verdict", sparse)
     assert "<canvas" not in shown
     assert "data/diagnosis/motion.parquet is absent" in shown
+
+
+def test_the_errors_beside_the_signals_have_units_and_nothing_else(data):
+    trials = SECTIONS["comparison"].get_context(data)["signals"]["trials"]
+    texts = [m["errors"] for trial in trials for m in trial["motors"].values()]
+    for channel, unit in (("current", "A"), ("displacement", "mm"), ("velocity", "mm/s")):
+        pattern = rf"residual RMSE: base [\d.]+ {unit}, with effect [\d.]+ {unit}"
+        assert all(re.fullmatch(pattern, text[channel]) for text in texts)
 
 
 def test_the_comparison_has_a_row_for_each_held_out_motor_in_millimetres(data):

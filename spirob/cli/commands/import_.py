@@ -54,12 +54,15 @@ def _columns(source: "Path", mapping: "Mapping", notes: list[str]) -> "dict[str,
     from spirob.logs.bounds import check_size
     from spirob.logs.foreign.mat import read_mat
     from spirob.logs.foreign.mcap_fields import read_fields
+    from spirob.logs.foreign.parquet import read_parquet_columns
     from spirob.machine.reading import read_columns
 
     if source.suffix.lower() == ".mat":
         return read_mat(source)
     if source.suffix.lower() == ".mcap":
         return read_fields(source, mapping, notes)
+    if source.suffix.lower() == ".parquet":
+        return read_parquet_columns(source)
     check_size(source)
     columns, said = read_columns(source)
     notes += said

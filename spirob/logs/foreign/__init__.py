@@ -4,7 +4,8 @@ mapping.py    what the mapping file may hold
 units.py      units of a file to SI
 clock.py      stamps that do not increase: repaired only where that is certain, and said
 agreement.py  units that cannot be right
-mat.py        MATLAB files of version 5;  mcap_fields.py  MCAP files of others
+mat.py        MATLAB files of version 5;  parquet.py  Parquet;  mcap_fields.py  MCAP of others
+apart.py      native readers in a process of their own, with bounded memory
 trace.py      columns and mapping to a trace
 """
 

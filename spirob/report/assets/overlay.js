@@ -21,7 +21,7 @@ function startOverlay() {
       const signals = (trial.motors[trace.meta.motor] || { signals: {} }).signals;
       const signal = trace.meta.origin === "named"
         ? switches.model(signals, channel) : unpack(signals[`${trace.meta.origin}_${channel}`]);
-      if (trace.meta.origin === "named" && switches.weights) trace.name = "with the switched effects";
+      if (trace.meta.origin === "named" && switches.column !== "named") trace.name = "with the switched effects";
       const minus = trace.meta.minus && unpack(signals[`${trace.meta.minus}_${channel}`]);
       trace.visible = signal !== null && minus !== null;
       if (!trace.visible) continue;
@@ -42,7 +42,7 @@ function startOverlay() {
   }
   function errors(entry, channel) {
     let text = entry.errors[channel];
-    if (switches.weights) { // from the samples drawn; the others are from all of them
+    if (switches.column !== "named") { // from the samples drawn; the others are from all of them
       const [measured, base, model] = [unpack(entry.signals[`measured_${channel}`]),
         unpack(entry.signals[`base_${channel}`]), switches.model(entry.signals, channel)];
       const rms = (signal) => Math.sqrt(signal.reduce((sum, v, k) => sum + (v - measured[k]) ** 2, 0) / signal.length);

@@ -30,11 +30,12 @@ const plots = {
 };
 theme.listeners.push(plots.showAll);
 
-// On paper: light colours, everything unfolded, figures as wide as the sheet.
+// On paper: light colours, figures as wide as the sheet, everything unfolded but the library, which
+// would take thirty sheets.
 const PAPER_WIDTH = 690;
 let folded = [];
 addEventListener("beforeprint", () => {
-  folded = [...document.querySelectorAll("details:not([open])")];
+  folded = [...document.querySelectorAll("details:not([open]):not(.card)")];
   folded.forEach((element) => { element.open = true; });
   document.documentElement.dataset.theme = "light";
   plots.width = PAPER_WIDTH;

@@ -1,16 +1,14 @@
 "use strict";
 // Candidate effects as switches; every combination was computed beforehand, offline.
 const switches = {
-  weights: null, // null: the model of the verdict, fitted to the end
+  column: "named", // whose signals are drawn: base, named (the verdict's model) or a combination
   listeners: [],
-  // Signal of the chosen combination from those of the base model and of each effect alone.
+  // Signal of the chosen combination: its own, or what it changes of the base model's.
   model(signals, channel) {
+    const signal = unpack(signals[`${switches.column}_${channel}`]);
+    if (signal === null || switches.column === "named" || switches.column === "base") return signal;
     const base = unpack(signals[`base_${channel}`]);
-    if (switches.weights === null) return unpack(signals[`named_${channel}`]);
-    const parts = Object.entries(switches.weights).map(([name, weight]) => [
-      unpack(signals[`${name}_${channel}`]), weight]);
-    if (base === null || parts.some(([signal]) => signal === null)) return null;
-    return base.map((value, k) => parts.reduce((sum, [signal, weight]) => sum + weight * (signal[k] - value), value));
+    return base && base.map((value, k) => value + signal[k]);
   },
 };
 function startSwitches() {
@@ -22,7 +20,6 @@ function startSwitches() {
   const key = (names) => [...names].sort().join(" ");
   const known = Object.fromEntries(stored.map((entry) => [key(entry.effects), entry]));
   const base = known[""].rmse.heldout;
-  const name = (value) => inputs.find((input) => input.value === value).parentElement.textContent.trim();
 
   function show() {
     const entry = known[key(inputs.filter((input) => input.checked).map((input) => input.value))];
@@ -30,15 +27,11 @@ function startSwitches() {
     error.textContent = (any ? `${base.toPrecision(3)} → ` : "") + `${left.toPrecision(3)} mA`;
     gauge.style.width = `${100 * Math.min(left / base, 1)}%`;
     how.textContent = `Computed beforehand: ${entry.how}.`;
-    if (entry.how === "first order") {
-      const shares = entry.effects.map((effect) => `${name(effect)} ${entry.weights[effect].toFixed(2)}`);
-      how.textContent += ` What each does alone in full simulation, in shares that fit the validation trials: ${shares.join(", ")}.`;
-    }
     const figure = plots.figures.regimes;
     figure.data[1].x = figure.data[1].customdata.map((regime) => entry.regimes[regime]);
     figure.data[1].visible = any;
     plots.show("regimes");
-    switches.weights = entry.weights;
+    switches.column = entry.column;
     switches.listeners.forEach((listener) => listener());
   }
   box.addEventListener("change", show);

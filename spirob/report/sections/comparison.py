@@ -3,7 +3,7 @@
 from typing import Any
 
 from spirob.report import overlay
-from spirob.report.combinations import switchable
+from spirob.report.combinations import played, switchable
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
 from spirob.report.numbers import column, fixed, shown
@@ -27,8 +27,8 @@ class Comparison(Section):
             channel: shown(_unit(trials, channel, si))[0] for channel, si in overlay.UNITS.items()
         }
         short, full = names(data.diagnosis)
-        table, effects = switchable(data)
-        signals = overlay.payload(table, short, driven(data.compare), effects)
+        table, _ = switchable(data)
+        signals = overlay.payload(table, short, driven(data.compare), played(table))
         motors = list(dict.fromkeys(data.overlay["motor"].astype(str)))
         return {
             "units": units,

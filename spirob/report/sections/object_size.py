@@ -7,7 +7,7 @@ import pandas as pd
 
 from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.numbers import fixed, is_number
+from spirob.report.numbers import fixed, is_number, percent
 from spirob.report.sections.section import Section
 
 PAPER = {"simulation": {"mae": 1.12, "r2": 0.98}, "robot": {"mae": 3.95, "r2": 0.76}}
@@ -32,7 +32,9 @@ class ObjectSize(Section):
             }
             points = {domain: points[domain] for domain in sorted(points, reverse=True)}
             plot = figures.Plot(
-                "size", "Predicted over true diameter of the cylinder", figures.size(points)
+                "size",
+                "Predicted over true diameter of the cylinder",
+                figures.size(points, half_widths(data)),
             )
         metrics = data.metrics.get("size")
         reason = data.absent.get("size_metrics") or data.absent.get("predictions", "")
@@ -40,8 +42,20 @@ class ObjectSize(Section):
             "plot": plot,
             "rows": rows(metrics, data.predictions) if metrics else [],
             "transfer": transfer_sentence(metrics) if metrics else "",
+            "confidence": percent(interval(data).get("confidence")) if half_widths(data) else "",
             "reason": reason,
         }
+
+
+def interval(data: ReportData) -> dict[str, Any]:
+    """What the transfer stage says of the intervals; empty where they were not tested."""
+    return (data.transfer or {}).get("interval") or {}
+
+
+def half_widths(data: ReportData) -> dict[str, float]:
+    """Half of each domain's interval [mm]; it is as wide for every size."""
+    found = {domain: interval(data).get(domain) or {} for domain in DOMAINS}
+    return {d: 5e2 * one["width"] for d, one in found.items() if is_number(one.get("width"))}
 
 
 def rows(metrics: dict[str, Any], predictions: pd.DataFrame | None = None) -> list[dict[str, Any]]:

@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from spirob.effects import all_effects
 from spirob.report import figures, regime_figures
-from spirob.report.combinations import Combination, combinations, switchable
+from spirob.report.combinations import HOW, Combination, combinations, switchable
 from spirob.report.data import ReportData
 from spirob.report.numbers import column
 from spirob.report.regimes import driven
@@ -23,50 +24,47 @@ class Switches(Section):
         table, effects = switchable(data)
         on = {effect["name"] for effect in data.diagnosis["effects"]}
         found = combinations(table, effects, driven(data.compare), on) if effects else []
-        titles = {c["name"]: c["title"] for c in data.diagnosis["candidates"]}
+        titles = names(data, effects)
         return {
             "switches": [
                 {"name": name, "title": titles[name], "on": name in on}
                 for name in (effects if found else [])
             ],
             "combinations": [entry(one) for one in found],
-            "rows": rows(found, titles),
+            "rows": rows(found),
             "plot": _plot(found[0]) if found else None,
-            "reason": data.absent.get("finalists", "No candidate passed the screening."),
+            "reason": data.absent.get("combinations", "No candidate passed the screening."),
         }
+
+
+def names(data: ReportData, effects: list[str]) -> dict[str, str]:
+    """What a reader calls each effect: as the diagnosis does, else the library."""
+    known = {name: effect.title for name, effect in all_effects().items()}
+    known |= {c["name"]: c["title"] for c in data.diagnosis["candidates"]}
+    return {name: known.get(name, name.replace("_", " ")) for name in effects}
 
 
 def entry(one: Combination) -> dict[str, Any]:
     """What the page's script needs of a combination; errors in mA."""
-    weights = one.weights and {name: round(weight, 4) for name, weight in one.weights.items()}
     return {
         "effects": list(one.effects),
-        "weights": weights,
+        "column": one.column,
         "rmse": {role: round(MILLI * value, 3) for role, value in one.rmse.items()},
         "regimes": {name: round(MILLI * value, 3) for name, value in one.regimes.items()},
-        "how": how(one),
+        "how": HOW[one.how],
     }
 
 
-def how(one: Combination) -> str:
-    """How a combination was computed."""
-    if one.weights is None:
-        return "full simulation, the verdict's model"
-    if not one.effects:
-        return "full simulation, fitted numbers only"
-    return "full simulation, everything refitted" if one.full else "first order"
-
-
-def rows(found: list[Combination], titles: dict[str, str]) -> list[dict[str, Any]]:
-    """The same for those who read tables: a line for each combination."""
+def rows(found: list[Combination]) -> list[dict[str, Any]]:
+    """The same for those who read tables: a line for each combination, by the effects' names."""
     errors = {
         role: column([MILLI * one.rmse[role] if role in one.rmse else None for one in found])
         for role in ("validate", "heldout")
     }
     return [
         {
-            "label": " + ".join(titles[name] for name in one.effects) or "none",
-            "how": how(one),
+            "label": " + ".join(name.replace("_", " ") for name in one.effects) or "none",
+            "how": HOW[one.how],
             "validate": errors["validate"][k],
             "heldout": errors["heldout"][k],
         }

@@ -1,10 +1,18 @@
 """What runs apart may die without taking this process along."""
 
 import os
+import resource
 
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from spirob.logs.foreign.apart import Crashed, apart
+from spirob.errors import SpirobError
+from spirob.logs.foreign.apart import MEMORY, Crashed, apart
+from spirob.logs.foreign.parquet import read_parquet_columns
 
 
 def test_the_answer_comes_back():
@@ -19,3 +27,50 @@ def test_an_error_comes_back_as_one():
 def test_a_crash_is_an_error_too():
     with pytest.raises(Crashed, match="brings the reader down"):
         apart(os.abort)
+
+
+def test_memory_is_bounded():
+    assert apart(resource.getrlimit, resource.RLIMIT_DATA)[0] <= MEMORY
+    with pytest.raises(ValueError, match="takes more than 1024 MiB"):
+        apart(bytearray, 2 * MEMORY)
+    assert resource.getrlimit(resource.RLIMIT_DATA)[0] != MEMORY
+
+
+def table(rows=400):
+    time = pa.array(np.arange(rows), pa.timestamp("us"))
+    return pa.table({"t": time, "a": np.linspace(0, 1, rows), "text": ["x"] * rows})
+
+
+def test_parquet_of_others_comes_back_as_numbers(tmp_path):
+    pq.write_table(table(), tmp_path / "x.parquet")
+    found = read_parquet_columns(tmp_path / "x.parquet")
+    assert list(found) == ["t", "a"]
+    np.testing.assert_array_equal(found["t"], 1e3 * np.arange(400))
+    np.testing.assert_array_equal(found["a"], np.linspace(0, 1, 400))
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd"])
+def test_hostile_parquet_is_refused_or_read_but_takes_nobody_along(compression, tmp_path):
+    path = tmp_path / "x.parquet"
+    pq.write_table(table(), path, compression=compression)
+    whole = path.read_bytes()
+    footer = int.from_bytes(whole[-8:-4], "little") + 8
+
+    @settings(max_examples=15, deadline=None)
+    @given(
+        flips=st.lists(
+            st.tuples(st.floats(0, 1, exclude_max=True), st.integers(1, 255)), min_size=1
+        ),
+        inside=st.sampled_from([len(whole), footer]),  # the whole file, or its description alone
+    )
+    def holds(flips, inside):
+        content = bytearray(whole)
+        for at, mask in flips:
+            content[len(whole) - inside + int(at * inside)] ^= mask
+        path.write_bytes(content)
+        try:
+            read_parquet_columns(path)
+        except SpirobError as error:
+            assert len(str(error)) < 500
+
+    holds()

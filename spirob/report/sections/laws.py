@@ -1,0 +1,97 @@
+"""Each effect over the data: its fitted law, and what would tell it from its rivals."""
+
+from typing import Any
+
+from spirob.effects import all_effects
+from spirob.report import law_figures
+from spirob.report.data import ReportData
+from spirob.report.figures import Plot
+from spirob.report.laws import Law, law
+from spirob.report.numbers import column, is_number, percent
+from spirob.report.regimes import driven
+from spirob.report.sections.section import Section
+
+
+class Laws(Section):
+    """For each named effect, or the leading candidates: law against residual, and the rivals."""
+
+    order = 42
+    title = "Effects over the data"
+    template = "laws.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        if data.laws is None:
+            return {"effects": [], "named": False, "reason": data.absent["laws"]}
+        known, places = all_effects(), driven(data.compare)
+        shown = []
+        for name, played in data.laws.groupby("effect", sort=False, observed=True):
+            found = law(played, data.overlay, places, known.get(str(name)))
+            if found is not None:
+                shown.append(entry(str(name), found, data))
+        return {
+            "effects": shown,
+            "named": bool(data.diagnosis["effects"]),
+            "reason": "No motor was driven in a trial that no fit has seen.",
+        }
+
+
+def entry(name: str, found: Law, data: ReportData) -> dict[str, Any]:
+    """Texts and figures of one effect."""
+    known = all_effects()
+    titles = {c["name"]: c["title"] for c in data.diagnosis["candidates"]}
+    title = titles.get(name) or (known[name].title if name in known else name.replace("_", " "))
+    over = found.against.title.partition(" [")[0]
+    return {
+        "name": name,
+        "title": title,
+        "sentence": sentence(found),
+        "rivals": rivals(name, data),
+        "plots": [
+            Plot(
+                f"law-{name}",
+                f"Residual and fitted law of {title} over {over}",
+                law_figures.over_signal(found),
+            ),
+            Plot(
+                f"law-{name}-itself",
+                f"Residual over the fitted law of {title}",
+                law_figures.against_itself(found),
+            ),
+        ],
+    }
+
+
+def sentence(found: Law) -> str:
+    """How much of what the residual showed the law accounts for."""
+    share = found.accounted
+    if share <= 0:
+        return "The law takes nothing off the squared residual of the trials that no fit has seen."
+    return (
+        f"The law accounts for {percent(share)} of the squared residual that is left without it, "
+        "on trials that no fit has seen."
+    )
+
+
+def rivals(name: str, data: ReportData) -> list[dict[str, str]]:
+    """The other candidates: what each leaves, and the experiment that would tell them apart."""
+    known = all_effects()
+    chosen = {effect["name"] for effect in data.diagnosis["effects"]} | {name}
+    others = [c for c in data.diagnosis["candidates"] if c["name"] not in chosen]
+    errors = column([_milli(c) for c in others])
+    found = []
+    for other, error in zip(others, errors, strict=True):
+        rival = other["name"]
+        ways = [
+            known[a].tell_apart[b]
+            for a, b in ((name, rival), (rival, name))
+            if a in known and b in known[a].tell_apart
+        ]
+        test = ways[0] if ways else "the library holds no experiment for these two"
+        left = f"{error} mA" if is_number(_milli(other)) else "not scored"
+        found.append({"title": other["title"], "left": left, "test": test})
+    return found
+
+
+def _milli(candidate: dict[str, Any]) -> float | None:
+    value = candidate.get("validate_rmse")
+    return 1e3 * value if is_number(value) else None
