@@ -22,10 +22,11 @@ from spirob.emulator.physics import (
     motor,
     sensing,
     tendon,
+    turns,
     winch,
 )
 
-ARM = (body, chain, contact, guides, tendon, line)
+ARM = (body, chain, contact, turns, guides, tendon, line)
 DRIVES = (drive, magnets, motor, friction, gear, winch, sensing)
 PARTS = (*ARM, *DRIVES)
 
