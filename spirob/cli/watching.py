@@ -5,10 +5,10 @@ import time
 
 import can
 
+from spirob.canbus.hearing import heard
 from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.perceive.live import Watch
-from spirob.canbus.hearing import heard
 from spirob.robot import MOTORS
 
 EVERY = 0.2  # s, between two looks at the state

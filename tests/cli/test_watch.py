@@ -1,4 +1,4 @@
-"""`spirob watch` prints what happens on a bus, sends nothing, and says in a sentence what is wrong."""
+"""`spirob watch` prints what happens on a bus, sends nothing, and says what is wrong."""
 
 import threading
 import time
@@ -52,7 +52,10 @@ def test_a_contact_is_printed_and_nothing_is_sent(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--interface", "virtual", "--model", "none", "--seconds", "0.3"], "no feedback from motor"),
+        (
+            ["--interface", "virtual", "--model", "none", "--seconds", "0.3"],
+            "no feedback",
+        ),
         (["--interface", "smoke", "--model", "none"], "no interface 'smoke'"),
         (["--interface", "virtual", "--model", "nowhere.joblib"], "nowhere.joblib"),
         (["--interface", "virtual", "--seconds", "nan"], "--seconds nan is out of range"),

@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--interface", required=True, help="of python-can; `spirob can scan`")
     parser.add_argument("--channel", default="can0", help="such as can0 or PCAN_USBBUS1")
     parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s")
-    parser.add_argument("--drive", default="c620", help="c620, odrive, or a description of your own")
+    parser.add_argument("--drive", default="c620", help="c620, odrive, or a .yaml of your own")
     parser.add_argument("--gear", type=float, default=3591 / 187, help="rotor turns a winch turn")
     parser.add_argument("--radius", type=float, default=0.02, help="of the winch [m]")
     parser.add_argument(

@@ -20,6 +20,7 @@ from spirob.safety.motor import MotorState
 from spirob.trace import Trace
 
 SETTLE = 300  # samples of a motion before its detector listens: the start is a rise of its own
+NEVER = 2**62  # samples
 FRAME_BYTES = 8
 
 
@@ -40,6 +41,9 @@ class Told:
 
 class Watch:
     """Takes in C620-style frames and tells contacts and sizes; it never sends.
+
+    A detector listens to a motor that winds in, or stands after it did, or has not moved yet; not
+    to one that pays out, whose current rises by itself when it stops.
 
     transmission  nominal gear and winch of both motors;  rules  of the contact detectors
     model         of sizes; None where only contacts are wanted;  wraps  the motor that wraps
@@ -97,8 +101,9 @@ class Watch:
         detector = self._detectors[m]
         if self._motions[m].begins(sample.velocity):
             detector.reset()
-            self._deaf[m], self.contact[m] = SETTLE, ""
-            if m == self._wraps and self._motions[m].direction > 0:
+            winds_in = self._motions[m].direction > 0
+            self._deaf[m], self.contact[m] = SETTLE if winds_in else NEVER, ""
+            if m == self._wraps and winds_in:
                 self._wrap.begin()
         if self._deaf[m] > 0:
             self._deaf[m] -= 1

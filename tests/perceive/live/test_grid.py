@@ -1,5 +1,7 @@
 """Whatever happens on the way, samples come at equal distances in time."""
 
+from itertools import pairwise
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +18,7 @@ def line(k):
 def test_lost_frames_of_a_straight_line_are_not_missed(arrives, begins):
     grid, seen = Grid(), []
     periods = [0, *(k for k, there in enumerate(arrives, 1) if there)]
-    gaps = [b - a for a, b in zip(periods, periods[1:], strict=False)]
+    gaps = [b - a for a, b in pairwise(periods)]
     for k in periods:
         seen += grid.take(begins + k * CYCLE_NS, line(k))
     if max(gaps, default=0) <= LONGEST:
