@@ -123,6 +123,7 @@ class Perceive(Strict):
     seed: int = Field(0, ge=0)
     wrap: dict[str, Any] = {}
     drawn: Drawn = Drawn()
+    size: dict[str, float] = {}  # numbers of the stack, checked by `spirob.perceive.size`
 
 
 class TrialConfig(Strict):

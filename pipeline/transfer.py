@@ -14,12 +14,13 @@ import pandas as pd
 from pipeline.features import features_of, wrapped
 from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
+from pipeline.train import stack
 from pipeline.trials import train_wraps
 from spirob.perceive.bootstrap import mean_error, mean_gain
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
-from spirob.perceive.size import SizeModel, SizeSettings, predict, train
+from spirob.perceive.size import SizeModel, predict, train
 
 
 def stage(root: Path) -> None:
@@ -52,7 +53,7 @@ def _before(root: Path, config: Config) -> dict[str, dict[str, Any]]:
 
 def _learn(config: Config, model: Mapping[str, Any]) -> SizeModel:
     known = wrapped(config, model, train_wraps(config))
-    return train(known, SizeSettings(seed=config.perceive.seed), config.perceive.predictor)
+    return train(known, stack(config), config.perceive.predictor)
 
 
 def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict[str, Any]:

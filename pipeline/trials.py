@@ -40,9 +40,8 @@ def unseen_wraps(config: Config) -> list[dict[str, Any]]:
     """Wraps of diameters that no training sees: the listed ones, then drawn ones."""
     perceive = config.perceive
     listed = _listed(config, "unseen", UNSEEN_WRAPS, perceive.unseen, perceive.unseen_repeats)
-    return listed + _drawn(
-        config, "covered", UNSEEN_DRAWN, perceive.unseen_drawn, perceive.wrap
-    )
+    drawn = _drawn(config, "between", UNSEEN_DRAWN, perceive.unseen_drawn, perceive.wrap)
+    return listed + drawn
 
 
 def _listed(

@@ -1,10 +1,10 @@
 """Predictors that the shipped one is compared with; none of them is used otherwise.
 
-    ridge, svr          each base model alone, on the same samples as the shipped predictor
-    paper               the paper's stack on the paper's samples
-    few                 the shipped predictor on the paper's samples
-    gaussian_process    on the same samples as the shipped predictor, hyperparameters by likelihood
-    mean                the mean diameter of the training, whatever was wrapped
+ridge, svr          each base model alone, on the same samples as the shipped predictor
+paper               the paper's stack on the paper's samples
+few                 the shipped predictor on the paper's samples
+gaussian_process    on the same samples as the shipped predictor, hyperparameters by likelihood
+mean                the mean diameter of the training, whatever was wrapped
 """
 
 import warnings

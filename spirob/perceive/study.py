@@ -1,11 +1,11 @@
 """What a size model lives on: which features it needs, and how many samples."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from sklearn.base import BaseEstimator, RegressorMixin
 
 from spirob.perceive.score import MILLIMETRES
 from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
@@ -15,18 +15,17 @@ SHUFFLES = 10
 STEPS = (20, 35, 50, 100, 200, 400, 800, 1600, 3200)  # samples
 
 
-@dataclass(frozen=True)
-class _Frozen:
+class _Trained(RegressorMixin, BaseEstimator):
     """A trained model in the shape that scikit-learn's inspection asks for."""
 
-    model: SizeModel
-    names: tuple[str, ...]
+    def __init__(self, model: SizeModel):
+        self.model = model
 
-    def fit(self, x: Any, y: Any) -> "_Frozen":
+    def fit(self, x: Any, y: Any) -> "_Trained":
         return self
 
     def predict(self, x: Any) -> np.ndarray:
-        return predict(self.model, pd.DataFrame(x, columns=list(self.names)))
+        return predict(self.model, pd.DataFrame(x, columns=list(self.model.features)))
 
 
 def importance(model: SizeModel, table: pd.DataFrame) -> dict[str, float]:
@@ -39,7 +38,7 @@ def importance(model: SizeModel, table: pd.DataFrame) -> dict[str, float]:
 
     x, y = feature_matrix(table, model.features), table[TARGET].to_numpy(float)
     found = permutation_importance(
-        _Frozen(model, model.features),
+        _Trained(model),
         x,
         y,
         scoring="neg_mean_absolute_error",

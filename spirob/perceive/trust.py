@@ -9,7 +9,7 @@ from spirob.errors import DataError
 from spirob.perceive.folds import folds
 from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
 
-MOST_FOLDS = 20
+MOST_FOLDS = 10
 
 
 def unfamiliar(model: SizeModel, table: pd.DataFrame) -> dict[Any, list[str]]:
