@@ -9,20 +9,26 @@ from spirob.robot import Scene
 from tests.emulator.test_contact import outline
 
 DEEP = 0.5e-3  # m
-CYCLES = 3200
+CYCLES = 2600  # after 1500 the tip meets the base
+EVERY = 20  # cycles
 
 
 def curled(cycles=CYCLES, **numbers):
-    """Wound in by the left motor until it lies upon itself; the deepest that units entered."""
+    """Wound in by the left motor until it lies upon itself.
+
+    The machine, the deepest that units entered by its own account, and by brute force [m].
+    """
     made = Machine(EmulatedRig(), HiddenSettings("guide_friction"), seed=1)
     made.start(Scene(), "curl")
     for name, value in numbers.items():
         made.numbers[name] = value
-    deepest = 0.0
-    for _ in range(cycles):
-        made.cycle((1.6, 0.0))
+    deepest, seen = 0.0, 0.0
+    for k in range(cycles):
+        made.cycle((0.8, 0.0))
         deepest = max(deepest, float(made._scratch["turn_depth"][0]))
-    return made, deepest
+        if k % EVERY == 0:
+            seen = max(seen, overlap(made))
+    return made, deepest, seen
 
 
 def overlap(made):
@@ -60,19 +66,19 @@ def touching():
 
 
 def test_turns_do_not_enter_each_other(touching):
-    made, deepest = touching
+    _, deepest, seen = touching
     assert 0.0 < deepest < DEEP
-    assert overlap(made) < DEEP
+    assert seen < DEEP
 
 
 def test_without_contact_they_would():
-    made, _ = curled(contact_stiffness=0.0, contact_damping=0.0)
-    assert overlap(made) > 2 * DEEP
+    _, _, seen = curled(contact_stiffness=0.0, contact_damping=0.0)
+    assert seen > 4 * DEEP
 
 
 def test_the_brute_force_check_sees_the_same_outline(touching):
     """The corners are those of the outline that the tests of other contacts draw."""
-    made, _ = touching
+    made = touching[0]
     drawn = outline(made).reshape(-1, 48, 2)
     for point in corners(made)[:, 2]:
         assert np.abs(drawn - point).sum(axis=-1).min() < 1e-12
@@ -82,15 +88,14 @@ def test_where_nothing_touches_nothing_changes():
     """Bit by bit: a bend that is half of the curl, with any friction between turns."""
     bends = []
     for friction in (0.0, 5.0):
-        made, deepest = curled(cycles=900, self_friction=friction)
+        made, deepest, _ = curled(cycles=1000, self_friction=friction)
         assert deepest == 0.0
         bends.append(made.state.tobytes())
     assert bends[0] == bends[1]
 
 
-def test_much_friction_between_turns_jams_the_curl():
+def test_much_friction_between_turns_holds_the_curl_up():
     ends = [
-        float(np.abs(curled(self_friction=mu)[0].state["wound"][0, 0]))
-        for mu in (0.0, 2.0)
+        float(curled(cycles=1800, self_friction=mu)[0].state["wound"][0, 0]) for mu in (0.0, 2.0)
     ]
-    assert ends[1] < 0.97 * ends[0]
+    assert ends[1] < 0.95 * ends[0]

@@ -46,7 +46,7 @@ def test_the_large_set_is_large_continuous_and_varied(large):
         [t["duration"] for t in drawn],  # a rest before the start prolongs it
         [t["motors"]["left"]["profile"]["blend"] for t in drawn],
     ):
-        assert len(set(values)) > 0.5 * len(values)
+        assert len(set(values)) > 0.3 * len(values)
     assert 0.01 <= min(map(diameter, drawn)) < 0.012
     assert 0.068 < max(map(diameter, drawn)) <= 0.07
 
@@ -68,11 +68,11 @@ def test_what_is_tested_is_not_trained_on(large):
 @pytest.mark.parametrize(
     ("override", "said"),
     [
-        ("perceive.drawn.wrap={rest: -1}", "rest = -1 is out of range"),
-        ("perceive.drawn.wrap={colour: 1}", "wrap has no setting 'colour'"),
+        ("perceive.drawn.wrap.rest=-1", "rest = -1 is out of range"),
+        ("+perceive.drawn.wrap.colour=1", "wrap has no setting 'colour'"),
         ("perceive.drawn.count=-1", "perceive.drawn.count"),
-        ("perceive.size={threshhold: 0.5}", "size has no number 'threshhold'"),
-        ("perceive.size={threshold: 2.0}", "threshold"),
+        ("+perceive.size.threshhold=0.5", "size has no number 'threshhold'"),
+        ("perceive.size.threshold=2.0", "threshold"),
     ],
 )
 def test_a_mistake_is_told_before_anything_is_played(override, said):
