@@ -10,7 +10,7 @@ from pathlib import Path
 from pipeline.posture import FOLDER
 from pipeline.robots import record_all
 from pipeline.stage import HIDDEN, public_config, read_yaml, run, write_json
-from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
+from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import MissingLog
 from spirob.logs.atomic import replacing
 
@@ -20,7 +20,7 @@ RECORDED = Path("data/recorded/logs")
 def stage(root: Path, with_wraps: bool = True) -> None:
     """Record the experiment and, for object size, the wraps."""
     config = public_config(root)
-    trials = experiment_trials(config) + (wraps(config, ROBOT_WRAPS) if with_wraps else [])
+    trials = experiment_trials(config) + (robot_wraps(config) if with_wraps else [])
     truth = {}
     (root / FOLDER).mkdir(parents=True, exist_ok=True)  # stays empty where nothing can be seen
     if config.robot.kind == "can":

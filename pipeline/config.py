@@ -17,10 +17,12 @@ from pipeline.schema import validated
 from pipeline.sides import merged
 from pipeline.stage import HIDDEN, PUBLIC, read_yaml, run
 from spirob.bench import Trial
+from spirob.bench.wrap import WrapSettings
 from spirob.effects import find_effects
 from spirob.errors import ConfigError
 from spirob.experiments import experiment_from
 from spirob.logs.atomic import write_text
+from spirob.perceive.size import SizeSettings
 from spirob.plant import Plant, Rig
 
 
@@ -72,6 +74,9 @@ def check(plain: dict[str, Any]) -> None:
         for play in experiment_from(name, settings).plays():
             Trial.from_plain(play.trial)
             Rig.from_mapping(merged(plain["rig"], play.rig))
+    perceive = plain["perceive"]
+    WrapSettings.from_mapping(perceive["wrap"] | perceive["drawn"]["wrap"])
+    SizeSettings.from_mapping(perceive["size"])
     find_effects(plain["diagnose"]["candidates"])
     plant = Plant(rig, find_effects(plain["plant"]["effects"]))
     for name in plain["identify"]["parameters"]:

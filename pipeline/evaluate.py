@@ -4,16 +4,19 @@ Only here is the truth opened, after everything has been decided.
 """
 
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from pipeline.stage import public_config, read_json, run, tell, write_json
-from spirob.errors import MissingLog
+from pipeline.features import features_of
+from pipeline.stage import read_json, run, tell, write_json
 from spirob.logs.atomic import replacing
+from spirob.perceive.bootstrap import mean_error
 from spirob.perceive.model_file import load_model
+from spirob.perceive.rivals import rivals
 from spirob.perceive.score import score
-from spirob.perceive.size import PREDICTORS, predict
+from spirob.perceive.size import TARGET, predict
+from spirob.perceive.study import importance, learning_curve
 from spirob.trial.answers import right
 
 
@@ -24,30 +27,31 @@ def stage(root: Path) -> None:
 
 
 def _size(root: Path) -> None:
-    shipped = public_config(root).perceive.predictor
     model = load_model(root / "data/models/size.joblib")
-    metrics: dict[str, dict[str, object]] = {}
+    known, listed = features_of(root, "train"), features_of(root, "paper")
+    tests = {"simulation": features_of(root, "unseen"), "robot": features_of(root, "robot")}
+    metrics: dict[str, dict[str, Any]] = {}
     rows = []
-    for domain, name in (("simulation", "unseen"), ("robot", "robot")):
-        path = root / f"data/features/{name}.parquet"
-        if not path.exists():
-            raise MissingLog(f"{path} is missing; the stage 'features' writes it")
-        features = pd.read_parquet(path)
-        true = features["diameter"].to_numpy()
-        by_predictor = {p: predict(model, features, p) for p in PREDICTORS}
-        others = {
-            p: _rounded(score(true, values)) for p, values in by_predictor.items() if p != shipped
-        }
-        mean = _rounded(score(true, np.full(len(true), float(np.mean(true)))))
+    for domain, features in tests.items():
+        true, found = features[TARGET].to_numpy(), predict(model, features)
+        others = rivals(model, known, listed, features)
+        low, high = mean_error(true, found)
         metrics[domain] = {
-            **_rounded(score(true, by_predictor[shipped])),
+            **_rounded({**score(true, found), "mae_low": low, "mae_high": high}),
             "unit": "mm",
             "samples": len(true),
-            "other": others | {"mean": mean},
+            "other": {name: _rounded(score(true, values)) for name, values in others.items()},
         }
-        columns = {"true_mm": 1e3 * true, "predicted_mm": 1e3 * by_predictor[shipped]}
+        columns = {"true_mm": 1e3 * true, "predicted_mm": 1e3 * found}
         rows.append(pd.DataFrame({"domain": domain, **columns}))
         tell(f"size, {domain}: MAE {metrics[domain]['mae']:.2f} mm, R2 {metrics[domain]['r2']:.3f}")
+    curve = learning_curve(known, tests, model.settings, model.predictor)
+    metrics["training"] = {
+        "samples": len(known),
+        "importance": _rounded(importance(model, tests["simulation"])),
+        "learning_curve": {str(n): _rounded(errors) for n, errors in curve.items()},
+        "unit": "mm",
+    }
     with replacing(root / "data/features/predictions.parquet") as temporary:
         pd.concat(rows, ignore_index=True).to_parquet(temporary, compression="zstd", index=False)
     write_json(root / "reports/metrics/size.json", metrics)

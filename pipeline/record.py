@@ -6,7 +6,7 @@ from pathlib import Path
 from pipeline.collect import RECORDED
 from pipeline.robots import record_all
 from pipeline.stage import public_config, run
-from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
+from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import ConfigError
 
 
@@ -15,7 +15,7 @@ def stage(root: Path) -> None:
     config = public_config(root)
     if config.robot.kind != "can":
         raise ConfigError("recording is for hardware: set overrides: ['robot=can'] in params.yaml")
-    trials = experiment_trials(config) + wraps(config, ROBOT_WRAPS)
+    trials = experiment_trials(config) + robot_wraps(config)
     record_all(root, config, {}, trials)
     for trial in trials:
         name = f"{trial['name']}.mcap"

@@ -102,6 +102,13 @@ class Diagnose(Strict):
     seed: int = Field(0, ge=0)
 
 
+class Drawn(Strict):
+    """Wraps of continuous diameters between the smallest and the largest, for training."""
+
+    count: int = Field(0, ge=0, le=100_000)
+    wrap: dict[str, Any] = {}  # what differs from `perceive.wrap`, such as wider variations
+
+
 class Perceive(Strict):
     """Object size from wrapping."""
 
@@ -109,11 +116,14 @@ class Perceive(Strict):
     repeats: int = Field(ge=1, le=1000)
     unseen: list[float] = Field(min_length=1)
     unseen_repeats: int = Field(ge=1, le=1000)
+    unseen_drawn: int = Field(0, ge=0, le=100_000)  # further ones, of continuous diameters
     robot: list[float] = Field(min_length=1)
     robot_repeats: int = Field(ge=1, le=1000)
     predictor: Literal["remainder", "paper"] = "remainder"
     seed: int = Field(0, ge=0)
     wrap: dict[str, Any] = {}
+    drawn: Drawn = Drawn()
+    size: dict[str, float] = {}  # numbers of the stack, checked by `spirob.perceive.size`
 
 
 class TrialConfig(Strict):

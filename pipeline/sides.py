@@ -79,6 +79,7 @@ def robot_side(config: Config, hidden: Mapping[str, Any], play: Play, log: Path)
             gains=rig.gains,
             rig=rig.name,
             prepare=prepare,
+            react=play.react() if play.react else None,
         )
     finally:
         robot.close()
@@ -93,7 +94,8 @@ def model_side(
     plant = Plant(rig, find_effects(model["effects"]))
     known = set(plant.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known}
-    return Side.from_trace(simulate(plant, trial, changes, noise, seed))
+    react = play.react() if play.react else None
+    return Side.from_trace(simulate(plant, trial, changes, noise, seed, react))
 
 
 def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str, Side]) -> Side:

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import pandas as pd
-
+from pipeline.features import features_of
+from pipeline.schema import Config
 from pipeline.stage import public_config, run, tell
-from spirob.errors import MissingLog
 from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
 from spirob.perceive.size import SizeSettings, train
@@ -14,16 +13,21 @@ from spirob.perceive.size import SizeSettings, train
 def stage(root: Path) -> None:
     """Train on the simulated wraps."""
     config = public_config(root)
-    path = root / "data/features/train.parquet"
-    if not path.exists():
-        raise MissingLog(f"{path} is missing; the stage 'features' writes it")
-    settings = SizeSettings(seed=config.perceive.seed)
-    table = pd.read_parquet(path)
+    settings = stack(config)
+    table = features_of(root, "train")
     model = train(table, settings, config.perceive.predictor)
     if table["diameter"].nunique() >= 4:  # fewer leave nothing to hold out
         model = calibrated(model, table)
     save_model(model, root / "data/models/size.joblib")
     tell(f"trained on {len(model.out_of_fold)} wraps; ridge weighs {model.weight:.2f}")
+
+
+def stack(config: Config) -> SizeSettings:
+    """The numbers of the stack; raises ConfigError on an unknown one or a bad value."""
+    given = {"seed": config.perceive.seed} | config.perceive.size
+    settings = SizeSettings.from_mapping(given)
+    assert isinstance(settings, SizeSettings)
+    return settings
 
 
 if __name__ == "__main__":

@@ -11,30 +11,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.features import simulated
+from pipeline.features import features_of, wrapped
 from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
-from pipeline.trials import TRAIN_WRAPS, wraps
-from spirob.bench.wrap import wrap_trial
-from spirob.errors import MissingLog
+from pipeline.train import stack
+from pipeline.trials import train_wraps
 from spirob.perceive.bootstrap import mean_error, mean_gain
-from spirob.perceive.features import table
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
-from spirob.perceive.size import SizeModel, SizeSettings, predict, train
-
-COVERAGE_WRAPS, STREAM = 60, 4  # of continuous diameters in simulation; stream of the seed
+from spirob.perceive.size import SizeModel, predict, train
 
 
 def stage(root: Path) -> None:
     """Train on each model's wraps and score all on the robot's."""
     config = public_config(root)
-    path = root / "data/features/robot.parquet"
-    if not path.exists():
-        raise MissingLog(f"{path} is missing; the stage 'features' writes it")
-    robot = pd.read_parquet(path)
-    named = read_json(root / "data/diagnosis/model.json", "diagnose")
+    robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
     shipped = load_model(root / "data/models/size.joblib")
     learnt = {name: _learn(config, model) for name, model in _before(root, config).items()}
     learnt["named"] = shipped
@@ -42,7 +34,7 @@ def stage(root: Path) -> None:
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
     metrics: dict[str, Any] = {"robot": steps}
     if len(shipped.errors):
-        metrics["interval"] = _intervals(config, named, shipped, robot)
+        metrics["interval"] = _intervals(shipped, {"simulation": unseen, "robot": robot})
     write_json(root / "reports/metrics/transfer.json", metrics)
     points = {"true": robot["diameter"].to_numpy(), **sizes}
     plain = {key: np.round(values, 7).tolist() for key, values in points.items()}
@@ -60,8 +52,8 @@ def _before(root: Path, config: Config) -> dict[str, dict[str, Any]]:
 
 
 def _learn(config: Config, model: Mapping[str, Any]) -> SizeModel:
-    known = table(simulated(config, model, wraps(config, TRAIN_WRAPS)))
-    return train(known, SizeSettings(seed=config.perceive.seed), config.perceive.predictor)
+    known = wrapped(config, model, train_wraps(config))
+    return train(known, stack(config), config.perceive.predictor)
 
 
 def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict[str, Any]:
@@ -81,16 +73,8 @@ def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict
     return steps
 
 
-def _intervals(
-    config: Config, model: Mapping[str, Any], learnt: SizeModel, robot: pd.DataFrame
-) -> dict[str, Any]:
+def _intervals(learnt: SizeModel, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """How often the shipped model's intervals hold the true size, simulated and on the robot."""
-    smallest, largest = learnt.sizes
-    rng = np.random.default_rng([config.perceive.seed, STREAM])
-    drawn = rng.uniform(smallest, largest, COVERAGE_WRAPS)
-    settings = config.perceive.wrap
-    trials = [wrap_trial(f"covered_{k}", "heldout", d, settings, rng) for k, d in enumerate(drawn)]
-    tables = {"simulation": table(simulated(config, model, trials)), "robot": robot}
     found = {
         domain: _rounded(coverage(estimate(learnt, t), t["diameter"].to_numpy()))
         for domain, t in tables.items()

@@ -1,13 +1,15 @@
 """The trials of a configuration: the experiment's own, and the wraps for object size."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pipeline.schema import Config
-from spirob.bench.wrap import wrap_trial
+from spirob.bench.wrap import WrapSettings, wrap_trial
 
-ROBOT_WRAPS, TRAIN_WRAPS, UNSEEN_WRAPS = 1, 2, 3  # streams of the seed
+ROBOT_WRAPS, PAPER_WRAPS, UNSEEN_WRAPS = 1, 2, 3  # streams of the seed
+UNSEEN_DRAWN, TRAIN_DRAWN = 4, 5
 
 
 def experiment_trials(config: Config) -> list[dict[str, Any]]:
@@ -15,18 +17,58 @@ def experiment_trials(config: Config) -> list[dict[str, Any]]:
     return config.experiment.trials
 
 
-def wraps(config: Config, stream: int) -> list[dict[str, Any]]:
-    """Wrapping trials of one stream: each has its own draw of placement, speed and friction."""
+def robot_wraps(config: Config) -> list[dict[str, Any]]:
+    """Wraps that the robot does."""
     perceive = config.perceive
-    prefix, sizes, repeats = {
-        ROBOT_WRAPS: ("wrap", perceive.robot, perceive.robot_repeats),
-        TRAIN_WRAPS: ("train", perceive.diameters, perceive.repeats),
-        UNSEEN_WRAPS: ("unseen", perceive.unseen, perceive.unseen_repeats),
-    }[stream]
+    return _listed(config, "wrap", ROBOT_WRAPS, perceive.robot, perceive.robot_repeats)
+
+
+def paper_wraps(config: Config) -> list[dict[str, Any]]:
+    """Training wraps of the listed diameters; by default the paper's 35 samples."""
+    perceive = config.perceive
+    return _listed(config, "train", PAPER_WRAPS, perceive.diameters, perceive.repeats)
+
+
+def train_wraps(config: Config) -> list[dict[str, Any]]:
+    """What the shipped predictor learns from: the listed ones, then those of drawn diameters."""
+    drawn = config.perceive.drawn
+    settings = config.perceive.wrap | drawn.wrap
+    return paper_wraps(config) + _drawn(config, "drawn", TRAIN_DRAWN, drawn.count, settings)
+
+
+def unseen_wraps(config: Config) -> list[dict[str, Any]]:
+    """Wraps of diameters that no training sees: the listed ones, then drawn ones."""
+    perceive = config.perceive
+    listed = _listed(config, "unseen", UNSEEN_WRAPS, perceive.unseen, perceive.unseen_repeats)
+    drawn = _drawn(config, "between", UNSEEN_DRAWN, perceive.unseen_drawn, perceive.wrap)
+    return listed + drawn
+
+
+def _listed(
+    config: Config, prefix: str, stream: int, sizes: Sequence[float], repeats: int
+) -> list[dict[str, Any]]:
+    """So many wraps of each diameter; each has its own draw of placement, speed and friction."""
+    perceive = config.perceive
     trials = []
     for i, diameter in enumerate(sizes):
         for k in range(repeats):
             rng = np.random.default_rng([perceive.seed, stream, i, k])
             name = f"{prefix}_{1e3 * diameter:04.1f}mm_{k}"
             trials.append(wrap_trial(name, "heldout", diameter, perceive.wrap, rng))
+    return trials
+
+
+def _drawn(
+    config: Config, prefix: str, stream: int, count: int, given: dict[str, Any]
+) -> list[dict[str, Any]]:
+    """Wraps of diameters drawn evenly between the smallest and the largest listed one.
+
+    The n-th wrap depends on no other: a larger set begins with the smaller one.
+    """
+    sizes, settings = config.perceive.diameters, WrapSettings.from_mapping(given)
+    trials = []
+    for k in range(count):
+        rng = np.random.default_rng([config.perceive.seed, stream, k])
+        diameter = float(rng.uniform(min(sizes), max(sizes)))
+        trials.append(wrap_trial(f"{prefix}_{k:05d}", "heldout", diameter, settings, rng))
     return trials

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
+from spirob.bench.reaction import Reaction
 from spirob.bench.trial import Trial
 from spirob.can_protocol import encode_command
 from spirob.control.law import Gains, current_command
@@ -48,6 +49,7 @@ def record(
     prepare: Callable[[Scene], None] | None = None,
     limits: Limits | None = None,
     drive: Drive | None = None,
+    react: Reaction | None = None,
 ) -> Path:
     """Prepare the scene, arm, play the trial and write its log; the finished log's path.
 
@@ -71,7 +73,7 @@ def record(
     guarded.arm()
     with log:
         try:
-            play(trial, guarded, log, gains=gains, progress=progress)
+            play(trial, guarded, log, gains=gains, progress=progress, react=react)
         finally:
             if isinstance(robot, Timed):
                 log.timing = robot.timing()
@@ -99,16 +101,18 @@ def play(
     *,
     gains: Gains,
     progress: Callable[[float], None] | None = None,
+    react: Reaction | None = None,
 ) -> None:
     """Play a trial on a prepared and armed robot.
 
     progress  called now and then with the fraction done
+    react     what the trial does about what it feels
     Raises what the robot raises, HardwareError where a drive never answers; the command is zero.
     """
     robot.keep = log.frames
     try:
         with interruptible() as check:
-            _play(trial, robot, log, gains, progress, check)
+            _play(trial, robot, log, gains, progress, check, react)
     except BaseException:
         robot.stop()
         raise
@@ -123,6 +127,7 @@ def _play(
     gains: Gains,
     progress: Callable[[float], None] | None,
     check: Callable[[], None],
+    react: Reaction | None,
 ) -> None:
     schedule = trial.schedule()
     states = robot.states
@@ -133,9 +138,13 @@ def _play(
     integrals = [0.0] * len(MOTORS)
     per_ampere, drag = gains.newton_per_ampere, gains.drag
     law = (gains.velocity, gains.integral, gains.displacement, gains.force, per_ampere, drag)
-    asked = zip(schedule.reference.tolist(), schedule.reference_rate.tolist(), strict=True)
-    for k, (references, rates) in enumerate(asked):
+    asked = list(zip(schedule.reference.tolist(), schedule.reference_rate.tolist(), strict=True))
+    k = 0
+    while k < len(asked):
         check()
+        if react and react.begins <= k < react.ends:
+            k = react(k, [state.current for state in states])
+        references, rates = asked[k]
         currents = []
         for m, state in enumerate(states):
             current, integrals[m] = current_command(
@@ -167,6 +176,7 @@ def _play(
         )
         if progress and k % PROGRESS_EVERY == 0:
             progress(k / schedule.cycles)
+        k += 1
     if progress:
         progress(1.0)
 

@@ -1,13 +1,16 @@
 """Play a trial in the model and return what its log would decode to."""
 
 from collections.abc import Mapping
+from dataclasses import fields, replace
 
 import numpy as np
 
+from spirob.bench.reaction import Reaction
 from spirob.bench.trial import Trial
 from spirob.can_protocol import AMPERE_PER_COUNT
+from spirob.control.schedule import Schedule
 from spirob.logs.reader import CHANNELS, FILTER_WINDOW
-from spirob.plant import Plant
+from spirob.plant import Plant, Response, Session
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.trace import Trace, moving_average
 
@@ -18,16 +21,23 @@ def simulate(
     changes: Mapping[str, float],
     current_noise: float = 0.0,
     seed: int = 0,
+    react: Reaction | None = None,
 ) -> Trace:
     """The trial as a decoded trace: current in counts of the drive, with sensor noise.
 
     current_noise  standard deviation [A];  seed  of the noise
+    react          what the trial does about the current that it feels, which may shorten it
     Raises SimulationError when the model diverges.
     """
     schedule = trial.schedule()
-    response = plant.simulate(schedule, trial.scene, changes)
-    noise = np.random.default_rng(seed).normal(0.0, 1.0, response.current.shape) * current_noise
-    current = np.round((response.current + noise) / AMPERE_PER_COUNT) * AMPERE_PER_COUNT
+    noise = np.random.default_rng(seed).normal(0.0, 1.0, schedule.reference.shape) * current_noise
+    if react is None:
+        response = plant.simulate(schedule, trial.scene, changes)
+    else:
+        session = plant.start(trial.scene, changes)
+        response, schedule = _reacting(session, schedule, noise, react)
+        noise = noise[: schedule.cycles]
+    current = _counted(response.current + noise)
     signals: dict[str, np.ndarray] = {}
     for m, motor in enumerate(MOTORS):
         signals |= {
@@ -45,3 +55,35 @@ def simulate(
     meta = {"role": trial.role, "trial": plain, "scene": plain.get("scene") or {}}
     time = np.arange(schedule.cycles, dtype=np.int64) * CYCLE_NS
     return Trace(trial.name, time, signals, units, meta)
+
+
+def _reacting(
+    session: Session, schedule: Schedule, noise: np.ndarray, react: Reaction
+) -> tuple[Response, Schedule]:
+    """The answer cycle by cycle where the reaction listens, and the rows that were played."""
+    row = min(react.begins, schedule.cycles)
+    rows = [np.arange(row)]
+    pieces = [session.play(_part(schedule, rows[0]))]
+    count = row
+    while row < min(react.ends, schedule.cycles):
+        row = react(row, _counted(pieces[-1].current[-1] + noise[count]).tolist())
+        rows.append(np.arange(row, row + 1 if row < react.ends else schedule.cycles))
+        pieces.append(session.play(_part(schedule, rows[-1])))
+        row, count = int(rows[-1][-1]) + 1, count + 1
+    if row < schedule.cycles:
+        rows.append(np.arange(row, schedule.cycles))
+        pieces.append(session.play(_part(schedule, rows[-1])))
+    # the last row of a piece is the first of the next
+    whole = {f.name: [getattr(p, f.name)[:-1] for p in pieces] for f in fields(Response)}
+    played = _part(schedule, np.concatenate(rows))
+    return Response(**{name: np.concatenate(parts) for name, parts in whole.items()}), played
+
+
+def _part(schedule: Schedule, rows: np.ndarray) -> Schedule:
+    return replace(
+        schedule, reference=schedule.reference[rows], reference_rate=schedule.reference_rate[rows]
+    )
+
+
+def _counted(current: np.ndarray) -> np.ndarray:
+    return np.round(current / AMPERE_PER_COUNT) * AMPERE_PER_COUNT

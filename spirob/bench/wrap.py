@@ -31,6 +31,8 @@ class WrapSettings:
     friction            of the cylinder's surface [-]
     placement           variation of the centre along and across the arm [m]
     speed_variation     relative [-];  friction_variation  absolute [-]
+    rest                longest wait before the winding begins [s]
+    blend_variation     of the start-up, relative [-]
     """
 
     position: float = 0.67
@@ -43,6 +45,8 @@ class WrapSettings:
     placement: float = 0.002
     speed_variation: float = 0.05
     friction_variation: float = 0.1
+    rest: float = 0.0
+    blend_variation: float = 0.0
 
     def __post_init__(self) -> None:
         ranges = {
@@ -56,6 +60,8 @@ class WrapSettings:
             "placement": (0.0, self.gap),
             "speed_variation": (0.0, 0.5),
             "friction_variation": (0.0, self.friction),
+            "rest": (0.0, 60.0),
+            "blend_variation": (0.0, 0.9),
         }
         for key, (low, high) in ranges.items():
             value = getattr(self, key)
@@ -84,7 +90,8 @@ def wrap_trial(
     """A wrap round a cylinder of `diameter` [m] as plain data for `Trial.from_plain`.
 
     rng  draws placement, speed and friction; always four numbers, so that the n-th trial of a
-         campaign does not depend on which variations are switched on
+         campaign does not depend on which variations are switched on.  The start is drawn from a
+         child of it, which takes none of its numbers.  A rest prolongs the trial by itself.
     Raises ConfigError on bad settings or a diameter that is not above 0.
     """
     if not isinstance(settings, WrapSettings):
@@ -95,11 +102,11 @@ def wrap_trial(
     x = settings.position * ARM_LENGTH + settings.placement * along
     y = beside(spiral_arm(), x, diameter / 2 + settings.gap) + settings.placement * across
     speed = settings.speed * (1 + settings.speed_variation * faster)
-    winding = {"kind": "constant", "value": float(speed), "blend": float(settings.blend)}
+    winding, rest = _start(speed, settings, rng)
     return {
         "name": name,
         "role": role,
-        "duration": float(settings.duration),
+        "duration": float(settings.duration) + rest,
         "motors": {
             "left": _plan("velocity", winding, settings),
             "right": _plan("current", {"kind": "constant", "value": 0.0}, settings),
@@ -113,6 +120,18 @@ def wrap_trial(
             }
         },
     }
+
+
+def _start(
+    speed: float, settings: WrapSettings, rng: np.random.Generator
+) -> tuple[dict[str, Any], float]:
+    """Profile of the winding, and how long it rests before [s], whole cycles."""
+    waits, softer = rng.spawn(1)[0].uniform((0.0, -1.0), 1.0).tolist()
+    rest = round(settings.rest * waits, 3)
+    blend = float(settings.blend * (1 + settings.blend_variation * softer))
+    if rest == 0.0:
+        return {"kind": "constant", "value": float(speed), "blend": blend}, 0.0
+    return {"kind": "steps", "plateaus": [[rest, 0.0], [1.0, float(speed)]], "blend": blend}, rest
 
 
 def beside(arm: SpiralArm, x: float, distance: float) -> float:

@@ -113,6 +113,7 @@ def _body(numbers, rig, arm, body, drawn) -> None:
         "contact_stiffness": 1e5,
         "contact_damping": 40.0,
         "creep_speed": 1e-3,
+        "self_friction": 0.4,  # assumed: TPU on TPU
     }
     _assign(numbers, fields)
 

@@ -5,6 +5,7 @@ experiment.py   what an experiment is; plans in plain data; the table of all of 
 response.py     when a signal answers, and by how much
 delay.py, hysteresis.py, extreme_curl.py, single_contact.py, periodic_contact.py, active_contact.py
                 one experiment each: its settings, its trials, its measure
+recoil.py           the detector's answer to a contact, while a trial is played
 direct_drive.py     what the two passive ones share
 contact_rates.py    how often and how soon contacts are told, over many uncurlings
 

@@ -3,10 +3,14 @@
 The right tendon runs at constant velocity throughout: paid out while the left one curls the arm,
 wound in while it uncurls, paid out again.  The peg stands on the right of the straight arm, so that
 the arm does not meet it while it curls.  The detector listens to the right current while the arm
-uncurls, from `settle` seconds on: the start of the motion is a rise of its own.
+uncurls, from `settle` seconds on: the start of the motion is a rise of its own.  It is the detector
+that begins the recoil, on the robot and in each model by what that side itself feels; only without
+a contact does the recoil come when the uncurling is over.  Every trial is played twice, with the
+detector on the raw and on the filtered current.
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +18,7 @@ import numpy as np
 from spirob.bench.wrap import beside
 from spirob.errors import DataError
 from spirob.experiments.experiment import Experiment, Play, Sides, curve, plan, row, trial
+from spirob.experiments.recoil import Recoil
 from spirob.experiments.response import PERIOD, smooth
 from spirob.experiments.side import Side
 from spirob.geometry import ARM_LENGTH, spiral_arm
@@ -25,24 +30,27 @@ RIGHT = 1
 RESTS = 0.3  # s before and after the motion
 DEPARTS = 0.025  # A: five times the sensor's noise
 PARTED = 50  # samples
+RAW = "current"
+SIGNALS = (RAW, "filtered")
 
 
 def rmse(one: np.ndarray, other: np.ndarray) -> float:
-    """Root of the mean squared difference."""
-    return float(np.sqrt(np.mean((one - other) ** 2)))
+    """Root of the mean squared difference, up to the end of the shorter one."""
+    both = min(len(one), len(other))
+    return float(np.sqrt(np.mean((one[:both] - other[:both]) ** 2)))
 
 
 def onset(contact: np.ndarray, free: np.ndarray, first: int) -> float:
     """Time [s] at which a current parts from that of the same motion without contact.
 
-    From a sample `first` on it has to be `DEPARTS` above for `PARTED` samples, as a mean of 21; NaN
-    where it never does.
+    From a sample `first` on it has to be `DEPARTS` above for `PARTED` samples, or to the end, as a
+    mean of 21; NaN where it never does.  The shorter current decides how far they are compared.
     """
-    apart = smooth(contact - free, 21)[first:] > DEPARTS
-    if len(apart) < PARTED:
-        return float("nan")
-    runs = np.convolve(apart, np.ones(PARTED), mode="valid") > PARTED - 0.5
-    return PERIOD * (first + int(np.argmax(runs))) if runs.any() else float("nan")
+    both = min(len(contact), len(free))
+    apart = smooth(contact[:both] - free[:both], 21)[first:] > DEPARTS
+    runs = np.convolve(np.append(apart, np.ones(PARTED - 1)), np.ones(PARTED), mode="valid")
+    began = apart & (runs > PARTED - 0.5)
+    return PERIOD * (first + int(np.argmax(began))) if began.any() else float("nan")
 
 
 def detected(values: np.ndarray, first: int, last: int, rules: ContactSettings) -> float:
@@ -81,15 +89,28 @@ class ActiveContact(Experiment):
         return RESTS + self.curl + RESTS
 
     def plays(self) -> list[Play]:
-        return [Play(self._name(p), self._trial(p)) for p in (None, *self.places)]
+        return [
+            Play(
+                self._name(place, signal),
+                self._trial(place, signal),
+                only=() if signal == RAW else ("robot", "base", "named"),
+                react=partial(self._recoil, signal),
+            )
+            for signal in SIGNALS
+            for place in (None, *self.places)
+        ]
 
-    def _name(self, place: float | None) -> str:
-        return f"uncurl_{'free' if place is None else f'{100 * place:.0f}'}"
+    def _recoil(self, signal: str) -> Recoil:
+        return Recoil(RIGHT, signal != RAW, *self.window(), ContactSettings())
 
-    def _trial(self, place: float | None) -> dict[str, Any]:
+    def _name(self, place: float | None, signal: str = RAW) -> str:
+        where = "free" if place is None else f"{100 * place:.0f}"
+        return f"uncurl_{where}" if signal == RAW else f"uncurl_{signal}_{where}"
+
+    def _trial(self, place: float | None, signal: str) -> dict[str, Any]:
         v = self.speed
-        speeds = [[RESTS, 0.0], [self.curl, -v], [RESTS, 0.0], [self.uncurl, v], [RESTS, 0.0]]
-        away = self.uncurl + 2 * RESTS
+        speeds = [[RESTS, 0.0], [self.curl, -v], [RESTS, 0.0], [self.uncurl, v]]
+        away = self.uncurl + RESTS
         pulls = [[RESTS, self.low], [self.curl, self.high], [away, self.low], [1.0, self.high]]
         right = plan("velocity", {"kind": "steps", "plateaus": [*speeds, [1, -v]], "blend": 0.2})
         left = plan("current", {"kind": "steps", "plateaus": pulls, "blend": 0.2})
@@ -98,11 +119,11 @@ class ActiveContact(Experiment):
             x = place * ARM_LENGTH
             y = -beside(spiral_arm(), x, self.diameter / 2 + self.gap)
             scene = {"cylinder": {"diameter": self.diameter, "x": float(x), "y": float(y)}}
-        duration = self.begins + self.uncurl + RESTS + self.recoil
-        return trial(self._name(place), duration, left, right, scene)
+        duration = self.begins + self.uncurl + self.recoil
+        return trial(self._name(place, signal), duration, left, right, scene)
 
     def window(self) -> tuple[int, int]:
-        """First and last sample of the watch."""
+        """First sample of the watch, and the one after its last, where the recoil begins."""
         return (
             round((self.begins + self.settle) / PERIOD),
             round((self.begins + self.uncurl) / PERIOD),
@@ -111,40 +132,45 @@ class ActiveContact(Experiment):
     def judge(self, side: Side, free: Side, signal: str) -> dict[str, float]:
         """Onset, detection and delay [s] of one trial of one side."""
         first, last = self.window()
-        values = side.driven(signal, RIGHT)
+        found = detected(side.driven(signal, RIGHT), first, last, ContactSettings())
+        alone = detected(free.driven(signal, RIGHT), first, last, ContactSettings())
+        # from its recoil on a motion is another one
+        ends, free_ends = (last if np.isnan(t) else round(t / PERIOD) + 1 for t in (found, alone))
         began = onset(
-            side.driven("current", RIGHT)[:last], free.driven("current", RIGHT)[:last], first
+            side.driven("current", RIGHT)[:ends], free.driven("current", RIGHT)[:free_ends], first
         )
-        found = detected(values, first, last, ContactSettings())
         return {"onset": began, "detected": found, "delay": found - began}
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
-        rows = []
-        free = sides[self._name(None)]
-        sensed = [s for s in free if free[s].current is not None]
+        sensed = [s for s, side in sides[self._name(None)].items() if side.current is not None]
         if not sensed:
             raise DataError("active_contact: no side has a current")
-        for place in (None, *self.places):
-            rows.append(self._error(sides[self._name(place)], place))
-        for signal in ("current", "filtered"):
-            alarms = {s: self.judge(free[s], free[s], signal)["detected"] for s in sensed}
-            false = {s: float(np.isfinite(t)) for s, t in alarms.items()}
-            met = false.get("robot") == 0.0 if "robot" in false else None
-            what = f"false contacts in free uncurling, {signal}"
-            rows.append(row(what, "1", false, aim="0", met=met))
-            missed = dict.fromkeys(sensed, 0.0)
-            for place in self.places:
-                played = sides[self._name(place)]
-                told = {s: self.judge(played[s], free[s], signal) for s in sensed}
-                missed = {s: missed[s] + (not told[s]["delay"] > -0.02) for s in sensed}
-                delay = {s: 1e3 * t["delay"] for s, t in told.items()}
-                note = "from the current's parting from free motion to the decision"
-                rows.append(
-                    row(f"delay of contact at {place:.0%}, {signal}", "ms", delay, note=note)
-                )
-            met = missed.get("robot") == 0.0 if "robot" in missed else None
-            rows.append(row(f"missed contacts, {signal}", "1", missed, aim="0", met=met))
+        rows = [self._error(sides[self._name(place)], place) for place in (None, *self.places)]
+        for signal in SIGNALS:
+            rows += self._contacts(sides, signal, sensed)
         return rows
+
+    def _contacts(self, sides: Sides, signal: str, sensed: list[str]) -> list[dict[str, Any]]:
+        """False and missed contacts and delays, with the detector on one signal."""
+        free = sides[self._name(None, signal)]
+        alarms = {s: self.judge(free[s], free[s], signal)["detected"] for s in sensed}
+        false = {s: float(np.isfinite(t)) for s, t in alarms.items()}
+        met = false.get("robot") == 0.0 if "robot" in false else None
+        what = f"false contacts in free uncurling, {signal}"
+        rows = [row(what, "1", false, aim="0", met=met)]
+        missed = dict.fromkeys(sensed, 0.0)
+        for place in self.places:
+            played = sides[self._name(place, signal)]
+            told = {s: self.judge(played[s], free[s], signal) for s in sensed}
+            missed = {s: missed[s] + (not told[s]["delay"] > -0.02) for s in sensed}
+            recoils = {s: t["detected"] - self.begins for s, t in told.items()}
+            what = f"recoil from contact at {place:.0%}, {signal}"
+            rows.append(row(what, "s", recoils, note="after the uncurling began"))
+            delay = {s: 1e3 * t["delay"] for s, t in told.items()}
+            note = "from the current's parting from free motion to the decision"
+            rows.append(row(f"delay of contact at {place:.0%}, {signal}", "ms", delay, note=note))
+        met = missed.get("robot") == 0.0 if "robot" in missed else None
+        return [*rows, row(f"missed contacts, {signal}", "1", missed, aim="0", met=met)]
 
     def _error(self, played: Any, place: float | None) -> dict[str, Any]:
         where = "free" if place is None else f"contact at {place:.0%}"

@@ -2,12 +2,13 @@
 
 import importlib
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
 
+from spirob.bench.reaction import Reaction
 from spirob.errors import ConfigError
 
 EXPERIMENTS = (
@@ -32,12 +33,14 @@ class Play:
     trial  as plain data for `spirob.bench.Trial`
     rig    what differs from the configured rig, for example the bandwidth of the drive
     only   the sides that play it; all where empty
+    react  makes what a side does about what it feels; None where it does nothing
     """
 
     name: str
     trial: dict[str, Any]
     rig: dict[str, Any] = field(default_factory=dict)
     only: tuple[str, ...] = ()
+    react: Callable[[], Reaction] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,5 +13,8 @@ contact.py             contact, sample by sample, from one current
 contact_levels.py      the same for whole logs, to try many thresholds
 trust.py               errors on held-out sizes; wraps unlike those of the training
 interval.py            an interval with every size, or a refusal
+rivals.py              what the shipped predictor is compared with
+study.py               which features it needs, and how many samples
+live/                  contact and size from a bus, while it happens
 score.py               how far predictions are from the truth
 """

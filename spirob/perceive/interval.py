@@ -1,7 +1,8 @@
 """An interval with every size, and a refusal where the model has no ground to stand on.
 
 Split by size: the whole stack is trained anew without one diameter and predicts its wraps, for each
-diameter between the smallest and the largest.  With n such errors |e| in ascending order,
+diameter between the smallest and the largest (ten folds of them where there are more).  With n such
+errors |e| in ascending order,
 
     D ± |e|_(k),   k = ⌈(n + 1) c⌉
 

@@ -6,7 +6,10 @@ import numpy as np
 import pandas as pd
 
 from spirob.errors import DataError
+from spirob.perceive.folds import folds
 from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
+
+MOST_FOLDS = 10
 
 
 def unfamiliar(model: SizeModel, table: pd.DataFrame) -> dict[Any, list[str]]:
@@ -35,15 +38,15 @@ def held_out(
 ) -> np.ndarray:
     """Diameters [m] predicted by stacks that never saw a wrap of that size, (n,).
 
-    Leave one size out, with the whole stack, its own folds included, trained anew each time.
+    Up to `MOST_FOLDS` diameters are left out one by one, more of them in so many folds; the whole
+    stack, its own folds included, is trained anew each time.
     Raises DataError with fewer than four diameters.
     """
     sizes = table[TARGET].to_numpy(float)
     if len(np.unique(sizes)) < 4:
         raise DataError("leaving one size out needs at least four diameters in the table")
     out = np.zeros(len(table))
-    for size in np.unique(sizes):
-        hidden = sizes == size
-        model = train(table[~hidden], settings, predictor)
-        out[hidden] = predict(model, table[hidden])
+    for rows, hidden in folds(sizes, MOST_FOLDS):
+        model = train(table.iloc[rows], settings, predictor)
+        out[hidden] = predict(model, table.iloc[hidden])
     return out

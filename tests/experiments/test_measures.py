@@ -126,7 +126,9 @@ def test_onset_and_detection_of_a_contact():
     free = np.full(3000, 0.6)
     contact = free + 10 * np.maximum(TIME - 2.0, 0)
     assert onset(contact, free, 500) == pytest.approx(2.003, abs=0.005)
+    assert onset(contact[:2030], free, 500) == onset(contact, free, 500)  # up to its recoil
     assert np.isnan(onset(free, free, 500))
+    assert np.isnan(onset(free[:2030], free, 500))
     assert 2.0 < detected(contact, 500, 3000, ContactSettings()) < 2.1
     assert np.isnan(detected(free, 500, 3000, ContactSettings()))
     assert np.isnan(detected(contact, 500, 1900, ContactSettings()))

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 import yaml
 
+from pipeline.config import check, composed
+from pipeline.schema import validated
 from spirob.bench import Trial
 from spirob.errors import ConfigError
 from spirob.experiments import EXPERIMENTS, Side, experiment_from
 from spirob.plant.single import Motion
 
-CONF = Path(__file__).parents[2] / "conf" / "experiment"
+ROOT = Path(__file__).parents[2]
+CONF = ROOT / "conf" / "experiments" / "settings"
 COLUMNS = {"what", "unit", "robot", "base", "named", "single", "paper", "aim", "met", "note"}
 
 
@@ -29,6 +32,17 @@ def test_a_preset_is_playable_and_names_every_setting(name):
     for key, value in preset(name).items():
         own = getattr(experiment, key)
         assert (list(own) if isinstance(own, tuple) else own) == value
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+@pytest.mark.parametrize("group", ["experiment", "experiments"])
+def test_a_preset_runs_alone(group, name):
+    """Identification sees what it always sees; of the paper's experiments one is played."""
+    plain = composed(ROOT, [f"{group}={name}"])
+    assert list(plain["experiments"]) == [name]
+    assert plain["experiments"][name] == preset(name)
+    assert plain["experiment"] == composed(ROOT, [])["experiment"]
+    check(validated(plain, "conf").model_dump())
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

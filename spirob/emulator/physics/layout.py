@@ -23,10 +23,11 @@ from spirob.emulator.physics import (
     motor,
     sensing,
     tendon,
+    turns,
     winch,
 )
 
-ARM = (body, chain, contact, guides, tendon, line)
+ARM = (body, chain, contact, turns, guides, tendon, line)
 DRIVES = (drive, magnets, motor, friction, gear, winch, load, sensing)
 PARTS = (*ARM, *DRIVES)
 

@@ -21,6 +21,7 @@ from spirob.emulator.physics.line import grow
 from spirob.emulator.physics.motor import motors, turn_winches
 from spirob.emulator.physics.sensing import feedback
 from spirob.emulator.physics.tendon import routing, tighten
+from spirob.emulator.physics.turns import EVERY, add_turns, look_round
 
 FASTEST = 1e5  # rad/s of units and rotors together; beyond it the state is lost
 
@@ -49,6 +50,7 @@ def step(p, s, w, h):
     add_hinges(w)
     if contact(p, s, w, h):
         add_contact(w)
+    add_turns(p, s, w, h)
     if not factorise(w):
         return False
     for i in range(HINGES):
@@ -96,7 +98,10 @@ def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
     if steps == 0:
         routing(p, s, w, h)
         contact(p, s, w, h)
-    for _ in range(steps):
+    often = max(int(EVERY / h), 1)
+    for k in range(steps):
+        if k % often == 0:
+            look_round(p, s, w)
         if not step(p, s, w, h):
             return False
     total = 0.0

@@ -1,0 +1,55 @@
+"""Tell contacts and sizes from a bus while the robot moves.
+
+Watching only listens: nothing is sent, so it runs beside whatever drives the robot, on the emulator
+as a process (python -m spirob.emulator) as on real drives.  A contact is told by the paper's three
+rules on the raw current, from 0.7 s after a motion begins; a size when the tendon that wound in has
+stood for a second.
+"""
+
+import argparse
+
+HELP = "tell contacts and sizes from a bus while the robot moves"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `spirob watch`."""
+    parser.add_argument("--interface", required=True, help="of python-can; `spirob can scan`")
+    parser.add_argument("--channel", default="can0", help="such as can0 or PCAN_USBBUS1")
+    parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s")
+    parser.add_argument("--drive", default="c620", help="c620, odrive, or a .yaml of your own")
+    parser.add_argument("--gear", type=float, default=3591 / 187, help="rotor turns a winch turn")
+    parser.add_argument("--radius", type=float, default=0.02, help="of the winch [m]")
+    parser.add_argument(
+        "--model",
+        default="data/models/size.joblib",
+        metavar="FILE",
+        help="trained model of sizes, or 'none' for contacts alone (default: %(default)s)",
+    )
+    parser.add_argument("--motor", choices=("left", "right"), default="left", help="that wraps")
+    parser.add_argument("--seconds", type=float, default=86400.0, help="or until Ctrl-C")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Listen until the time is over."""
+    from spirob.canbus import open_bus
+    from spirob.cli.watching import show
+    from spirob.drives import find_drive
+    from spirob.errors import ConfigError
+    from spirob.logs import Transmission
+    from spirob.perceive.live import Watch
+    from spirob.perceive.model_file import load_model
+
+    if not 0.05 <= arguments.seconds <= 86400:
+        raise ConfigError(f"--seconds {arguments.seconds:g} is out of range [0.05, 86400]")
+    watch = Watch(
+        Transmission(gear_ratio=arguments.gear, winch_radius=arguments.radius),
+        model=None if arguments.model == "none" else load_model(arguments.model),
+        wraps=arguments.motor,
+    )
+    drive = None if arguments.drive == "c620" else find_drive(arguments.drive)
+    bus = open_bus(arguments.interface, arguments.channel, arguments.bitrate)
+    try:
+        show(watch, bus, arguments.seconds, drive)
+    finally:
+        bus.shutdown()
+    return 0

@@ -1,0 +1,95 @@
+"""`spirob watch` prints what happens on a bus, sends nothing, and says what is wrong."""
+
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import can
+import numpy as np
+import pytest
+from can.interfaces import virtual
+
+from spirob.bench.wrap import wrap_trial
+from spirob.cli.main import main
+from tests.perceive.live.played import frames_and_features
+
+ROOT = Path(__file__).parents[2]
+
+
+def play(channel, frames, sent_back):
+    """Put frames on a virtual bus once somebody else is on it; what others send is kept."""
+    with can.Bus(interface="virtual", channel=channel, preserve_timestamps=True) as bus:
+        while len(virtual.channels[channel]) < 2:
+            time.sleep(0.01)
+        for frame in frames:
+            bus.send(
+                can.Message(
+                    timestamp=frame.stamp_ns / 1e9,
+                    arbitration_id=frame.arbitration_id,
+                    is_extended_id=False,
+                    data=frame.data,
+                )
+            )
+        while len(virtual.channels[channel]) > 1:
+            time.sleep(0.01)
+        while (message := bus.recv(0)) is not None:
+            sent_back.append(message)
+
+
+def test_a_contact_is_printed_and_nothing_is_sent(tmp_path, capsys):
+    plain = wrap_trial("wrap", "heldout", 0.04, {}, np.random.default_rng(0))
+    frames, _ = frames_and_features(plain, tmp_path, features=False)
+    sent_back = []
+    player = threading.Thread(target=play, args=("watched", frames, sent_back))
+    player.start()
+    asked = ["--interface", "virtual", "--channel", "watched", "--seconds", "4"]
+    assert main(["watch", *asked, "--model", "none"]) == 0
+    player.join(timeout=10)
+    assert not player.is_alive()
+    assert sent_back == []
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 1
+    assert "left   contact: +" in lines[0]
+
+
+def test_the_emulator_as_a_process_is_heard(capsys):
+    """On its network bus, with nobody commanding: its drives speak all the same."""
+    channel = "239.74.163.78"
+    asked = [sys.executable, "-m", "spirob.emulator", "--channel", channel, "--seconds", "60"]
+    process = subprocess.Popen(asked, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        if b"serving" not in process.stdout.readline():
+            pytest.skip(f"no multicast here: {process.communicate()[1].decode().strip()}")
+        bus = ["--interface", "udp_multicast", "--channel", channel]
+        code = main(["watch", *bus, "--model", "none", "--seconds", "3"])
+        said = capsys.readouterr()
+        if "cannot be opened" in said.err:
+            pytest.skip(f"no multicast here: {said.err}")
+        assert code == 0, said.err
+        assert "contact" not in said.out
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ["--interface", "virtual", "--model", "none", "--seconds", "0.3"],
+            "no feedback",
+        ),
+        (["--interface", "smoke", "--model", "none"], "no interface 'smoke'"),
+        (["--interface", "virtual", "--model", "nowhere.joblib"], "nowhere.joblib"),
+        (["--interface", "virtual", "--seconds", "nan"], "--seconds nan is out of range"),
+        (["--interface", "virtual", "--gear", "0", "--model", "none"], "gear_ratio"),
+        (["--interface", "virtual", "--drive", "none", "--model", "none"], "no drive 'none'"),
+    ],
+)
+def test_a_mistake_is_one_sentence(capsys, arguments, said):
+    assert main(["watch", *arguments]) == 2
+    spoken = capsys.readouterr().err
+    assert said in spoken
+    assert len(spoken.strip().splitlines()) == 1

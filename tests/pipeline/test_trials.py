@@ -1,0 +1,80 @@
+"""The wraps of a configuration: what is drawn depends on nothing but its own number."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.config import check, composed
+from pipeline.schema import validated
+from pipeline.trials import paper_wraps, robot_wraps, train_wraps, unseen_wraps
+from spirob.errors import ConfigError
+
+ROOT = Path(__file__).parents[2]
+
+
+def config(*overrides):
+    return validated(composed(ROOT, list(overrides)), "conf")
+
+
+def diameter(trial):
+    return trial["scene"]["cylinder"]["diameter"]
+
+
+@pytest.fixture(scope="module")
+def default():
+    return config()
+
+
+@pytest.fixture(scope="module")
+def large():
+    return config("perceive=large")
+
+
+def test_the_papers_samples_come_first(default):
+    assert len(paper_wraps(default)) == 35
+    assert train_wraps(default)[:35] == paper_wraps(default)
+
+
+def test_the_large_set_is_large_continuous_and_varied(large):
+    drawn = train_wraps(large)[35:]
+    assert len(drawn) >= 500
+    assert len({diameter(t) for t in drawn}) == len(drawn)
+    for values in (
+        [diameter(t) for t in drawn],
+        [t["scene"]["cylinder"]["x"] for t in drawn],
+        [t["scene"]["cylinder"]["friction"] for t in drawn],
+        [t["duration"] for t in drawn],  # a rest before the start prolongs it
+        [t["motors"]["left"]["profile"]["blend"] for t in drawn],
+    ):
+        assert len(set(values)) > 0.3 * len(values)
+    assert 0.01 <= min(map(diameter, drawn)) < 0.012
+    assert 0.068 < max(map(diameter, drawn)) <= 0.07
+
+
+def test_a_larger_set_begins_with_the_smaller_one(default, large):
+    few = train_wraps(default)
+    assert train_wraps(large)[: len(few)] == few
+    assert unseen_wraps(large) == unseen_wraps(default)
+    assert robot_wraps(large) == robot_wraps(default)
+
+
+def test_what_is_tested_is_not_trained_on(large):
+    trained = {diameter(t) for t in train_wraps(large)}
+    assert not trained & {diameter(t) for t in unseen_wraps(large)}
+    names = [t["name"] for t in train_wraps(large) + unseen_wraps(large) + robot_wraps(large)]
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("perceive.drawn.wrap.rest=-1", "rest = -1 is out of range"),
+        ("+perceive.drawn.wrap.colour=1", "wrap has no setting 'colour'"),
+        ("perceive.drawn.count=-1", "perceive.drawn.count"),
+        ("+perceive.size.threshhold=0.5", "size has no number 'threshhold'"),
+        ("perceive.size.threshold=2.0", "threshold"),
+    ],
+)
+def test_a_mistake_is_told_before_anything_is_played(override, said):
+    with pytest.raises(ConfigError, match=said):
+        check(config(override).model_dump())
