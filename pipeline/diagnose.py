@@ -28,7 +28,8 @@ def stage(root: Path) -> None:
     residuals = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
     own = config.diagnose.model_dump(exclude={"candidates"})
     settings = Settings(scale=config.identify.scale, **own)
-    names = [n for n in fitted_names(config) if n not in identified["vague"]]
+    gate = identified["gate"]
+    names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]
     search = climb(residuals, names, candidates, identified["changes"], settings, tell)
     verdict = judge(search, residuals["validate"], settings)
     base = search.rungs[0].fit

@@ -46,13 +46,14 @@ def climb(
 ) -> Search:
     """Search for missing effects; residuals by role share one plant that holds all candidates.
 
-    names  parameters fitted at every rung;  start  where their fit begins
+    names  parameters fitted at every rung;  start  where their fit begins.  What the data do not
+           tell without an effect stays at its place on the first rung only: with the effect that
+           is missing it may well be told
     known  an earlier search of the same trials among more candidates: its fit of the parameters
            alone and its first screening are taken over, less who does not take part now
     """
     train, validate = residuals["train"], residuals["validate"]
     search = _known(known) if known else _begun(residuals, names, start, settings)
-    fitted = [n for n in names if n not in search.vague]
     progress(f"parameters only: {line(search.rungs[0].scores, train.effort)}")
     rest = complete(validate, settings.rest)
     while len(search.rungs[-1].effects) < settings.rounds:
@@ -63,7 +64,7 @@ def climb(
         if known and known.screened and not search.screened:
             ranked = [s for s in known.screened[0] if s.effect in absent]
         else:
-            ranked = screen(train, rung.fit, _names(rung, fitted, train), absent, settings.scale)
+            ranked = screen(train, rung.fit, _names(rung, names, train), absent, settings.scale)
         progress("screened: " + ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5]))
         keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]

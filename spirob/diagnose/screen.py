@@ -27,8 +27,8 @@ NUMBER = 0.1  # step of a fitted number
 PROBE = 0.2  # of an amplitude's nominal value: small, yet far above rounding
 RIPPLES = {"motor.torque": False, "motor.drive_torque": True}  # does it grow with the effort?
 TRIED = 0.5  # of the nominal value, where the derivatives promise nothing
-HEATS = (20, 8)  # candidates simulated in each; one sixth of the library promised most held the
-# right one in 27 of 28 robots, and the third heat changed none of the first four
+# candidates simulated in each; on eight robots the right one was promised 1st to 4th place
+HEATS = (20, 8)
 STEPS = 2  # of the linear problem, whose weights follow the residual
 
 

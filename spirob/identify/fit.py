@@ -183,8 +183,8 @@ def fit_identifiable(
 ) -> tuple[Fit, list[str]]:
     """Fit, then fit again without the parameters that the data cannot tell.
 
-    A parameter whose interval spans a decade goes back to its starting value: left free it would
-    drift to a bound and take the others along.  Returns the fit and the names left out.
+    A parameter whose interval spans a decade goes back to what the table says of it: left free it
+    would drift to a bound and take the others along.  Returns the fit and the names left out.
     """
     first = fit(residual, names, start, scale, iterations, progress, steps, exact)
     vague = [
@@ -196,7 +196,7 @@ def fit_identifiable(
         return first, []
     kept = [n for n in names if n not in vague]
     values = residual.table
-    back = {n: start.get(n, float(values.values[values.position(n)])) for n in vague}
+    back = {n: float(values.values[values.position(n)]) for n in vague}
     begin = {**first.changes, **back}
     second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:], exact)
     return second, vague

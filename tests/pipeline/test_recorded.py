@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.schema import validated
 from pipeline.stage import read_yaml
-from pipeline.trials import ROBOT_WRAPS, experiment_trials, wraps
+from pipeline.trials import experiment_trials, robot_wraps
 from tests.bench.fake_robot import FakeRobot
 from tests.bench.trials import record_on
 from tests.pipeline.project import Project
@@ -23,7 +23,7 @@ def recorded(tmp_path_factory):
     project = Project(folder / "lab", OVERRIDES)
     project.stage("config")
     config = validated(read_yaml(project.root / "data/config/config.yaml", "config"), "config")
-    names = [t["name"] for t in experiment_trials(config) + wraps(config, ROBOT_WRAPS)]
+    names = [t["name"] for t in experiment_trials(config) + robot_wraps(config)]
     (project.root / LOGS).mkdir()
     for k, name in enumerate(names):
         record_on(FakeRobot(), project.root / LOGS, 0.2 + 0.01 * k, f"{name}.mcap")
