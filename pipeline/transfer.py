@@ -17,7 +17,7 @@ from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.train import stack
 from pipeline.trials import train_wraps
 from spirob.perceive.bootstrap import mean_error, mean_gain
-from spirob.perceive.interval import CONFIDENCE, coverage, estimate
+from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
 from spirob.perceive.size import SizeModel, predict, train
@@ -33,7 +33,7 @@ def stage(root: Path) -> None:
     sizes = {name: predict(model, robot) for name, model in learnt.items()}
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
     metrics: dict[str, Any] = {"robot": steps}
-    if len(shipped.errors):
+    if supported(shipped):
         metrics["interval"] = _intervals(shipped, {"simulation": unseen, "robot": robot})
     write_json(root / "reports/metrics/transfer.json", metrics)
     points = {"true": robot["diameter"].to_numpy(), **sizes}

@@ -51,6 +51,11 @@ def calibrated(model: SizeModel, table: pd.DataFrame) -> SizeModel:
     return replace(model, errors=np.sort(np.abs(found - true)[between]))
 
 
+def supported(model: SizeModel, confidence: float = CONFIDENCE) -> bool:
+    """Whether enough wraps were held out for intervals of this confidence."""
+    return _rank(model, confidence) <= len(model.errors)
+
+
 def half_width(model: SizeModel, confidence: float = CONFIDENCE) -> float:
     """Half width of the interval [m].
 
@@ -62,13 +67,18 @@ def half_width(model: SizeModel, confidence: float = CONFIDENCE) -> float:
     n = len(model.errors)
     if n == 0:
         raise DataError("the size model was not calibrated, so it has no intervals; train it anew")
-    k = math.ceil((n + 1) * confidence - 1e-9)
+    k = _rank(model, confidence)
     if k > n:
         raise DataError(
             f"{n} held-out wraps support a confidence of at most {n / (n + 1):.3f}, "
             f"not {confidence:g}"
         )
     return float(model.errors[k - 1])
+
+
+def _rank(model: SizeModel, confidence: float) -> int:
+    """Which of the ascending errors is the half width."""
+    return math.ceil((len(model.errors) + 1) * confidence - 1e-9)
 
 
 def estimate(
