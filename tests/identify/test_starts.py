@@ -1,4 +1,4 @@
-"""Several starts lead out of a valley, and what the data do not tell goes back to its start."""
+"""Several starts lead out of a valley, and what the data do not tell goes back to nominal."""
 
 import numpy as np
 import pytest
@@ -40,11 +40,11 @@ def test_the_same_starts_every_time():
     assert starts[0] == starts[1]
 
 
-def test_a_number_that_the_data_hardly_hold_goes_back_to_its_start():
+def test_a_number_that_the_data_hardly_hold_goes_back_to_nominal():
     problem = Linear([0.3, 1e-5], [1.3, 3.0], 1e-3)
     sure, vague = problem.names
     found, left = fit_identifiable(problem, problem.names, {vague: 1.7}, SCALE)
     assert left == [vague]
     assert list(found.estimates) == [sure]
-    assert found.changes[vague] == 1.7
+    assert found.changes[vague] == 1.0  # wherever the search began
     assert found.changes[sure] == pytest.approx(1.3, rel=0.01)
