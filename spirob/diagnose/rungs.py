@@ -41,8 +41,8 @@ class Settings:
     scale: float = 0.05
     finalists: int = 4
     rounds: int = 2
-    floor: float = 0.002
-    rest: float = 0.004
+    floor: float = 0.005
+    rest: float = 0.006
     further: float = 0.25
     confidence: float = 0.9
     explained: float = 0.5
