@@ -11,8 +11,8 @@ length is constant.
 A hinge that is no point, but a flexure that bends over a length, is n hinges of q/n with n gaps of
 β/n between guides at the same height: ℓ is n times that of one of them.  This matters where both
 tendons pull.  A tendon that cuts a corner as a chord gains leverage as the corner closes, so that
-two tendons of tension T at height y push the hinge over with T y tan(β/2n)/n a radian: at 4 N with
-a quarter of the base hinge's stiffness for n = 1, with a sixteenth for n = 2.
+two tendons of tension T at height y push the hinge over with T y tan(β/2n)/n a radian, less a part
+for the taper of the line: at 4 N with 25 % of the base hinge's stiffness for n = 1, 4 % for n = 2.
 """
 
 import math
