@@ -44,6 +44,14 @@ class Parameter:
         margin = self.tolerance * abs(value)
         return max(self.low, value - margin), min(self.high, value + margin)
 
+    def at_bound(self, found: float, value: float) -> bool:
+        """Whether a fit that began at `value` found an end of its reach."""
+        least, most = self.reach(value)
+        near = 1e-3 * (most - least)
+        if self.log:
+            return found <= 1.005 * least or found >= 0.995 * most
+        return found <= least + near or found >= most - near
+
     def __post_init__(self) -> None:
         if not self.low <= self.nominal <= self.high:
             raise ConfigError(

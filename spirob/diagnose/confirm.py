@@ -34,16 +34,7 @@ def confirm(
         names += [n for n in other.names if n not in names]
         begin = {**other.changes, **begin}
     slopes = first.slopes if len(chosen) == 1 else None
-    found = fit(
-        residuals["train"],
-        names,
-        begin,
-        settings.scale,
-        settings.iterations,
-        steps=STEPS[:1],
-        exact=False,
-        slopes=slopes,
-    )
+    found = briefly(residuals["train"], names, begin, settings, slopes)
     scores, missed, errors = scores_of(found, residuals)
     effects = tuple(s.effect for s in chosen)
     progress(f"{label(effects)} added and refitted: {line(scores, residuals['train'].effort)}")
@@ -64,19 +55,31 @@ def shaped(
     shapes = [n for n in shapes if n in train.table.about]
     if not shapes:
         return found
-    changed = fit(
+    slopes = _widened(train, found.fit, names, shapes)
+    changed = briefly(train, [*names, *shapes], found.fit.changes, settings, slopes)
+    better = _refitted(found, changed, residuals)
+    progress(f"{label(found.effects)} with its shape: {line(better.scores, train.effort)}")
+    return better
+
+
+def briefly(
+    train: Problem,
+    names: Sequence[str],
+    begin: Mapping[str, float],
+    settings: Settings,
+    slopes: np.ndarray | None = None,
+) -> Fit:
+    """A fit that only has to be compared: wide differences, few sets of them, no intervals."""
+    return fit(
         train,
-        [*names, *shapes],
-        found.fit.changes,
+        names,
+        begin,
         settings.scale,
         settings.iterations,
         steps=STEPS[:1],
         exact=False,
-        slopes=_widened(train, found.fit, names, shapes),
+        slopes=slopes,
     )
-    scores, missed, errors = scores_of(changed, residuals)
-    progress(f"{label(found.effects)} with its shape: {line(scores, train.effort)}")
-    return replace(found, fit=changed, scores=scores, missed=missed, errors=errors)
 
 
 def _widened(
@@ -97,12 +100,11 @@ def finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Setti
         return found
     train, names = residuals["train"], list(found.fit.estimates)
     final = fit(
-        train,
-        names,
-        found.fit.changes,
-        settings.scale,
-        settings.patience,
-        steps=STEPS[-1:],
+        train, names, found.fit.changes, settings.scale, settings.patience, steps=STEPS[-1:]
     )
-    scores, missed, errors = scores_of(final, residuals)
-    return replace(found, fit=final, scores=scores, missed=missed, errors=errors)
+    return _refitted(found, final, residuals)
+
+
+def _refitted(found: Confirmed, better: Fit, residuals: Mapping[str, Problem]) -> Confirmed:
+    scores, missed, errors = scores_of(better, residuals)
+    return replace(found, fit=better, scores=scores, missed=missed, errors=errors)

@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from spirob.diagnose.confirm import confirm, finished, shaped
+from spirob.diagnose.confirm import briefly, confirm, finished, shaped
 from spirob.diagnose.evidence import improvement, win_rates
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import (
@@ -144,16 +144,7 @@ def _without(
     own = {n for e in best.effects for n in parameters_of(e)}
     begin = {k: v for k, v in best.fit.changes.items() if k not in own}
     train, names = residuals["train"], list(rung.fit.estimates)
-    again = fit(
-        train,
-        names,
-        begin,
-        settings.scale,
-        settings.iterations,
-        steps=STEPS[:1],
-        exact=False,
-        slopes=rung.fit.jacobian,
-    )
+    again = briefly(train, names, begin, settings, rung.fit.jacobian)
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None
     final = fit(
@@ -183,9 +174,7 @@ def _pruned(
         own = parameters_of(effect)
         begin = {k: v for k, v in last.fit.changes.items() if k not in own}
         names = [n for n in last.fit.estimates if n not in own]
-        lesser = fit(
-            train, names, begin, settings.scale, settings.iterations, steps=STEPS[:1], exact=False
-        )
+        lesser = briefly(train, names, begin, settings)
         rung = rung_of(f"+ {label(rest)}", rest, lesser, residuals)
         if not _matters(rung.errors, last.errors, residuals["validate"], settings):
             progress(f"{effect.name()} is not needed any more: {line(rung.scores, train.effort)}")

@@ -74,7 +74,8 @@ def probe(
     rest = _weakest(slopes[:, [n in left for n in kept]], left) if held else (condition, weakest)
     moves = {n: TENTH * float(s) for n, s in zip(names, strength, strict=True)}
     silent = [n for n in names if n not in kept]
-    bound = [n for n in names if _on_bound(values[n], n, table)]
+    known = {n: float(table.values[table.position(n)]) for n in names}
+    bound = [n for n in names if table.about[n].at_bound(values[n], known[n])]
     found = Identifiability(moves, silent, bound, null, held, condition, weakest, "")
     return Identifiability(**{**vars(found), "sentence": _sentence(found, rest, residual, weighed)})
 
@@ -122,15 +123,6 @@ def _weakest(slopes: np.ndarray, names: Sequence[str]) -> tuple[float, dict[str,
     _, singular, rows = np.linalg.svd(slopes, full_matrices=False)
     condition = float(singular[0] / max(singular[-1], 1e-300))
     return condition, {n: float(c) for n, c in zip(names, rows[-1], strict=True)}
-
-
-def _on_bound(value: float, name: str, table: Table) -> bool:
-    about = table.about[name]
-    least, most = about.reach(float(table.values[table.position(name)]))
-    near = 1e-3 * (most - least)
-    if about.log:
-        return value <= 1.005 * least or value >= 0.995 * most
-    return value <= least + near or value >= most - near
 
 
 def _sentence(

@@ -66,10 +66,6 @@ def estimates(
     found = {}
     for k, name in enumerate(scaling.names):
         about, value = table.about[name], values[name]
-        least, most = about.reach(float(table.values[table.position(name)]))
-        near = 1e-3 * (most - least)
-        bound = value <= least + near or value >= most - near
-        if about.log:
-            bound = value <= 1.005 * least or value >= 0.995 * most
+        bound = about.at_bound(value, float(table.values[table.position(name)]))
         found[name] = Estimate(value, float(low[k]), float(high[k]), about.unit, bound)
     return found
