@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from spirob.cli.exit_codes import BUG, DONE, MISTAKE, STOPPED
+from spirob.cli.interrupted import discard_torn
 from spirob.cli.progress import Progress
 from spirob.cli.stages import keep_times, stages, times
 
@@ -45,6 +46,8 @@ def reproduce(project: Path, target: str | None = None, verbose: bool = False) -
 
     verbose  shows what the stages say, too; a stage that fails is always heard
     """
+    for name in discard_torn(project):
+        print(f"{name} was torn by a kill and is written anew", file=sys.stderr)
     command = [sys.executable, "-m", "dvc", "repro", *([target] if target else [])]
     with Progress(stages(project, target), times(project)) as progress:
         process = subprocess.Popen(

@@ -9,6 +9,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from spirob.cli.interrupted import discard_torn
+
 SOURCE = Path(__file__).parents[2]
 SHORT = [
     "experiment=short",
@@ -61,7 +63,8 @@ class Project:
     def kill_repro_at(self, stage: str, after: float) -> bool:
         """Start `dvc repro`, wait until a stage runs, kill everything `after` seconds later.
 
-        False where the stage had nothing to do any more.
+        False where the stage had nothing to do any more.  A kill may hit DVC while it writes its
+        own files; what `spirob run` does about that is done here, too.
         """
         process = subprocess.Popen(
             [sys.executable, "-m", "dvc", "repro"],
@@ -84,6 +87,7 @@ class Project:
             os.killpg(process.pid, signal.SIGKILL)
         process.stdout.close()
         process.wait()
+        discard_torn(self.root)
         return True
 
     def metrics(self) -> dict[str, bytes]:

@@ -1,0 +1,44 @@
+"""What a kill may leave of DVC's own two files.
+
+DVC rewrites its lock table and `dvc.lock` in place, so a SIGKILL in that very moment leaves a torn
+file, and DVC then refuses to run.  Both only record what ran: without the table nothing is locked,
+and without `dvc.lock` the results come back from the cache.
+"""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+ROUND = 0.2  # s, longer than DVC takes to write a file
+
+
+def discard_torn(project: Path) -> list[str]:
+    """Delete those files of DVC that are torn; returns their names.
+
+    A file that another DVC is just writing is whole a moment later, and stays.
+    """
+    import time
+
+    import yaml
+
+    readers: dict[str, Callable[[str], object]] = {
+        ".dvc/tmp/rwlock": json.loads,
+        "dvc.lock": yaml.safe_load,
+    }
+    torn = []
+    for name, read in readers.items():
+        if _torn(project / name, read):
+            time.sleep(ROUND)
+            if _torn(project / name, read):
+                (project / name).unlink(missing_ok=True)
+                torn.append(name)
+    return torn
+
+
+def _torn(path: Path, read: Callable[[str], object]) -> bool:
+    try:
+        return not isinstance(read(path.read_text(encoding="utf-8")), dict)
+    except FileNotFoundError:
+        return False
+    except Exception:  # each reader has its own error; whatever it is, DVC cannot read it either
+        return True

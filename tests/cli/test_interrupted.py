@@ -1,0 +1,34 @@
+"""A kill in the moment in which DVC writes its own files stops no further run."""
+
+import json
+
+import pytest
+
+from spirob.cli.interrupted import discard_torn
+
+
+@pytest.fixture
+def project(tmp_path):
+    (tmp_path / ".dvc/tmp").mkdir(parents=True)
+    (tmp_path / ".dvc/tmp/rwlock").write_text('{"read": {}, "write": {}}')
+    (tmp_path / "dvc.lock").write_text("schema: '2.0'\nstages:\n  a:\n    cmd: b\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("name", "cuts"), [(".dvc/tmp/rwlock", (0, 1, 12, 24)), ("dvc.lock", (0, 5, 10))]
+)
+def test_a_torn_file_goes_and_the_other_stays(project, name, cuts):
+    whole = (project / name).read_text()
+    for cut in cuts:
+        (project / name).write_text(whole[:cut])
+        assert discard_torn(project) == [name]
+        assert not (project / name).exists()
+    kept = {".dvc/tmp/rwlock", "dvc.lock"} - {name}
+    assert all((project / other).exists() for other in kept)
+
+
+def test_whole_files_and_missing_ones_are_left_alone(project, tmp_path_factory):
+    assert discard_torn(project) == []
+    assert json.loads((project / ".dvc/tmp/rwlock").read_text()) == {"read": {}, "write": {}}
+    assert discard_torn(tmp_path_factory.mktemp("empty")) == []
