@@ -81,6 +81,11 @@ class Scene:
     peg: Peg | None = None
     weights: Weights | None = None
 
+    @property
+    def touchable(self) -> bool:
+        """Whether there is an object that the arm may touch."""
+        return any((self.cylinder, self.ball, self.peg))
+
 
 class Robot(Protocol):
     """A robot behind a CAN bus."""

@@ -22,13 +22,14 @@ from spirob.control import law
 from spirob.effects import Effect
 from spirob.effects.individual import SUFFIX, differences
 from spirob.errors import EffectError
-from spirob.plant import electrics, loop, tendon, weight, winch
+from spirob.plant import electrics, loop, outline, tendon, weight, winch
 from spirob.ports import PORTS
 
 COMPONENTS: tuple[Callable[..., object], ...] = (
     law.current_command,
     electrics.current_loop_gains,
     electrics.drive_current,
+    outline.bend_outline,
     tendon.half_angle,
     tendon.guide_length,
     weight.hinge_weights,

@@ -38,6 +38,10 @@ def run(
     gains,
     guides,
     units,
+    bows,
+    heights,
+    outline,
+    positions,
     stiffness,
     substeps,
     step,
@@ -55,6 +59,7 @@ def run(
 
     guides (N, 5) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n, n of each hinge (`plant.tendon`);
     units (N + 1, 2) mass [kg] and length [m] of each unit, and the mass at the tip;
+    bows, heights, outline, positions move the unit's edges (`plant.outline`);
     pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension
     ratio, solved (2, N) what `mj_solveM` makes of it; C wants their addresses too.
     """
@@ -155,6 +160,8 @@ def run(
         rate_before = rate.copy()
         arm_rate_before = shortening_rate.copy()
         for substep in range(substeps):
+            if bows[0] > 0.0:
+                bend_outline(qpos, bows, heights, outline, positions)
             mj_step1(model, data)
             for i in range(hinges):
                 sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])

@@ -1,5 +1,6 @@
 """The model as a whole: numbers, effects and the compiled loop behind one method, `simulate`."""
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
@@ -17,6 +18,7 @@ from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
 from spirob.plant.objects import launch
+from spirob.plant.outline import bow, edges
 from spirob.plant.rig import Rig
 from spirob.plant.tendon import guides
 from spirob.robot import CYCLE_NS, Scene, Weights
@@ -132,13 +134,20 @@ class Session:
         self._step = CYCLE / plant.substeps
         tip_mass = plant._at_tip(p)
         model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass)
+        bends = float(p[plant.table.position("arm.bends_per_hinge")])
+        self._outline = edges(model, hinges)
+        self._heights = model.geom_pos[self._outline, 1]
+        self._bows = np.zeros(hinges)
+        if scene.touchable and bends > 1.0:
+            model = copy.copy(model)  # its outline moves, out of the boxes drawn round it
+            model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+            self._bows = bow(plant.geometry, bends)
         self._model, self._data = model, mujoco.MjData(model)
         launch(self._data, scene, hinges)
         springs = model.jnt_stiffness.reshape(model.njnt, -1)[:hinges, 0]
         self._stiffness = np.ascontiguousarray(springs)
         mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
         self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
-        bends = float(p[plant.table.position("arm.bends_per_hinge")])
         self._guides = guides(plant.geometry, bends)
         self._state = np.zeros((STATE_ROWS, 2))
         weights = scene.weights or Weights()
@@ -173,6 +182,10 @@ class Session:
             self._plant._gains(),
             self._guides,
             self._units,
+            self._bows,
+            self._heights,
+            self._outline,
+            model.geom_pos,
             self._stiffness,
             self._plant.substeps,
             self._step,
