@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnose.orders import best_order
+from spirob.diagnose.orders import best_orders
 from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.identify.descent import Anchor, corrected, linear_step, robust_cost
@@ -157,12 +157,15 @@ def _orders(
     found = {}
     for effect in candidates:
         if "order" in effect.parameters() and effect.port in RIPPLES:
+            waves = [name for name in ("order", "ratio") if name in effect.parameters()]
             by_load = RIPPLES[effect.port]
-            order = best_order(problem, base.residual, base.jacobian, by_load)
-            about = effect.parameters()["order"]
-            if order > 0.0:
-                name = f"{effect.name()}.order"
-                found[effect.name()] = {name: float(np.clip(order, about.low, about.high))}
+            orders = best_orders(problem, base.residual, base.jacobian, by_load, len(waves))
+            values = [orders[0] if k == 0 else n / orders[0] for k, n in enumerate(orders)]
+            found[effect.name()] = {
+                f"{effect.name()}.{name}": float(np.clip(value, about.low, about.high))
+                for name, value in zip(waves, values, strict=False)
+                for about in [effect.parameters()[name]]
+            }
     return found
 
 

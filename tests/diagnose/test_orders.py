@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnose.orders import best_order
+from spirob.diagnose.orders import best_orders
 from spirob.identify.problem import Stretch
 
 SAMPLES = 800
@@ -40,17 +40,27 @@ def test_the_order_comes_back(order, by_load):
     residual = 0.01 * np.concatenate(waves)
     residual += np.random.default_rng(0).normal(0, 0.003, residual.shape)
     slopes = np.random.default_rng(5).normal(size=(2 * SAMPLES, 3))
-    assert best_order(case, residual, slopes, by_load) == pytest.approx(order, rel=0.06)
+    assert best_orders(case, residual, slopes, by_load) == [pytest.approx(order, rel=0.06)]
+
+
+@pytest.mark.parametrize(("one", "two"), [(0.1, 0.41), (1.0, 2.0), (0.28, 7.0)])
+def test_a_second_wave_of_its_own_order_comes_back_too(one, two):
+    case, pieces = problem()
+    waves = [2 * np.sin(one * p.angle + 1) + np.sin(two * p.angle) for p in pieces]
+    residual = 0.01 * np.concatenate(waves)
+    residual += np.random.default_rng(0).normal(0, 0.003, residual.shape)
+    found = best_orders(case, residual, np.ones((2 * SAMPLES, 1)), False, 2)
+    assert found == [pytest.approx(one, rel=0.1), pytest.approx(two, rel=0.1)]
 
 
 def test_what_the_fitted_numbers_explain_is_no_ripple():
     case, pieces = problem()
     seen = np.concatenate([np.sin(3.5 * p.angle) for p in pieces])
     other = np.concatenate([np.sin(0.28 * p.angle) for p in pieces])
-    found = best_order(case, seen + 0.1 * other, seen[:, None], by_load=False)
-    assert found == pytest.approx(0.28, rel=0.06)
+    found = best_orders(case, seen + 0.1 * other, seen[:, None], by_load=False)
+    assert found == [pytest.approx(0.28, rel=0.06)]
 
 
 def test_without_an_angle_there_is_no_order():
     case, _ = problem(angle_known=False)
-    assert best_order(case, np.ones(2 * SAMPLES), np.ones((2 * SAMPLES, 1)), False) == 0.0
+    assert best_orders(case, np.ones(2 * SAMPLES), np.ones((2 * SAMPLES, 1)), False) == []
