@@ -90,7 +90,7 @@ def climb(
         search.rounds.append(_with_probability(tried, rung, settings))
         if not leaders:
             break
-        best = finished(_simplest(leaders, validate, settings), residuals, settings)
+        best = finished(_simplest(leaders, settings), residuals, settings)
         effects = [*rung.effects, *best.effects]
         grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
         search.rungs.append(grown)
@@ -217,11 +217,13 @@ def _least(search: Search, settings: Settings) -> float:
     return settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
 
 
-def _simplest(leaders: Sequence[Confirmed], validate: Problem, settings: Settings) -> Confirmed:
-    """The best, or one with fewer numbers that is not clearly worse."""
+def _simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
+    """The best, or one with fewer numbers that is not surely worse."""
     best = min(leaders, key=lambda c: float(c.errors.mean()))
     equal = [
-        c for c in leaders if c is best or not _matters(c.errors, best.errors, validate, settings)
+        c
+        for c in leaders
+        if c is best or improvement(c.errors, best.errors, settings.seed)[1] <= 0.0
     ]
     return min(equal, key=lambda c: (len(c.fit.estimates), float(c.errors.mean())))
 

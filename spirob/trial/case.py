@@ -3,44 +3,25 @@
 What is hidden stays on this side of the logs: the diagnosis is handed decoded logs, nothing else.
 """
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from spirob.bench import Trial, record
 from spirob.diagnose.ladder import climb
-from spirob.diagnose.rungs import ROLES, Search, Settings
+from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import judge
 from spirob.effects import Effect, all_effects
-from spirob.emulator.rig import EmulatedRig, HiddenSettings
-from spirob.emulator.robot import EmulatedRobot
+from spirob.emulator.rig import HiddenSettings
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem, effort_rms
-from spirob.identify.residual import Residual
-from spirob.logs import read_log
-from spirob.logs.transmission import Transmission
 from spirob.plant import Plant, Rig
-from spirob.robot import Scene
 from spirob.trial.answers import ANSWERS
-from spirob.trial.bends import bends
 from spirob.trial.oracle import oracle
-from spirob.trial.strength import drawn_strength
-
-NUMBERS = (
-    "winch.efficiency",
-    "motor.rotor_damping",
-    "motor.rotor_inertia",
-    "arm.base_stiffness",
-    "arm.damping_time",
-    "arm.bends_per_hinge",
-    "tendon.stiffness",
-    "winch.efficiency_difference",
-    "motor.rotor_damping_difference",
-)
+from spirob.trial.played import NUMBERS, problems_of, recorded
+from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, strength_of
+from spirob.trial.visibility import left
 
 
 @dataclass(frozen=True)
@@ -66,10 +47,9 @@ class Case:
 def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     """Record, fit, diagnose, and compare with the oracle; one or two results as plain data."""
     settings = settings or Settings(intervals=False)
-    hidden = _hidden(case)
-    recorded = _recorded(hidden, case.seed)
+    hidden, trials = _drawn(case)
     library = list(all_effects().values())
-    problems = _problems(recorded, Plant(Rig(), library))
+    problems = problems_of(trials, Plant(Rig(), library))
     search = climb(problems, NUMBERS, library, {}, settings)
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
@@ -106,53 +86,31 @@ def _outcome(
     }
 
 
-def _hidden(case: Case) -> HiddenSettings:
+def _drawn(case: Case) -> tuple[HiddenSettings, dict[str, list[Measurement]]]:
+    """What is hidden, as strong as is wanted, and the robot's logs.
+
+    How a kind shows depends on the robot, so one that shows less or more than is ever drawn is
+    recorded again at the strength that its logs ask for.
+    """
     kinds = case.kind.split("+")
     rng = np.random.default_rng([case.seed, *case.kind.encode()])
-    strengths = [drawn_strength(kind, rng) for kind in kinds]
+    wanted = [drawn_size(rng) for _ in kinds]
+    strengths = [strength_of(k, w) for k, w in zip(kinds, wanted, strict=True)]
+    hidden = _settings(kinds, strengths)
+    trials = recorded(hidden, case.seed)
+    if len(kinds) == 1 and case.kind != "none":
+        shown = beside(left(trials), LEFT)
+        if not SIZES[0] <= shown <= SIZES[1]:
+            better = adjusted(strengths[0], shown, wanted[0])
+            if better != strengths[0]:
+                hidden = _settings(kinds, [better])
+                trials = recorded(hidden, case.seed)
+    return hidden, trials
+
+
+def _settings(kinds: Sequence[str], strengths: Sequence[float]) -> HiddenSettings:
     text = "+".join(f"{k}:{s:.6g}" for k, s in zip(kinds, strengths, strict=True))
-    return HiddenSettings("none" if case.kind == "none" else text)
-
-
-def _recorded(hidden: HiddenSettings, seed: int) -> dict[str, list[Measurement]]:
-    """Play all trials over the bus, and decode their logs."""
-    rig = Rig()
-    machine = EmulatedRig(
-        gear_ratio=rig.winch.gear_ratio,
-        winch_radius=rig.winch.radius,
-        gravity=(rig.arm.gravity_x, rig.arm.gravity_y),
-        current_bandwidth=rig.drive.bandwidth,
-    )
-    robot = EmulatedRobot(machine, hidden, seed)
-    found: dict[str, list[Measurement]] = {role: [] for role in ROLES}
-    try:
-        with tempfile.TemporaryDirectory(prefix="spirob-trial-") as folder:
-            for plain in bends():
-                path = Path(folder) / f"{plain['name']}.mcap"
-                _record(robot, Trial.from_plain(plain), path, rig)
-                found[plain["role"]].append(Measurement.from_trace(read_log(path)))
-    finally:
-        robot.close()
-    return found
-
-
-def _record(robot: EmulatedRobot, trial: Trial, path: Path, rig: Rig) -> None:
-    def prepare(scene: Scene) -> None:
-        robot.prepare(scene, trial.name)
-
-    record(
-        trial,
-        robot,
-        path,
-        transmission=Transmission(gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius),
-        gains=rig.gains,
-        rig=rig.name,
-        prepare=prepare,
-    )
-
-
-def _problems(recorded: dict[str, list[Measurement]], plant: Plant) -> dict[str, Residual]:
-    return {role: Residual(plant, trials, workers=1) for role, trials in recorded.items()}
+    return HiddenSettings("none" if list(kinds) == ["none"] else text)
 
 
 def _right_names(case: Case) -> set[str]:

@@ -1,15 +1,19 @@
 """How strong a hidden effect is drawn, so that naming it is neither trivial nor impossible.
 
 The strength is drawn so that knowing the effect would bring the held-out error to between 0.3 and
-0.9 of what it is without: from √(f² + (v s)²) to f, where f is what is left with nothing hidden and
-v what the effect leaves at strength 1 after all numbers of the model are fitted.
+0.4 of what it is without, from √(f² + (v s)²) to f: f is left with nothing hidden, and v is what
+the effect leaves at strength 1 after all numbers of the model are fitted.  Weaker effects are no
+fair question: diagnosis calls nothing an effect that carries less than 0.5 % of the current.
 """
+
+import math
 
 import numpy as np
 
 LEFT = 0.27  # % of the current's RMS with nothing hidden: 0.23 to 0.31 on nine of ten robots
-RATIOS = (0.3, 0.9)  # of the errors with and without knowing
+RATIOS = (0.3, 0.4)  # of the errors with and without knowing
 LARGEST = 3.0  # strength
+FACTOR = 4.0  # of one adjustment, at most
 
 # % of the current's RMS that strength 1 leaves after the model's numbers are fitted, held out, as
 # measured on one or two robots near the strengths that are drawn.  Three are no measurements: a
@@ -47,9 +51,25 @@ VISIBLE = {
 }
 
 
-def drawn_strength(kind: str, rng: np.random.Generator) -> float:
-    """A strength for a kind of the emulator; 1 where nothing is hidden."""
-    ratio = float(rng.uniform(*RATIOS))
-    if kind == "none":
-        return 1.0
-    return float(min(LARGEST, LEFT * np.sqrt(ratio**-2 - 1.0) / VISIBLE[kind]))
+def beside(whole: float, rest: float) -> float:
+    """The RMS that adds up with `rest` to `whole`."""
+    return math.sqrt(max(0.0, whole**2 - rest**2))
+
+
+SIZES = (beside(LEFT / RATIOS[1], LEFT), beside(LEFT / RATIOS[0], LEFT))  # %, least and most
+
+
+def drawn_size(rng: np.random.Generator) -> float:
+    """How much an effect is to leave unexplained, in % of the current's RMS."""
+    return float(rng.uniform(*SIZES))
+
+
+def strength_of(kind: str, size: float) -> float:
+    """The strength at which a kind is expected to leave `size`; 1 where nothing is hidden."""
+    return 1.0 if kind == "none" else min(LARGEST, size / VISIBLE[kind])
+
+
+def adjusted(strength: float, shown: float, wanted: float) -> float:
+    """The strength to try next where one left `shown` instead of `wanted`."""
+    factor = wanted / max(shown, wanted / FACTOR)
+    return min(LARGEST, strength * max(factor, 1.0 / FACTOR))

@@ -40,7 +40,8 @@ def test_a_strong_lag_of_the_sensor_is_found_on_a_robot_of_its_own(monkeypatch):
     names = ("current_lag", "feedback_latency", "coulomb_friction")
     few = {name: library[name] for name in names}
     monkeypatch.setitem(campaign.run.__globals__, "all_effects", lambda: few)
-    monkeypatch.setitem(campaign.run.__globals__, "drawn_strength", lambda kind, rng: 0.2)
+    monkeypatch.setitem(campaign.run.__globals__, "strength_of", lambda kind, size: 0.2)
+    monkeypatch.setitem(campaign.run.__globals__, "SIZES", (0.0, 100.0))
     found, without = run(Case("current_lag", 77, without=True), QUICK)
     assert found["named"] == ["current_lag"]
     assert found["heldout"]["oracle"] < 0.5 * found["heldout"]["base"]
