@@ -25,7 +25,12 @@ def problem(angle_known=True):
     if not angle_known:
         pieces = [Stretch(*list(vars(p).values())[:-1]) for p in pieces]
     rows = np.ones(2 * SAMPLES, dtype=bool)
-    return SimpleNamespace(stretches=lambda: pieces, rows=rows), pieces
+    return SimpleNamespace(
+        stretches=lambda: pieces,
+        rows=rows,
+        raw=lambda: [p.effort for p in pieces],
+        filter=lambda values: values,
+    ), pieces
 
 
 @pytest.mark.parametrize("order", [0.1, 0.28, 1.0, 3.5])
