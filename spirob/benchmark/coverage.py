@@ -38,6 +38,7 @@ SPREADS = {
     "arm.base_stiffness": 0.15,
     "arm.damping_time": 0.2,
     "arm.bends_per_hinge": 0.2,
+    "tendon.stiffness": 0.1,
     "winch.efficiency_difference": 0.01,
     "motor.rotor_damping_difference": 0.05,
 }
