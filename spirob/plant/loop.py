@@ -93,6 +93,7 @@ def run(
     extra_length = state[17]  # by which the tendon has grown [m]
     first_angle = state[18]  # of the rotor when the trial began [rad]
     hung = state[19]  # mass on a line of its own beside each tendon [kg]
+    reading_zero = state[20]  # reading error where the trial began [m]: lengths count from there
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
     demand = np.zeros(motors)
@@ -110,6 +111,9 @@ def run(
             # what the drive reports
             sensed_displacement = nominal_radius * turned[m]
             # @ port sensing.displacement -> sensed_displacement
+            if begun[0] == 0.0:
+                reading_zero[m] = sensed_displacement - nominal_radius * turned[m]
+            sensed_displacement -= reading_zero[m]
             # @ port sensing.frame -> sensed_displacement
             # the drive differentiates the length that it reports
             error = sensed_displacement - nominal_radius * turned[m]

@@ -19,14 +19,15 @@ from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
 from spirob.plant.objects import launch
 from spirob.plant.outline import bow, edges
+from spirob.plant.rest import Torque, rest_pose
 from spirob.plant.rig import Rig
-from spirob.plant.tendon import guides
+from spirob.plant.tendon import guides, shortenings
 from spirob.robot import CYCLE_NS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
-STATE_ROWS = 20  # see `loop.run`
-FIRST_ANGLE, HUNG = 18, 19  # rows of it that a trial begins with
+STATE_ROWS = 21  # see `loop.run`
+DISPLACEMENT, SHORTENING, FIRST_ANGLE, HUNG = 3, 7, 18, 19  # rows of it that a trial begins with
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -103,7 +104,7 @@ class Plant:
         changes: Mapping[str, float] | None = None,
         first_angle: Sequence[float] | np.ndarray = (0.0, 0.0),
     ) -> "Session":
-        """The model at rest, arm straight, tendons just taut, to be played piece by piece."""
+        """The model at rest as it hangs, tendons just taut, to be played piece by piece."""
         session = Session(self, scene, self.table.vector(changes))
         session.rotors_at(first_angle)
         return session
@@ -123,6 +124,18 @@ class Plant:
             {f: p[self.table.position(f"{e.name()}.{f}")] for f in e.parameters()} for e in at_tip
         ]
         return float(sum(e.kernel(**v) for e, v in zip(at_tip, values, strict=True)))
+
+    def _at_hinges(self, p: np.ndarray) -> tuple[Torque, ...]:
+        """What turns the hinges of a resting arm, with its numbers."""
+        found: list[Torque] = []
+        for e in self.effects:
+            if e.port == "body.hinge_torque" and not e.state:
+                values = {
+                    f: float(p[self.table.position(f"{e.name()}.{f}")]) for f in e.parameters()
+                }
+                if any(values[f] != neutral for f, neutral in e.neutral.items()):
+                    found.append((e, tuple(values.items())))
+        return tuple(found)
 
 
 class Session:
@@ -150,6 +163,7 @@ class Session:
         self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
         self._guides = guides(plant.geometry, bends)
         self._state = np.zeros((STATE_ROWS, 2))
+        self._hang(tip_mass)
         weights = scene.weights or Weights()
         self._state[HUNG] = weights.left, weights.right
         self._memory = np.repeat(plant._states[:, None], max(2 * hinges, SLOTS), axis=1)
@@ -157,6 +171,20 @@ class Session:
         self._pull, self._solved = np.zeros((2, model.nv)), np.zeros((2, model.nv))
         drive_rate = p[plant.table.position("drive.rate")]
         self._drive_steps = max(1, round(self._step * drive_rate))
+
+    def _hang(self, tip_mass: float) -> None:
+        """Put the arm where it hangs by itself, tendons just taut."""
+        plant, p = self._plant, self._p
+        arm, hinges = plant._arm(p), plant.rig.units
+        torques = plant._at_hinges(p)
+        if not (torques or arm.gravity_x or arm.gravity_y):
+            return
+        bare = _compiled(arm, Scene(), hinges, self._step, tip_mass)
+        # every trial of an evaluation begins alike
+        pose = _pose(bare, self._units.tobytes(), self._stiffness.tobytes(), torques)
+        self._data.qpos[:hinges] = pose
+        taken_up = shortenings(pose, self._guides)
+        self._state[DISPLACEMENT] = self._state[SHORTENING] = taken_up
 
     def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
         """Say where in a turn the rotors stand at the start [rad]."""
@@ -212,3 +240,11 @@ def _compiled(
     # a reset in mid-run would hide that the model diverged
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return model
+
+
+@lru_cache(maxsize=64)
+def _pose(
+    model: mujoco.MjModel, units: bytes, stiffness: bytes, torques: tuple[Torque, ...]
+) -> np.ndarray:
+    sizes = np.frombuffer(units).reshape(-1, 2)
+    return rest_pose(model, sizes, np.frombuffer(stiffness), torques)

@@ -58,3 +58,16 @@ def guides(geometry: SpiralArm, bends: float = 1.0) -> np.ndarray:
     gap = (near - far) / bends
     columns = [near * far * nearer, gap**2, np.sin(half), np.cos(half), np.full(len(half), bends)]
     return np.column_stack(columns)
+
+
+def shortenings(angles: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """By how much both tendons are shorter than on the straight arm, left then right [m], (2,).
+
+    angles  of the hinges [rad], (N,);  columns  of `guides`
+    """
+    found = np.zeros(2)
+    for k, side in enumerate((1.0, -1.0)):
+        for angle, row in zip(angles, columns, strict=True):
+            straight, _ = guide_length(side, 0.0, 1.0, *row)
+            found[k] += straight - guide_length(side, *half_angle(angle, row[4]), *row)[0]
+    return found

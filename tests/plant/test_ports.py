@@ -131,11 +131,11 @@ def test_play_is_not_seen_while_the_tendon_stays_taut(plant):
     taut = schedule(CURRENT, *np.full((2, CYCLES), 0.8))
     plain = plant.simulate(taut, Scene())
     assert plain.tension[5:].min() > 0.0
-    loose = plant.simulate(taut, Scene(), nominal("backlash"))
+    loose = plant.simulate(taut, Scene(), nominal("backlash", rest=0.0))
     assert np.abs(plain.displacement - loose.displacement).max() < 1e-4 * 1e-3
     slack = plant.simulate(strokes(), Scene())
     assert slack.tension[5:].min() == 0.0
-    loose = plant.simulate(strokes(), Scene(), nominal("backlash"))
+    loose = plant.simulate(strokes(), Scene(), nominal("backlash", rest=0.0))
     assert np.abs(slack.displacement - loose.displacement).max() > 1e-4
 
 

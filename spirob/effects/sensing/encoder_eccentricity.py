@@ -7,7 +7,7 @@ from spirob.parameter import bounded
 
 
 class EncoderEccentricity(Effect):
-    """x_measured = x + a·sin Nθ + b·(cos Nθ - 1), zero where the trial begins.
+    """x_measured = x + a·sin Nθ + b·cos Nθ; lengths count from where the trial begins.
 
     N = 1 for an encoder on the rotor, 1/G for one on the drum.  The measured velocity ripples with
     it, as a drive differentiates what it measures.
@@ -17,7 +17,7 @@ class EncoderEccentricity(Effect):
     reads = {"angle": "motor.angle"}
     neutral = {"sine": 0.0, "cosine": 0.0}
     traits = {"rate_independent"}
-    equation = "upstream + a*sin(N*angle) + b*(cos(N*angle) - 1)"
+    equation = "upstream + a*sin(N*angle) + b*cos(N*angle)"
     title = "eccentricity of the encoder"
     signature = "A ripple once per turn of the encoder, in speed the larger the faster it turns."
     explanation = (
@@ -39,4 +39,4 @@ class EncoderEccentricity(Effect):
     def kernel(upstream, angle, sine, cosine, order):
         """Wound-in length as the drive reports it [m]."""
         phase = order * angle
-        return upstream + sine * math.sin(phase) + cosine * (math.cos(phase) - 1.0)
+        return upstream + sine * math.sin(phase) + cosine * math.cos(phase)

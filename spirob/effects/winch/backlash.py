@@ -7,12 +7,12 @@ from spirob.parameter import bounded
 
 
 class Backlash(Effect):
-    """The drum lags the motor within its play: extra length g ∈ [-b, 0].
+    """The drum lags the motor within its play: extra length g, from -(1 - h)·b to h·b.
 
-    Taut, the tendon keeps the drum on one flank (g = 0) and no play is seen.  Slack, the drum rests
-    on its own friction F_h while the motor turns back through the play, ġ = ẋ·max(0, 1 - F/F_h)
-    within the bounds; then the tension pulls it home, ġ = -g·F/(F_h·t_s), here exact for a constant
-    tension.
+    Taut, the tendon keeps the drum on one flank (g = h b) and no play is seen.  Slack, the drum
+    rests on its own friction F_h while the motor turns through the play, ġ = ẋ·max(0, 1 - F/F_h)
+    within the bounds; then the tension pulls it home, ġ = (h b - g)·F/(F_h·t_s), here exact for a
+    constant tension.  h is where in its play the drum rests when a trial begins (g = 0).
     """
 
     port = "tendon.extra_length"
@@ -35,13 +35,15 @@ class Backlash(Effect):
     references = ("Nordin, Gutman, Automatica 38 (2002)",)
 
     play: float = bounded(1e-3, 0.0, 0.01, "m", "b", "play at the drum's surface")
+    rest: float = bounded(0.5, 0.0, 1.0, "1", "h", "share of it to take up at the start")
     hold: float = bounded(0.5, 0.05, 10.0, "N", "F_h", "tension that pulls the drum home")
     seating: float = bounded(0.01, 2e-3, 0.1, "s", "t_s", "time in which it does")
 
     @staticmethod
-    def kernel(velocity, tension, gap, play, hold, seating, dt):
+    def kernel(velocity, tension, gap, play, rest, hold, seating, dt):
         """Length that the tendon has gained [m], and the next gap [m]."""
         resting = max(0.0, 1.0 - tension / hold)
-        gap = min(0.0, max(-play, gap + velocity * resting * dt))
-        gap *= math.exp(-max(tension, 0.0) * dt / (hold * seating))
+        home = rest * play
+        gap = min(home, max(home - play, gap + velocity * resting * dt))
+        gap = home + (gap - home) * math.exp(-max(tension, 0.0) * dt / (hold * seating))
         return gap, gap
