@@ -41,7 +41,7 @@ class Settings:
     scale: float = 0.05
     finalists: int = 4
     rounds: int = 2
-    floor: float = 0.005
+    floor: float = 0.004
     rest: float = 0.006
     further: float = 0.25
     confidence: float = 0.9
