@@ -59,7 +59,8 @@ class Cycles:
         self.counts |= {f"{motor}.missing": missing, f"{motor}.duplicate": duplicate}
         said = decode_feedback_array(self._raw["data"][mine])
         turned = unwrap(said["angle"])[held]
-        self.first_angle[motor] = float(turned[0] % COUNTS_PER_TURN) * (2 * np.pi / COUNTS_PER_TURN)
+        first = int(said["angle"][held[0]]) % COUNTS_PER_TURN
+        self.first_angle[motor] = first * (2 * np.pi / COUNTS_PER_TURN)
         return {
             "current": said["current"][held] * AMPERE_PER_COUNT,
             "displacement": (turned - turned[0]) * transmission.metre_per_count,

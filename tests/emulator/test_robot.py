@@ -9,7 +9,9 @@ from spirob.can_protocol import decode_feedback, encode_command
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.hidden.guide_friction import TYPICAL
 from spirob.errors import ConfigError, HardwareError
-from spirob.robot import CYCLE_NS, Scene
+from spirob.logs import read_log
+from spirob.robot import CYCLE_NS, MOTORS, Scene
+from tests.bench.trials import record_on
 
 
 def record(robot, trial, cycles=60, currents=(0.5, 0.1)):
@@ -119,3 +121,12 @@ def test_wrong_settings_are_told_in_a_sentence():
         EmulatedRobot(EmulatedRig(), HiddenSettings("gremlins"), seed=0)
     with pytest.raises(ConfigError, match="gear_ratio"):
         EmulatedRig(gear_ratio=0.1)
+
+
+def test_a_log_tells_where_in_a_turn_the_rotors_stood(robot, tmp_path):
+    """Else no ripple over the angle has the same phase in two trials."""
+    log = record_on(robot, tmp_path, scene={})
+    told = read_log(log).meta["first_angle"]
+    start = robot.machine.state["rotor_start"][0]
+    assert [told[motor] for motor in MOTORS] == pytest.approx(start, abs=2e-3)
+    assert start.min() > 0.1  # a zero would prove nothing
