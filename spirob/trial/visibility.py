@@ -25,14 +25,19 @@ from spirob.trial.strength import SIZES, VISIBLE, adjusted, beside, strength_of
 
 
 def left(trials: dict[str, list[Measurement]]) -> float:
-    """Held-out RMSE of the fitted model without any effect, in % of the effort's RMS."""
+    """RMSE of the fitted model without any effect, in % of the effort's RMS.
+
+    On trials that were not fitted, those that decide and those that are reported.
+    """
     problems = problems_of(trials, Plant(Rig(), []))
     settings = Settings()
     steps, patience = STEPS[:1], settings.patience
     found = fit(problems["train"], NUMBERS, {}, settings.scale, patience, steps=steps, exact=False)
-    heldout = problems["heldout"]
-    errors = heldout(found.changes)[heldout.rows]
-    return 100.0 * float(np.sqrt(np.mean(errors**2))) / effort_rms(heldout)
+    shares = []
+    for problem in (problems["validate"], problems["heldout"]):
+        errors = problem(found.changes)[problem.rows]
+        shares.append(float(np.mean(errors**2)) / effort_rms(problem) ** 2)
+    return 100.0 * float(np.sqrt(np.mean(shares)))
 
 
 def nothing(seed: int) -> float:

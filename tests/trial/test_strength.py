@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.emulator import hidden
+from spirob.errors import ConfigError
 from spirob.trial.case import Case, _drawn
 from spirob.trial.strength import (
     FACTOR,
@@ -17,8 +18,10 @@ from spirob.trial.strength import (
 )
 
 
-def test_every_kind_has_a_visibility():
-    assert set(VISIBLE) == set(hidden.effects()) - {"none"}
+def test_every_kind_that_these_logs_can_show_has_a_visibility():
+    silent = {"none", "current_gain", "rest_curvature", "stiffness_hardening"}
+    assert set(VISIBLE) == set(hidden.effects()) - silent
+    assert len(VISIBLE) >= 18
 
 
 def test_the_error_without_the_effect_stands_in_the_asked_ratio():
@@ -32,6 +35,11 @@ def test_the_error_without_the_effect_stands_in_the_asked_ratio():
 def test_a_strength_shows_what_was_drawn(kind):
     strength = strength_of(kind, 0.7)
     assert strength == LARGEST or strength * VISIBLE[kind] == pytest.approx(0.7)
+
+
+def test_a_kind_that_no_log_can_show_is_a_sentence():
+    with pytest.raises(ConfigError, match="no kind 'current_gain'"):
+        strength_of("current_gain", 0.7)
 
 
 def test_nothing_hidden_has_strength_one():

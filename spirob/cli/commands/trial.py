@@ -75,10 +75,10 @@ def _seeds(text: str) -> list[int]:
 
 def _kinds(chosen: list[str]) -> list[str]:
     from spirob.errors import ConfigError
-    from spirob.trial.answers import ANSWERS
+    from spirob.trial.strength import VISIBLE
 
     for kind in chosen:
         for part in kind.split("+"):
-            if part not in ANSWERS:
-                raise ConfigError(f"--kinds: no kind '{part}'; kinds: {', '.join(sorted(ANSWERS))}")
-    return chosen or [kind for kind in ANSWERS if kind != "none"]
+            if part not in VISIBLE:
+                raise ConfigError(f"--kinds: no kind '{part}'; kinds: {', '.join(sorted(VISIBLE))}")
+    return chosen or list(VISIBLE)

@@ -33,7 +33,7 @@ class WindingHeating(Effect):
     needs = "long or repeated high currents with the same load early and late"
     references = ("Mellor, Roberts, Turner, IEE Proc. B 138 (1991)",)
 
-    heating: float = bounded(2e-4, 0.0, 0.02, "1/(A²·s)", "ρ", "loss of torque per heat put in")
+    heating: float = bounded(5e-3, 0.0, 0.2, "1/(A²·s)", "ρ", "loss of torque per heat put in")
     time: float = bounded(60.0, 2.0, 2000.0, "s", "T", "thermal time constant", log=True)
 
     @staticmethod
