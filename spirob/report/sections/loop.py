@@ -16,7 +16,7 @@ class Loop(Section):
     """Lateness of each trial, its histogram, and what priority the loop had."""
 
     order = 85
-    title = "Loop"
+    title = "Control cycle"
     template = "loop.html.j2"
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
