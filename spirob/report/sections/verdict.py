@@ -1,5 +1,6 @@
 """The first screen: the verdict, how much it explains, and the arm in motion."""
 
+import base64
 import math
 from typing import Any
 
@@ -16,6 +17,7 @@ KINDS = {
     "nothing_missing": "Nothing is missing",
     "unknown": "Something is missing that the library does not hold",
 }
+NOT_ASKED = "No video was asked for; spirob report --video renders one where OpenGL works."
 FEW = 5.0  # per cent; where less is missing, decimals are of use
 
 
@@ -41,6 +43,8 @@ class Verdict(Section):
                 figures.ladder(rungs, noise_floor, unit),
             ),
             "arm": None if data.motion is None else arm.payload(data.motion, data.posture),
+            "clip": None if data.clip is None else base64.b64encode(data.clip).decode("ascii"),
+            "no_clip": data.absent.get("clip", NOT_ASKED),
             "no_arm": data.absent.get("motion", ""),
             "no_robot": data.absent.get("posture", ""),
             "apart": apart_sentence(data),
