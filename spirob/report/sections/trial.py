@@ -42,6 +42,7 @@ class Trial(Section):
             "confusion": [
                 {"hidden": spoken(kind), "said": said_of(said)} for kind, said in confusion.items()
             ],
+            "reliable": bool(found.get("reliability")),
             "few": (found.get("cases") or FEW) < FEW,
             "reason": data.absent.get("trial", ""),
         }
