@@ -110,9 +110,10 @@ class CanRobot:
         frames += self._send(command)
         while (left := deadline - time.monotonic_ns()) > 0:
             self._receive(frames, left / 1e9)
-        self._lateness.ended(time.monotonic_ns() - deadline)
+        end = time.monotonic_ns()
+        self._lateness.ended(end - deadline)
         self._drain(frames)  # what had arrived by the deadline still counts
-        self._watch()
+        self._watch(end)  # later than that the bus was not read: nobody was silent
         return frames
 
     def close(self) -> None:
@@ -187,8 +188,7 @@ class CanRobot:
             if not self._receive(frames, 0.0):
                 return
 
-    def _watch(self) -> None:
-        now = time.monotonic_ns()
+    def _watch(self, now: int) -> None:
         for motor, heard in zip(MOTORS, self._heard.values(), strict=True):
             if now - heard > self._silence_ns:
                 silent = (now - heard) / 1e6
