@@ -101,11 +101,9 @@ class CanRobot:
         self._frames = []
         if not self.armed and any(command):
             self._fail("a current was asked for, but the robot is not armed", None)
-        now = time.monotonic_ns()
         if self._deadline is None:
-            self._start(now)
-            now = time.monotonic_ns()
-        deadline = self._next_deadline(now)
+            self._start()
+        deadline = self._next_deadline(time.monotonic_ns())
         frames = self._frames
         frames += self._send(command)
         while (left := deadline - time.monotonic_ns()) > 0:
@@ -129,13 +127,13 @@ class CanRobot:
                     self._send_all(self._drive.sent(self._drive.about.disarm))
             self._bus.shutdown()
 
-    def _start(self, now: int) -> None:
+    def _start(self) -> None:
         if self.urgency:
             self.urgency.take()
         # What came in while the operator was busy is old; a drive is not silent before the start.
         self._drain([])
-        self._deadline = now
-        self._heard = dict.fromkeys(self._answers, time.monotonic_ns())
+        self._deadline = time.monotonic_ns()
+        self._heard = dict.fromkeys(self._answers, self._deadline)
 
     def _next_deadline(self, now: int) -> int:
         assert self._deadline is not None

@@ -8,6 +8,7 @@ import pytest
 from spirob.bench import Trial, record
 from spirob.can_protocol import COMMAND_ID, encode_command
 from spirob.canbus import CanRobot, open_bus
+from spirob.canbus.urgency import Urgency
 from spirob.control.law import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
@@ -68,6 +69,17 @@ def test_cycles_keep_to_their_deadlines(channel):
     assert last <= now
     assert timing["cycles"] == "201"
     assert float(timing["lateness_p50_us"]) < 1e-3 * CYCLE_NS
+
+
+@steady
+def test_what_the_start_takes_is_no_skipped_cycle(channel, monkeypatch):
+    monkeypatch.setattr(Urgency, "take", lambda self: time.sleep(0.05))
+    with FakeDrives(channel):
+        robot = ready(channel, silence_ns=PATIENT_NS, urgent=True)
+        robot.exchange(HALF_AMPERE)
+        skipped = robot.overruns
+        robot.close()
+    assert skipped == 0
 
 
 @pytest.mark.parametrize("motor", MOTORS)

@@ -71,5 +71,8 @@ def histogram(loops: Mapping[str, Mapping[str, Any]]) -> go.Figure:
         showlegend=False,
         hovertemplate="%{x:.3g} % of the cycles<extra>%{y}</extra>",
     )
-    figure.update_xaxes(title_text="share of the cycles [%], their number beside")
+    most = 100 * max(counts, default=0) / total
+    figure.update_xaxes(
+        title_text="share of the cycles [%], their number beside", range=[0, 1.25 * most]
+    )
     return figure
