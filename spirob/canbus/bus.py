@@ -22,6 +22,9 @@ def open_bus(interface: str, channel: str, bitrate: int = BITRATE, **options: An
         known = ", ".join(sorted(can.VALID_INTERFACES))
         raise HardwareError(f"{what}: no interface '{interface}'; known: {known}")
     try:
-        return can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+        bus = can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
     except (can.CanError, OSError, ImportError, ValueError, TypeError, NameError) as error:
         raise HardwareError(f"{what} cannot be opened: {error}") from error
+    if bus.channel_info == can.BusABC.channel_info:  # not every interface names itself
+        bus.channel_info = f"{interface}:{channel}"
+    return bus

@@ -101,18 +101,17 @@ class CanRobot:
         self._frames = []
         if not self.armed and any(command):
             self._fail("a current was asked for, but the robot is not armed", None)
-        now = time.monotonic_ns()
         if self._deadline is None:
-            self._start(now)
-            now = time.monotonic_ns()
-        deadline = self._next_deadline(now)
+            self._start()
+        deadline = self._next_deadline(time.monotonic_ns())
         frames = self._frames
         frames += self._send(command)
         while (left := deadline - time.monotonic_ns()) > 0:
             self._receive(frames, left / 1e9)
-        self._lateness.ended(time.monotonic_ns() - deadline)
+        end = time.monotonic_ns()
+        self._lateness.ended(end - deadline)
         self._drain(frames)  # what had arrived by the deadline still counts
-        self._watch()
+        self._watch(end)  # later than that the bus was not read: nobody was silent
         return frames
 
     def close(self) -> None:
@@ -128,13 +127,13 @@ class CanRobot:
                     self._send_all(self._drive.sent(self._drive.about.disarm))
             self._bus.shutdown()
 
-    def _start(self, now: int) -> None:
+    def _start(self) -> None:
         if self.urgency:
             self.urgency.take()
         # What came in while the operator was busy is old; a drive is not silent before the start.
         self._drain([])
-        self._deadline = now
-        self._heard = dict.fromkeys(self._answers, time.monotonic_ns())
+        self._deadline = time.monotonic_ns()
+        self._heard = dict.fromkeys(self._answers, self._deadline)
 
     def _next_deadline(self, now: int) -> int:
         assert self._deadline is not None
@@ -187,8 +186,7 @@ class CanRobot:
             if not self._receive(frames, 0.0):
                 return
 
-    def _watch(self) -> None:
-        now = time.monotonic_ns()
+    def _watch(self, now: int) -> None:
         for motor, heard in zip(MOTORS, self._heard.values(), strict=True):
             if now - heard > self._silence_ns:
                 silent = (now - heard) / 1e6

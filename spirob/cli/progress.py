@@ -55,8 +55,11 @@ class Progress:
         if self._bar is not None:
             self._bar.update(self._task, description=unit)
 
-    def done(self, unit: str, note: str = "") -> None:
-        """A unit is over; with a note, such as 'unchanged', it had nothing to do."""
+    def done(self, unit: str, note: str = "", said: str = "") -> None:
+        """A unit is over; with a note, such as 'unchanged', it had nothing to do.
+
+        said  its line, where there is more to tell than how long it took
+        """
         seconds = time.monotonic() - self._begun
         self._begun = time.monotonic()
         self._count += 1
@@ -65,8 +68,9 @@ class Progress:
         self._left.done(unit, seconds, worked=not note)
         if self._bar is not None:
             self._bar.update(self._task, description=unit, completed=self._count)
-        else:
-            self.tell(f"{unit}: {note or f'{seconds:.1f} s'} ({self._count} of {len(self._units)})")
+        if said or self._bar is None:
+            took = f"{unit}: {note or f'{seconds:.1f} s'} ({self._count} of {len(self._units)})"
+            self.tell(said or took)
 
     def tell(self, text: str) -> None:
         """A line of its own, above the bar where there is one."""

@@ -21,10 +21,14 @@ def show(watch: Watch, bus: can.BusABC, seconds: float, drive: Drive | None = No
     live = sys.stdout.isatty()
     begun = time.monotonic()
     shown = 0.0
+    silent = True
     for frame in heard(bus, seconds, drive):
         for told in watch.take(frame) if frame else ():
             line = f"{told.seconds:8.3f} s  {told.motor:5}  {told.kind}: {told.text}"
             print((CLEAR if live else "") + line, flush=True)
+        if silent and all(watch.frames):
+            silent = False
+            print(f"both motors are heard on {bus.channel_info}", flush=True)
         now = time.monotonic() - begun
         if now - shown > EVERY:
             shown = now

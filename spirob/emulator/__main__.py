@@ -27,6 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     try:
         machine = Machine(EmulatedRig(), HiddenSettings(chosen.hidden), chosen.seed)
+        print("compiling, the first time for half a minute", file=sys.stderr, flush=True)
         machine.cycle((0.0, 0.0))  # compiled before time counts
         with can.Bus(interface=chosen.interface, channel=chosen.channel) as bus:
             print(f"serving on {chosen.interface}:{chosen.channel}", flush=True)

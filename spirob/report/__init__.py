@@ -4,6 +4,6 @@
 """
 
 from spirob.report.builder import build, render
-from spirob.report.data import ReportData, load
+from spirob.report.data import ReportData, load, with_clip
 
-__all__ = ["ReportData", "build", "load", "render"]
+__all__ = ["ReportData", "build", "load", "render", "with_clip"]

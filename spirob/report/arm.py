@@ -43,17 +43,17 @@ def apart(motion: pd.DataFrame, posture: pd.DataFrame) -> np.ndarray:
 
 def _tips(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and positions of the tip [m] (frames, 2)."""
-    hinges = _hinges(rows)
-    heading = np.cumsum(rows[hinges].to_numpy(float), axis=1)
-    length = spiral_arm(len(hinges)).unit_length
+    names = hinges(rows)
+    heading = np.cumsum(rows[names].to_numpy(float), axis=1)
+    length = spiral_arm(len(names)).unit_length
     tip = np.stack([np.cos(heading) @ length, np.sin(heading) @ length], axis=1)
     return rows["time"].to_numpy(float), tip
 
 
 def _body(motion: pd.DataFrame, budget: int) -> dict[str, Any]:
-    hinges = _hinges(motion)
+    names = hinges(motion)
     groups = list(motion.groupby("trial", sort=False))
-    most = int(min(MOST_FRAMES, budget / (8 / 3 * len(hinges) * max(len(groups), 1))))
+    most = int(min(MOST_FRAMES, budget / (8 / 3 * len(names) * max(len(groups), 1))))
     trials = []
     for name, rows in groups:
         rows = rows.sort_values("time")
@@ -62,13 +62,13 @@ def _body(motion: pd.DataFrame, budget: int) -> dict[str, Any]:
             {
                 "name": str(name),
                 "time": pack(kept["time"].to_numpy()),
-                "angles": pack(kept[hinges].to_numpy(float).ravel()),
+                "angles": pack(kept[names].to_numpy(float).ravel()),
             }
         )
-    return {"geometry": _geometry(spiral_arm(len(hinges))), "trials": trials}
+    return {"geometry": _geometry(spiral_arm(len(names))), "trials": trials}
 
 
-def _hinges(table: pd.DataFrame) -> list[str]:
+def hinges(table: pd.DataFrame) -> list[str]:
     found = [name for name in table.columns if HINGE.fullmatch(name)]
     return sorted(found, key=lambda name: int(name[1:]))
 

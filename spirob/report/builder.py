@@ -10,6 +10,7 @@ from markupsafe import Markup
 from spirob.logs.atomic import write_text
 from spirob.report.data import ReportData
 from spirob.report.embed import json_script
+from spirob.report.numbers import prose
 from spirob.report.plotly_script import plotly_script
 from spirob.report.sections import Section, discover
 
@@ -22,6 +23,7 @@ SCRIPTS = (
     "overlay.js",
     "body.js",
     "arm.js",
+    "bar.js",
     "start.js",
 )
 
@@ -59,6 +61,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.globals["json_script"] = json_script
+    environment.filters["prose"] = prose
     return environment
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import pandas as pd
 
 from spirob.errors import DataError, MissingChannel, MissingLog
+from spirob.report.film import NoClip, film
 from spirob.report.loops import read_loops
 from spirob.report.provenance import Provenance, collect
 from spirob.report.sources import SOURCES, Source
@@ -25,6 +26,7 @@ class ReportData:
 
     config      the resolved configuration as its YAML text
     metrics     stage -> its metrics file
+    clip        rendered video, an animated WebP; `with_clip` adds it
     loops       trial -> how the loop kept its deadlines, where the robot was in real time
     absent      name of an optional source -> sentence saying why it is not here
     """
@@ -46,6 +48,7 @@ class ReportData:
     sweep: dict[str, Any] | None = None
     trial: dict[str, Any] | None = None
     score: dict[str, Any] | None = None
+    clip: bytes | None = None
     loops: dict[str, dict[str, Any]] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
 
@@ -75,6 +78,18 @@ def load(root: Path | str) -> ReportData:
     provenance = collect(root, read, found["config"])
     loops = read_loops(root / "data/traces")
     return ReportData(metrics=metrics, provenance=provenance, loops=loops, absent=absent, **found)
+
+
+def with_clip(data: ReportData) -> ReportData:
+    """The same with a rendered video, or with the reason why there is none."""
+    if data.motion is None:
+        return data
+    try:
+        return replace(data, clip=film(data.motion))
+    except NoClip as reason:
+        return replace(
+            data, absent=data.absent | {"clip": f"There is no rendered video: {reason}."}
+        )
 
 
 def _present(root: Path, source: Source) -> Source:

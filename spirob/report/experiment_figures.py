@@ -19,6 +19,7 @@ AXES = {
     "angle response": "place of the hit [% of length]",
     "current peak": "place of the hit [% of length]",
 }
+UPRIGHT = {"displacement over force": "displacement", "filtered": "filtered current"}
 POINTS = 12  # a line of fewer points shows them
 COLUMNS = 2
 ROW = 250  # pixels
@@ -31,7 +32,7 @@ def overlays(name: str, curves: Sequence[dict[str, Any]]) -> list[Plot]:
     return [
         Plot(
             f"experiment-{name}-{k}",
-            f"{quantity.capitalize()} of every side in the experiment {name.replace('_', ' ')}",
+            _caption(quantity, [c for c in curves if c["quantity"] == quantity]),
             _overlay([c for c in curves if c["quantity"] == quantity], quantity, unit),
         )
         for k, (quantity, unit) in enumerate(quantities)
@@ -68,12 +69,22 @@ def _overlay(curves: Sequence[dict[str, Any]], quantity: str, unit: str) -> go.F
         )
         shown.add(label)
     figure.update_annotations(font={"size": 12, "color": INK})
-    figure.update_xaxes(title_text=AXES.get(quantity, "time [s]"), row=down)
-    figure.update_yaxes(title_text=f"{quantity} [{unit}]", col=1)
+    below = AXES.get(quantity, "time [s]")
+    for place in range(len(plays) - across, len(plays)):  # the lowest of each column
+        figure.update_xaxes(title_text=below, row=place // across + 1, col=place % across + 1)
+    figure.update_yaxes(title_text=f"{UPRIGHT.get(quantity, quantity)} [{unit}]", col=1)
     if (limits := _limits(curves)) is not None:
         figure.update_yaxes(range=limits)
     figure.update_layout(legend={"y": 1.0 + 34 / (ROW * down)}, margin={"t": 60})
     return figure
+
+
+def _caption(quantity: str, curves: Sequence[dict[str, Any]]) -> str:
+    """What the figure shows, and that the baseline leaves it where it does."""
+    upright = UPRIGHT.get(quantity, quantity).capitalize()
+    over = AXES.get(quantity, "time [s]").partition(" [")[0]
+    cut = "; single dynamics leaves the figure" if _limits(curves) is not None else ""
+    return f"{upright} over {over}{cut}"
 
 
 def _limits(curves: Sequence[dict[str, Any]]) -> tuple[float, float] | None:

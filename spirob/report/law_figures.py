@@ -20,7 +20,7 @@ def over_signal(law: Law) -> go.Figure:
     name, factor = unit_shown(unit) if unit != "s" else (unit, 1.0)
     x = factor * law.x
     step = stride(len(x), MOST)
-    figure = blank(HEIGHT)
+    figure = blank(HEIGHT, legend_itemsizing="constant")
     figure.add_scatter(**_dots(x[::step], law.shown[::step], "residual without it", NEUTRAL, 4))
     figure.add_scatter(**_dots(x[::step], law.law[::step], "fitted law", NAMED, 4))
     middle, median = medians(x, MILLI * law.shown)
@@ -41,7 +41,7 @@ def against_itself(law: Law) -> go.Figure:
     """What was shown over what the law says, with the line on which both are equal."""
     step = stride(len(law.law), MOST)
     low, high = MILLI * float(law.law.min()), MILLI * float(law.law.max())
-    figure = blank(HEIGHT)
+    figure = blank(HEIGHT, legend_itemsizing="constant")
     figure.add_scatter(
         **_dots(MILLI * law.law[::step], law.shown[::step], "samples of unseen trials", NAMED, 4)
     )

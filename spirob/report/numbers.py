@@ -1,6 +1,7 @@
 """Numbers as people read them: sensible digits, one unit, a true minus sign."""
 
 import math
+import re
 from collections.abc import Sequence
 from typing import TypeGuard
 
@@ -87,6 +88,12 @@ def percent(share: float | None) -> str:
         return MISSING
     value = 100 * share
     return f"{fixed(value, 1 if 0 < abs(value) < 9.95 else 0)} %"
+
+
+def prose(text: str) -> str:
+    """A sentence written elsewhere, with this page's minus sign and space before per cent."""
+    text = re.sub(r"(?<=\d)%", " %", text)
+    return re.sub(r"(?<![\w.−-])-(?=\.?\d)", "−", text)
 
 
 def _power(value: float) -> int:

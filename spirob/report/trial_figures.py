@@ -9,6 +9,7 @@ from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, blank
 
 REFUSALS = ("undecided", "unknown", "nothing_missing")  # answers that name nothing, at the end
 ROW = 24  # pixels
+WIDEST = 0.12  # of the figure, that one column may take
 
 
 def confusion(table: Mapping[str, Mapping[str, int]]) -> go.Figure:
@@ -36,8 +37,9 @@ def confusion(table: Mapping[str, Mapping[str, int]]) -> go.Figure:
         showscale=False,
         hovertemplate="hidden: %{y}<br>said: %{x}<br>%{text} of the row, %{z:.0%}<extra></extra>",
     )
-    figure.update_yaxes(autorange="reversed", showgrid=False, dtick=1)
-    figure.update_xaxes(tickangle=-60, showgrid=False, dtick=1)
+    figure.update_yaxes(title_text="hidden", autorange="reversed", showgrid=False, dtick=1)
+    figure.update_xaxes(title_text="said", tickangle=-60, showgrid=False, dtick=1)
+    figure.update_xaxes(domain=[0, min(1.0, WIDEST * len(columns))])
     return figure
 
 
@@ -100,9 +102,7 @@ def strength(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
         error_y=_interval(kept, "value"),
         hovertemplate="%{x:.0%} left: named rightly %{y:.0%} of %{text}<extra></extra>",
     )
-    figure.update_xaxes(
-        title_text="share of the held-out error that knowing the effect leaves", tickformat=".0%"
-    )
+    figure.update_xaxes(title_text="held-out error left when it is known", tickformat=".0%")
     figure.update_yaxes(title_text="named rightly", range=[-0.03, 1.08], tickformat=".0%")
     return figure
 

@@ -15,6 +15,7 @@ from spirob.logs.writer import TrialLog
 from spirob.safety import Limits
 from tests.bench.trials import plain_trial
 from tests.canbus.fake_drives import FakeDrives
+from tests.canbus.stalls import steady
 
 
 def test_figures_and_bins_are_those_of_the_cycles():
@@ -36,6 +37,7 @@ def test_figures_and_bins_are_those_of_the_cycles():
     assert lateness.summary() == {}
 
 
+@steady
 def test_a_trial_on_a_bus_says_how_late_its_cycles_were_and_does_not_wait_for_its_log(
     tmp_path, monkeypatch
 ):

@@ -8,13 +8,15 @@ import pytest
 from spirob.bench import Trial, record
 from spirob.can_protocol import COMMAND_ID, encode_command
 from spirob.canbus import CanRobot, open_bus
+from spirob.canbus.urgency import Urgency
 from spirob.control.law import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
-from spirob.robot import MOTORS, Cylinder, Scene
+from spirob.robot import CYCLE_NS, MOTORS, Cylinder, Scene
 from spirob.safety import Limits
 from tests.bench.trials import plain_trial
 from tests.canbus.fake_drives import FakeDrives
+from tests.canbus.stalls import steady
 
 HALF_AMPERE = encode_command((0.5, 0.25))
 PATIENT_NS = 200_000_000  # a loaded machine may hold up the drives' thread for a while
@@ -36,6 +38,7 @@ def ready(channel, **options):
     return robot
 
 
+@steady
 def test_a_cycle_returns_the_command_and_the_feedback(channel):
     with FakeDrives(channel) as drives:
         robot = ready(channel, silence_ns=PATIENT_NS)
@@ -50,20 +53,37 @@ def test_a_cycle_returns_the_command_and_the_feedback(channel):
     assert stamps == sorted(stamps)
 
 
+@steady
 def test_cycles_keep_to_their_deadlines(channel):
     with FakeDrives(channel):
         robot = ready(channel, silence_ns=PATIENT_NS)
-        start = time.monotonic()
+        robot.exchange(HALF_AMPERE)
+        first, skipped = robot._deadline, robot.overruns
         for _ in range(200):
             robot.exchange(HALF_AMPERE)
-        took = time.monotonic() - start
-        overruns = robot.overruns
+        now, last, overruns = time.monotonic_ns(), robot._deadline, robot.overruns - skipped
+        timing = robot.timing()
         robot.close()
-    # Lateness of single cycles must not add up: the end is a whole number of cycles away.
-    assert took == pytest.approx((200 + overruns) * 1e-3, abs=0.01)
+    # Lateness of single cycles does not add up: the last ends a whole number of cycles on.
+    assert last - first == (200 + overruns) * CYCLE_NS
+    assert last <= now
+    assert timing["cycles"] == "201"
+    assert float(timing["lateness_p50_us"]) < 1e-3 * CYCLE_NS
+
+
+@steady
+def test_what_the_start_takes_is_no_skipped_cycle(channel, monkeypatch):
+    monkeypatch.setattr(Urgency, "take", lambda self: time.sleep(0.05))
+    with FakeDrives(channel):
+        robot = ready(channel, silence_ns=PATIENT_NS, urgent=True)
+        robot.exchange(HALF_AMPERE)
+        skipped = robot.overruns
+        robot.close()
+    assert skipped == 0
 
 
 @pytest.mark.parametrize("motor", MOTORS)
+@steady
 def test_a_silent_drive_is_named_after_zero_was_commanded(channel, motor):
     with FakeDrives(channel, mute=[motor]) as drives:
         robot = ready(channel, silence_ns=PATIENT_NS)
@@ -84,6 +104,7 @@ def test_ten_milliseconds_of_silence_are_enough(channel):
     robot.close()
 
 
+@steady
 def test_closing_commands_zero_and_can_be_repeated(channel):
     with FakeDrives(channel) as drives:
         robot = ready(channel, silence_ns=PATIENT_NS)
@@ -101,6 +122,7 @@ def test_a_dead_bus_is_a_hardware_error(channel):
         robot.exchange(bytes(8))
 
 
+@steady
 def test_no_current_flows_before_the_operator_has_armed(channel):
     answers = iter(["", "no", " ARM "])
     with FakeDrives(channel) as drives:
@@ -127,6 +149,7 @@ def test_the_operator_is_told_what_to_set_up(channel):
     assert "cylinder of 40.0 mm" in asked[0]
 
 
+@steady
 def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
     motors = plain_trial()["motors"]
     motors["left"] = dict(motors["right"])
@@ -159,6 +182,7 @@ def test_a_bus_that_cannot_be_opened_is_named():
         open_bus("socketcan", "nowhere9")
 
 
+@steady
 def test_frames_of_other_kinds_are_passed_over(channel):
     other = can.Bus(interface="virtual", channel=channel)
     with FakeDrives(channel):

@@ -50,3 +50,23 @@ def test_without_a_command_the_help_is_shown_and_the_code_is_that_of_a_mistake()
     done = subprocess.run(asked, capture_output=True, text=True)
     assert done.returncode == 2
     assert "commands:" in done.stdout
+
+
+HEAVY = "numpy mujoco scipy sklearn numba pandas plotly pyarrow can cantools hydra dvc rich"
+PROBE = """
+import sys
+from spirob.cli.main import main
+try:
+    main(sys.argv[1:])
+except SystemExit:
+    pass
+print([name for name in {heavy!r}.split() if name in sys.modules], file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize("command", ["", *(name_of(module) for module in subcommands())])
+def test_help_imports_no_heavy_module(command):
+    asked = [sys.executable, "-c", PROBE.format(heavy=HEAVY), *command.split(), "--help"]
+    done = subprocess.run(asked, capture_output=True, text=True, check=True)
+    assert "usage:" in done.stdout
+    assert done.stderr.strip() == "[]"

@@ -6,6 +6,7 @@ from contextlib import suppress
 
 import pytest
 
+from spirob.cli.commands import trial
 from spirob.cli.progress import Progress
 from spirob.cli.time_left import TimeLeft, clock
 
@@ -79,3 +80,17 @@ def test_a_unit_that_overruns_leaves_no_negative_time():
 )
 def test_the_clock(seconds, shown):
     assert clock(seconds) == shown
+
+
+def test_a_trial_tells_a_line_for_each_case_and_moves_on():
+    stream = io.StringIO()
+    with Progress(["cogging-0", "none-0"], stream=stream) as progress:
+        tell = trial._told(progress)
+        tell("1 of 2: none-0: nothing_missing (100%) right")
+        tell("a worker was killed; the cases without a result are run again")
+    assert stream.getvalue().splitlines() == [
+        "1 of 2: none-0: nothing_missing (100%) right",
+        "a worker was killed; the cases without a result are run again",
+    ]
+    assert progress._left._left == ["cogging-0"]
+    assert list(progress.taken) == ["none-0"]

@@ -44,7 +44,8 @@ def test_a_contact_is_printed_and_nothing_is_sent(tmp_path, capsys):
     player.join(timeout=10)
     assert not player.is_alive()
     assert sent_back == []
-    lines = capsys.readouterr().out.splitlines()
+    first, *lines = capsys.readouterr().out.splitlines()
+    assert first.startswith("both motors are heard on Virtual bus channel watched")
     assert len(lines) == 1
     assert "left   contact: +" in lines[0]
 

@@ -27,6 +27,9 @@ class Served:
         """Take in one message, and say what is to be said."""
         raise NotImplementedError
 
+    def answered(self, late):
+        """A message is taken in that long after it was sent [s]."""
+
     def say(self, number, data):
         """Send a frame."""
         self.bus.send(can.Message(arbitration_id=number, data=data, is_extended_id=False))
@@ -44,4 +47,5 @@ class Served:
         while not self._stop.is_set():
             message = self.bus.recv(0.02)
             if message is not None:
+                self.answered(time.time() - message.timestamp)
                 self.answer(message)

@@ -20,11 +20,13 @@ from spirob.logs.messages import FRAME, pack_frame, unpack_frames
 from spirob.logs.records import read_content
 from spirob.safety import Limits
 from tests.bench.trials import plain_trial
+from tests.canbus.stalls import steady
 from tests.drives.fake_odrives import TORQUE_CONSTANT, FakeODrives
 
 DRIVE = find_drive("odrive")
 
 
+@steady
 def test_a_trial_on_odrives_reads_like_any_other(tmp_path):
     motors = plain_trial()["motors"]
     motors["left"] = dict(motors["right"])

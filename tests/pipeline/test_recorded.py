@@ -1,12 +1,15 @@
 """Logs of real hardware as inputs: kept by their content, pulled into a fresh clone, noticed."""
 
 import sys
+from types import SimpleNamespace
 
 import pytest
 
+from pipeline import record
 from pipeline.schema import validated
 from pipeline.stage import read_yaml
 from pipeline.trials import experiment_trials, robot_wraps
+from spirob.errors import HardwareError
 from tests.bench.fake_robot import FakeRobot
 from tests.bench.trials import record_on
 from tests.pipeline.project import Project
@@ -70,3 +73,31 @@ def test_a_log_that_is_missing_is_named(recorded):
         missing.write_bytes(kept)
     assert f"{LOGS}/{names[-1]}.mcap is missing" in said
     assert "`dvc pull`" in said
+
+
+def test_a_stop_keeps_every_log_and_none_is_played_twice(tmp_path, monkeypatch):
+    played, broken = [], ["second"]
+
+    def record_all(root, config, hidden, trials):
+        (trial,) = trials
+        played.append(trial["name"])
+        failed = trial["name"] in broken
+        (root / "data/raw").mkdir(parents=True, exist_ok=True)
+        (root / f"data/raw/{trial['name']}.mcap{'.part' * failed}").write_text(f"{len(played)}")
+        if failed:
+            raise HardwareError("no feedback from motor left for 11 ms")
+
+    monkeypatch.setattr(record, "record_all", record_all)
+    config = SimpleNamespace(robot=SimpleNamespace(kind="can"))
+    monkeypatch.setattr(record, "public_config", lambda root: config)
+    names = ("first", "second", "third")
+    monkeypatch.setattr(record, "experiment_trials", lambda c: [{"name": n} for n in names])
+    monkeypatch.setattr(record, "robot_wraps", lambda c: [])
+    with pytest.raises(HardwareError, match="motor left"):
+        record.stage(tmp_path)
+    assert (tmp_path / "data/recorded/second.mcap.part").read_text() == "2"
+    broken.clear()
+    record.stage(tmp_path)
+    assert played == ["first", "second", "second", "third"]
+    found = {path.name: path.read_text() for path in (tmp_path / LOGS).iterdir()}
+    assert found == {"first.mcap": "1", "second.mcap": "3", "third.mcap": "4"}

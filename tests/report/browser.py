@@ -44,7 +44,8 @@ def probe(page: str, script: str, folder: Path, width: int = 1260) -> dict[str, 
     profile = f"--user-data-dir={folder / 'profile'}"
     command = [str(CHROMIUM), *FLAGS, profile, "--dump-dom", path.as_uri()]
     ran = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    assert [line for line in ran.stderr.splitlines() if "CONSOLE" in line] == []
+    said = [line for line in ran.stderr.splitlines() if "CONSOLE" in line]
+    assert said == [], "\n".join(said)
     found = FOUND.search(ran.stdout)
     assert found, "the script did not come to its end"
     return dict(json.loads(html.unescape(found[1])))

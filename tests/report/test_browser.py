@@ -67,6 +67,10 @@ def desk(page, tmp_path_factory):
     await wait(200);
     note.again = read();
     note.wide = document.documentElement.scrollWidth - innerWidth;
+    const strip = document.querySelector('nav'), entries = [...strip.querySelectorAll('a')];
+    note.cut = entries.filter((a) => a.getBoundingClientRect().right > innerWidth).length;
+    note.bar = strip.offsetHeight;
+    note.marked_entry = entries.filter((a) => a.ariaCurrent).length;
     note.focusable = [...document.querySelectorAll('a, button, input, select, summary, [tabindex]')]
       .every((element) => element.tabIndex >= 0);
     note.unnamed = [...document.querySelectorAll('button, input, select')]
@@ -140,12 +144,24 @@ def test_everything_can_be_reached_by_keyboard_and_has_a_name(desk):
     assert desk["wide"] <= 0
 
 
+def test_the_bar_of_sections_is_whole_and_low(desk):
+    assert desk["cut"] == 0
+    assert desk["bar"] < 90  # pixels: two lines
+    assert desk["marked_entry"] == 1
+
+
 def test_a_phone_scrolls_in_one_direction_only(page, tmp_path):
     script = """
     const page = document.documentElement;
+    const pushed = () => {
+      const bar = document.querySelector('nav'), last = [...bar.querySelectorAll('a')].pop();
+      const before = last.getBoundingClientRect().right;
+      last.focus();
+      return { bar: bar.offsetHeight, before, after: last.getBoundingClientRect().right };
+    };
     const right = (id) => get(id).querySelector('svg').getBoundingClientRect().right;
     return { width: innerWidth, over: page.scrollWidth - innerWidth,
-      plots: ['steps', 'overlay', 'atlas', 'size'].map(right),
+      plots: ['steps', 'overlay', 'atlas', 'size'].map(right), ...pushed(),
       targets: [...document.querySelectorAll('button, select')].map((e) => e.offsetHeight) };
     """
     found = probe(page, script, tmp_path, width=390)
@@ -153,6 +169,8 @@ def test_a_phone_scrolls_in_one_direction_only(page, tmp_path):
     assert found["over"] <= 0
     assert max(found["plots"]) <= 390
     assert min(found["targets"]) >= 30  # pixels, for a finger
+    assert found["bar"] < 60  # one line, pushed sideways by finger or by keyboard
+    assert found["before"] > 390 >= found["after"]
 
 
 def test_print_unfolds_everything_but_the_library_and_takes_light_colours(page, tmp_path):

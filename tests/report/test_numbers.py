@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from spirob.report.numbers import column, fixed, given, interval, number, percent, shown
+from spirob.report.numbers import column, fixed, given, interval, number, percent, prose, shown
 
 
 def test_a_column_lines_up_on_its_median():
@@ -50,3 +50,8 @@ def test_shares_and_signs():
     assert [percent(s) for s in (0.58, 0.06, 0.0, None)] == ["58 %", "6.0 %", "0 %", "–"]
     assert fixed(-1e-9, 3) == "0.000"
     assert shown("m") == ("mm", 1e3)
+
+
+def test_prose_has_this_pages_signs_and_leaves_words_alone():
+    assert prose("75% of it, -2.98 mA") == "75 % of it, −2.98 mA"
+    assert prose("held-out, 2025-03 and 1.00-2") == "held-out, 2025-03 and 1.00-2"

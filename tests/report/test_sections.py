@@ -229,3 +229,11 @@ def test_no_two_things_on_the_page_have_the_same_id(data):
     found = re.findall(r'\bid="([^"]+)"', page)
     assert "transfer-error" in found
     assert len(found) == len(set(found))
+
+
+@pytest.mark.parametrize(("covered", "told"), [(0.69, True), (0.88, False)])
+def test_intervals_that_miss_more_often_than_chance_say_so(data, covered, told):
+    robot = {"covered": covered, "samples": 26, "width": 0.005, "refused": 0.0}
+    interval = {"confidence": 0.9, "robot": robot}
+    shown = text("transfer", replace(data, transfer=data.transfer | {"interval": interval}))
+    assert ("On the robot they hold only" in shown) == told

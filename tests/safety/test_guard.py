@@ -12,6 +12,7 @@ from spirob.errors import ConfigError, HardwareError
 from spirob.robot import CYCLE_NS, Scene
 from spirob.safety import GuardedRobot, Limits, Stopped
 from tests.bench.fake_robot import FakeRobot
+from tests.canbus.stalls import steady
 from tests.safety.paths import PATHS
 
 COMMANDS = st.lists(st.binary(min_size=8, max_size=8), min_size=1, max_size=25)
@@ -26,6 +27,7 @@ def guarded(robot, keep=lambda frames: None, **limits):
 
 
 @pytest.mark.parametrize("path", PATHS)
+@steady
 def test_no_command_leaves_current_and_slew(path):
     with PATHS[path]() as (robot, sent):
 
@@ -103,6 +105,7 @@ def test_after_any_failure_zero_is_sent_and_nothing_else_until_armed(
 
 
 @pytest.mark.parametrize("path", PATHS)
+@steady
 def test_disarmed_only_zero_passes(path):
     with PATHS[path]() as (robot, sent):
         guard = guarded(robot)

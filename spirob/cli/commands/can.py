@@ -41,8 +41,10 @@ def _scan(arguments: argparse.Namespace) -> int:
     from spirob.drives import find_drive
 
     if arguments.interface is None:
-        logging.getLogger("can").setLevel(logging.CRITICAL)  # it tells of every absent driver
-        for found in can.detect_available_configs():
+        logging.disable(logging.CRITICAL)  # python-can tells of every absent driver
+        found_here = can.detect_available_configs()
+        logging.disable(logging.NOTSET)
+        for found in found_here:
             print(f"{found['interface']:16} {found['channel']}")
         print("listen on one with: spirob can scan --interface INTERFACE --channel CHANNEL")
         return 0

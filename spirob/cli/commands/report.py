@@ -13,6 +13,7 @@ ORDER = 40
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `spirob report`."""
     parser.add_argument("--open", action="store_true", help="show it in the browser")
+    parser.add_argument("--video", action="store_true", help="with the arm rendered by OpenGL")
     parser.add_argument("--out", metavar="FILE", help="else reports/index.html of the project")
     parser.add_argument("--project", metavar="DIR", help="its folder; else the nearest above")
 
@@ -20,11 +21,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Build the page and, if asked, open it."""
     from spirob.cli.project import find_project
-    from spirob.report import build, load
+    from spirob.report import build, load, with_clip
 
     project = find_project(arguments.project)
     out = Path(arguments.out) if arguments.out else project / "reports/index.html"
-    build(load(project), out)
+    data = load(project)
+    build(with_clip(data) if arguments.video else data, out)
     print(f"report: {out}")
     if arguments.open:
         return _show(out)

@@ -6,10 +6,17 @@ are there already are kept, so a trial that was stopped goes on.
 """
 
 import argparse
+import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from spirob.cli.progress import Progress
 
 HELP = "how often the diagnosis names what was hidden"
 ORDER = 75
+OVER = re.compile(r"\d+ of \d+: (?P<case>[^:]+):")  # how a case's line begins
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Play the cases and print the rates."""
     import json
 
+    from spirob.cli.progress import Progress
     from spirob.logs.atomic import write_text
     from spirob.trial.campaign import cases, play
     from spirob.trial.rates import rates
@@ -44,7 +52,9 @@ def run(arguments: argparse.Namespace) -> int:
     seeds = _seeds(arguments.seeds)
     kinds = _kinds(arguments.kinds)
     chosen = cases(kinds, seeds, arguments.nulls, arguments.without)
-    results = play(chosen, arguments.out, arguments.workers, tell=_say)
+    left = [case.name for case in chosen if not (arguments.out / f"{case.name}.json").exists()]
+    with Progress(left) as progress:
+        results = play(chosen, arguments.out, arguments.workers, tell=_told(progress))
     found = rates(results)
     for name, one in found.items():
         if isinstance(one, dict) and "low" in one and one["n"]:
@@ -56,8 +66,14 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _say(text: str) -> None:
-    print(text, flush=True)
+def _told(progress: "Progress") -> Callable[[str], None]:
+    def tell(text: str) -> None:
+        if over := OVER.match(text):
+            progress.done(over["case"], said=text)
+        else:
+            progress.tell(text)
+
+    return tell
 
 
 def _seeds(text: str) -> list[int]:

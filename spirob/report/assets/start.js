@@ -6,6 +6,7 @@ document.querySelectorAll(".plot").forEach((place) => {
 startSwitches();
 startOverlay();
 startArm();
+startBar();
 // A link to something folded unfolds it.
 function unfold() {
   const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));

@@ -16,7 +16,7 @@ class Loop(Section):
     """Lateness of each trial, its histogram, and what priority the loop had."""
 
     order = 85
-    title = "Loop"
+    title = "Control cycle"
     template = "loop.html.j2"
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
@@ -71,5 +71,8 @@ def histogram(loops: Mapping[str, Mapping[str, Any]]) -> go.Figure:
         showlegend=False,
         hovertemplate="%{x:.3g} % of the cycles<extra>%{y}</extra>",
     )
-    figure.update_xaxes(title_text="share of the cycles [%], their number beside")
+    most = 100 * max(counts, default=0) / total
+    figure.update_xaxes(
+        title_text="share of the cycles [%], their number beside", range=[0, 1.25 * most]
+    )
     return figure

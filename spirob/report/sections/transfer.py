@@ -1,12 +1,13 @@
 """Closing the loop: size learned from a better model is told better on the robot."""
 
+import math
 from typing import Any
 
 import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
 from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
-from spirob.report.numbers import fixed, percent
+from spirob.report.numbers import fixed, is_number, percent
 from spirob.report.sections.section import Section
 
 STEPS = {
@@ -31,6 +32,7 @@ class Transfer(Section):
                 "plot": None,
                 "coverage": [],
                 "confidence": "",
+                "honest": "",
                 "falls": False,
             }
             return {**empty, "reason": data.absent["transfer"]}
@@ -44,9 +46,25 @@ class Transfer(Section):
             ),
             "coverage": [_coverage(d, interval[d]) for d in DOMAINS if d in interval],
             "confidence": percent(interval.get("confidence")),
+            "honest": held(interval),
             "falls": errors == sorted(errors, reverse=True),
             "reason": "",
         }
+
+
+def held(interval: dict[str, Any]) -> str:
+    """Whether the robot's sizes lie in their intervals as often as was promised."""
+    robot = interval.get("robot") or {}
+    said, found = interval.get("confidence"), robot.get("covered")
+    if not (is_number(said) and is_number(found)):
+        return ""
+    chance = 2 * math.sqrt(said * (1 - said) / max(robot["samples"], 1))  # two standard deviations
+    if found > said - chance:
+        return ""
+    return (
+        f"On the robot they hold only {percent(found)} of the sizes: they were set in simulation "
+        "and do not know how the robot differs from it."
+    )
 
 
 def _row(name: str, step: dict[str, Any]) -> dict[str, Any]:

@@ -21,6 +21,7 @@ RATES = {
     "pairs_both": "two effects hidden, both named",
     "excess_error_closed": "share of the avoidable held-out error that naming took away",
 }
+FEW = 30  # robots, below which a rate says little
 
 
 class Trial(Section):
@@ -41,6 +42,8 @@ class Trial(Section):
             "confusion": [
                 {"hidden": spoken(kind), "said": said_of(said)} for kind, said in confusion.items()
             ],
+            "reliable": bool(found.get("reliability")),
+            "few": (found.get("cases") or FEW) < FEW,
             "reason": data.absent.get("trial", ""),
         }
 

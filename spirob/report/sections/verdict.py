@@ -1,5 +1,6 @@
 """The first screen: the verdict, how much it explains, and the arm in motion."""
 
+import base64
 import math
 from typing import Any
 
@@ -16,6 +17,7 @@ KINDS = {
     "nothing_missing": "Nothing is missing",
     "unknown": "Something is missing that the library does not hold",
 }
+NOT_ASKED = "No video was asked for; spirob report --video renders one where OpenGL works."
 FEW = 5.0  # per cent; where less is missing, decimals are of use
 
 
@@ -31,7 +33,7 @@ class Verdict(Section):
         unit, rungs = diagnosis["unit"], diagnosis["ladder"]
         noise_floor = diagnosis.get("noise_floor")
         return {
-            "kind": KINDS.get(diagnosis["verdict"], diagnosis["verdict"]),
+            "kind": kind(diagnosis),
             "sentence": diagnosis["sentence"],
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
@@ -41,11 +43,22 @@ class Verdict(Section):
                 figures.ladder(rungs, noise_floor, unit),
             ),
             "arm": None if data.motion is None else arm.payload(data.motion, data.posture),
+            "clip": None if data.clip is None else base64.b64encode(data.clip).decode("ascii"),
+            "no_clip": data.absent.get("clip", NOT_ASKED),
             "no_arm": data.absent.get("motion", ""),
             "no_robot": data.absent.get("posture", ""),
             "apart": apart_sentence(data),
             "score": data.score,
         }
+
+
+def kind(diagnosis: dict[str, Any]) -> str:
+    """What sort of verdict it is and, where an effect is named, how sure."""
+    found = KINDS.get(diagnosis["verdict"], diagnosis["verdict"])
+    effects = diagnosis.get("effects") or [{}]
+    if diagnosis["verdict"] != "named" or not is_number(sure := effects[0].get("probability")):
+        return found
+    return f"{found}; it wins in {percent(sure)} of the resampled validation errors"
 
 
 def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: str) -> str:
