@@ -8,7 +8,9 @@ an efficiency to whatever effect is free to follow it.
 from spirob.machine.models import Model
 from spirob.machine.rig import Bounded, RigFile
 
-ROWS, LEAST = 1.5, 1e-3  # samples, and s: so far apart two channels of one log may be
+# samples, and s: so far apart two channels of one log may be.  One for the effort held over a
+# cycle, one for the drive's answer, one for the order of logging
+ROWS, LEAST = 3.2, 1e-3
 SIGNS = {"sensing.current": 1.0, "sensing.frame": -1.0}  # of the delay by which a time acts there
 
 

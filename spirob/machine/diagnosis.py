@@ -18,10 +18,12 @@ from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.document import document
-from spirob.machine.flexible import ceiling
+from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.forward import closed_loop, open_loop, possible
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
+from spirob.machine.laws import for_axis
+from spirob.machine.models import Model
 from spirob.machine.plausible import doubts, oddities
 from spirob.machine.recording import Recording, read_trial
 from spirob.machine.rig import ANGLES, LENGTHS, SI, RigFile, load_rig
@@ -90,8 +92,8 @@ def diagnose_recordings(
     repairs += said
     angular = rig.position.unit in ANGLES
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, angular)
-    own = find_effects(rig.effects)
-    library = [*own, *(e for e in all_effects().values() if e not in own)]
+    own = for_axis(find_effects(rig.effects))
+    library = [*own, *(e for e in for_axis(all_effects().values()) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, angular)
@@ -127,9 +129,11 @@ def _finish(
     repairs: list[str],
     excluded: dict[str, str],
 ) -> Diagnosis:
-    bare, chosen = found.rungs[0], found.chosen
     problems = search.train, search.heldout
-    rest = ceiling(*problems, chosen.fit.residual, chosen.heldout, search.models.folds)
+    rest = _ceiling(search, found.chosen)
+    while (lesser := search.without_imitations(found, rest.share)) is not None:
+        found, rest = lesser, _ceiling(search, lesser.chosen)
+    bare, chosen = found.rungs[0], found.chosen
     low = rest
     if chosen is not bare:
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
@@ -146,6 +150,11 @@ def _finish(
         _parameters(search, bare.fit),
         gate.sentence,
     )
+
+
+def _ceiling(search: Search, model: Model) -> Ceiling:
+    problems = search.train, search.heldout
+    return ceiling(*problems, model.fit.residual, model.heldout, search.models.folds)
 
 
 def _forward(search: Search, found: Found) -> dict[str, Any]:

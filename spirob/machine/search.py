@@ -19,6 +19,7 @@ from spirob.machine.screening import ABSORBED, Offer, Screening
 from spirob.machine.worth import Settings, Worth
 
 SINGLES, PAIRS, EXCHANGES = 4, 3, 3  # finalists of a round, fitted in full
+IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
 
 
 @dataclass
@@ -81,10 +82,32 @@ class Search:
             seen.add(current.names)
             self.progress(f"chosen so far: {', '.join(sorted(current.names))}")
             offers = self._screen(current, self._absent(current))
-        current = self._pruned(current)
-        found = Found(self._rungs(current), first)
-        found.rivals = {e.name(): self._rivals(current, e) for e in current.effects}
-        found.vetoed = sorted(self.vetoed - current.names)
+        return self._found(self._pruned(current), first)
+
+    def without_imitations(self, found: Found, share: float) -> Found | None:
+        """The same without its least effect, where more structure is left than that explains.
+
+        A law that is not quite the machine's leaves structure behind, and a second law takes some
+        of it: as long as more is left than it took, it stands for something else.  The first effect
+        stays; what is left beside it, the verdict has to weigh.
+
+        share  of the squared residual of the chosen model that still follows from the motion
+        """
+        chosen = found.chosen
+        if len(chosen.effects) < 2:
+            return None
+        lesser = min(
+            (self._without(chosen, e) for e in chosen.effects), key=lambda m: m.mean_square
+        )
+        fall = lesser.mean_square - chosen.mean_square
+        if share * chosen.mean_square < max(IMITATED * fall, self.worth.least**2):
+            return None
+        return self._found(self._pruned(lesser), found.offers)
+
+    def _found(self, chosen: Model, offers: list[Offer]) -> Found:
+        found = Found(self._rungs(chosen), offers)
+        found.rivals = {e.name(): self._rivals(chosen, e) for e in chosen.effects}
+        found.vetoed = sorted(self.vetoed - chosen.names)
         return found
 
     def _least(self) -> float:
