@@ -24,14 +24,16 @@ def doubts(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -
     return [text for text in said if text] + _at_bounds(search, found.chosen)
 
 
-def oddities(search: Search, bare: Model) -> list[str]:
+def oddities(search: Search, bare: Model, chosen: Model) -> list[str]:
     """What a reader should know, though it changes no name: alignment, and doubtful scales."""
     said = []
-    delay = bare.fit.estimates.get("rig.delay")
+    delay = chosen.fit.estimates.get("rig.delay")
     if delay is not None and abs(delay.value) > SEEN * search.train.recordings[0].period:
         way = "trails" if delay.value > 0 else "leads"
+        more = " or more" if delay.at_bound else ""
         said.append(
-            f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms in the logs; aligned."
+            f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms{more} in the logs; "
+            "aligned."
         )
     about = search.train.table.about
     for name in search.models.base:

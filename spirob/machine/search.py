@@ -11,6 +11,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.alignment import only_aligns
+from spirob.machine.dry import is_dry
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kinship import related, same_wave
 from spirob.machine.models import Model, Models
@@ -201,9 +202,25 @@ class Search:
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse."""
         others = self._exchanges(model, effect)
-        return [
+        poorer = [
             m for m in others if m.numbers <= model.numbers and not self.worth.clearly(m, model)
         ]
+        return [*poorer, *self._richer(model, effect)]
+
+    def _richer(self, model: Model, effect: type[Effect]) -> list[Model]:
+        """Models with another law of dry friction that halve what is left, though it is small.
+
+        What they gain is too little to name them by, and too much to be sure of the simpler law.
+        """
+        made = []
+        for other in self.candidates if is_dry(effect) else ():
+            if not is_dry(other) or other.name() in model.names:
+                continue
+            rest = tuple(e for e in model.effects if e is not effect)
+            kept = model.effects if not related(other, model.effects) else rest
+            if not related(other, kept):
+                made.append(self.models.fitted((*kept, other), model.fit.changes))
+        return [m for m in made if self._plain(m) and self.worth.halves(model, m)]
 
     def _rungs(self, model: Model) -> list[Model]:
         """From the bare model upward, each time the effect that takes most off the error."""
