@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.machine.rigs.axis import Case, description, driven, reference, trials_of
+from tests.machine.rigs.axis import STEP, Case, description, driven, reference, trials_of
 
 PENDULUM = """<mujoco><option gravity="0 0 -9.81"/><worldbody><body name="link">
 <joint name="shoulder" type="hinge" axis="0 1 0"/>
@@ -60,3 +60,66 @@ def spring(seed: int) -> Case:
 
     trials = trials_of(make, rng, 0.01)
     return Case(description(), trials[:2], trials[2], {"unknown"})
+
+
+def belt(seed: int) -> Case:
+    """The same joint driven by a belt: the log has the belt's way in mm, and its force."""
+    swing, radius = pendulum(seed), 0.02
+    for trial in (*swing.train, swing.test):
+        trial["q"], trial["u"] = 1e3 * radius * trial["q"], trial["u"] / radius
+    rig = {
+        **swing.rig,
+        "position": {"column": "q", "unit": "mm"},
+        "effort": {"column": "u", "unit": "N", "kind": "force"},
+        "body": {"mjcf": "link.xml", "tendon": "belt", "tip": "hand"},
+        "fit": {"viscous": {"nominal": 100.0, "low": 0.0, "high": 1e4}},
+    }
+    tendon = '<tendon><fixed name="belt"><joint joint="shoulder" coef="0.02"/></fixed></tendon>'
+    text = PENDULUM.replace("</mujoco>", f"{tendon}</mujoco>")
+    return Case(rig, swing.train, swing.test, swing.verdicts, swing.must, {"link.xml": text})
+
+
+def shaft(seed: int) -> Case:
+    """A load that swings on its shaft at a few hertz."""
+    rng = np.random.default_rng(seed)
+    motor, load, viscous = 0.01, rng.uniform(0.01, 0.03), 0.1
+    spring = load * (2 * np.pi * rng.uniform(5.0, 8.0)) ** 2
+    damping = 0.1 * np.sqrt(spring * load)
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        q2, v2 = 0.0, 0.0
+
+        def torque(q: float, v: float, t: float, u: float) -> float:
+            nonlocal q2, v2
+            through = spring * (q - q2) + damping * (v - v2)
+            v2 += STEP * through / load
+            q2 += STEP * v2
+            return -viscous * v - through
+
+        return driven(torque, reference(rng, 1.5, 2.0), motor, (8.0, 0.8))
+
+    trials = trials_of(make, rng, 0.005)
+    return Case(description(), trials[:2], trials[2], {"named"}, [{"gear_compliance"}])
+
+
+def play(seed: int) -> Case:
+    """A load behind teeth that leave it some per cent of the way to itself."""
+    rng = np.random.default_rng(seed)
+    motor, load, viscous = 0.01, rng.uniform(0.01, 0.03), 0.1
+    stiff, gap, rub = load * (2 * np.pi * 40.0) ** 2, rng.uniform(0.03, 0.08), 3.0 * load
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        q2, v2 = 0.0, 0.0
+
+        def torque(q: float, v: float, t: float, u: float) -> float:
+            nonlocal q2, v2
+            twist = q - q2 - np.clip(q - q2, -gap / 2, gap / 2)
+            through = stiff * twist + (0.5 * np.sqrt(stiff * load) * (v - v2) if twist else 0.0)
+            v2 += STEP * (through - rub * v2) / load
+            q2 += STEP * v2
+            return -viscous * v - through
+
+        return driven(torque, reference(rng, 1.5, 1.5), motor, (8.0, 0.8))
+
+    trials = trials_of(make, rng, 0.005)
+    return Case(description(), trials[:2], trials[2], {"named"}, [{"backlash"}])
