@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from spirob.diagnose.rungs import Settings as ArmSettings
+from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis as arm
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.page import overlay, parameters
@@ -26,6 +27,7 @@ def diagnose(
     or DataError, in a sentence, where the description or a log cannot be used.
     """
     rig, folder = load_rig(rig_file)
+    _each_once(train, test)
     if isinstance(rig, ArmFile):
         return _arm(rig, train, test, progress)
     first = [read_trial(path, rig) for path in train]
@@ -33,6 +35,16 @@ def diagnose(
     trials = [read_trial(path, rig, cutoff) for path in train]
     held = [read_trial(path, rig, cutoff) for path in test]
     return diagnose_recordings(rig, folder, trials, held, settings, progress)
+
+
+def _each_once(train: Sequence[Path | str], test: Sequence[Path | str]) -> None:
+    """Raise where a log is given twice: a held-out log that was fitted vetoes nothing."""
+    seen: set[Path] = set()
+    for log in (*train, *test):
+        path = Path(log).resolve()
+        if path in seen:
+            raise ConfigError(f"{log}: given twice; a log is fitted or held out, once")
+        seen.add(path)
 
 
 def _arm(
