@@ -52,9 +52,9 @@ def smoothed(seed: int) -> Case:
 
 
 def late(seed: int) -> Case:
-    """A position that arrives some milliseconds after the effort that the same log shows."""
+    """A position that arrives late, in a log whose channels are known to be of one moment."""
     rng = np.random.default_rng(seed)
-    inertia, viscous, age = rng.uniform(0.02, 0.05), 0.1, rng.uniform(0.007, 0.008)
+    inertia, viscous, age = rng.uniform(0.02, 0.05), 0.1, rng.uniform(0.005, 0.0075)
 
     def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
         follow = reference(rng, 1.5, 1.5)
@@ -62,4 +62,6 @@ def late(seed: int) -> Case:
         return {**made, "q": np.interp(made["t"] - age, made["t"], made["q"])}
 
     trials = trials_of(make, rng, 0.004)
-    return Case(description(), trials[:2], trials[2], {"named"}, [{"feedback_latency"}])
+    return Case(
+        description(known={"delay": 0.0}), trials[:2], trials[2], {"named"}, [{"feedback_latency"}]
+    )
