@@ -7,16 +7,16 @@ from spirob.parameter import bounded
 
 
 class Backlash(Effect):
-    """τ = J_l·(ω' + ω/T) while the load is loose, -J_l·(ω - ω_l)/Δt where a flank catches it.
+    """τ = J_l·(ω' + ω/T - p): of the torque that a rigid load would need, the flanks pass J_l·p.
 
-    In contact the load moves with the motor, as the rigid model has it.  It comes loose where the
-    flank would have to pull, coasts, ω_l' = -ω_l/T, and is caught at the other flank of the play
-    without a rebound.
+    The load is behind the motor by φ, φ'' = ω' + ω_l/T - p.  Within the play b nothing is passed,
+    p = 0, and it coasts; beyond, the teeth push as a damped spring, p = Ω²·(φ ∓ b/2) + 2·D·Ω·φ'
+    with Ω = 2π·f, but never pull.  Steps are exact for a constant acceleration.
     """
 
     port = "motor.torque"
     reads = {"speed": "motor.speed"}
-    state = {"gap": 0.0, "loose": 0.0, "last": 0.0, "seen": 0.0}
+    state = {"behind": 0.0, "rate": 0.0, "last": 0.0, "before": 0.0, "seen": 0.0}
     neutral = {"load_inertia": 0.0}
     title = "backlash between motor and load"
     signature = "A moment of ease when the effort changes sides, then a blow."
@@ -38,22 +38,47 @@ class Backlash(Effect):
         0.3, 0.01, 10.0, "s", "T", "time in which the loose load comes to rest", log=True
     )
 
+    frequency: float = bounded(
+        30.0, 8.0, 120.0, "Hz", "f", "at which the load swings on the teeth", log=True
+    )
+
     @staticmethod
-    def kernel(speed, gap, loose, last, seen, load_inertia, play, coasting, dt):
-        """Torque on the motor [N·m]; next gap [rad, ± half the play in contact] and speeds."""
+    def kernel(
+        speed,
+        behind,
+        rate,
+        last,
+        before,
+        seen,
+        load_inertia,
+        play,
+        coasting,
+        frequency,
+        dt,
+    ):
+        """Torque on the motor [N·m]; next way behind [rad], its rate, and two speeds [rad/s]."""
+        half = 0.5 * play
         if seen == 0.0:
-            side = 1.0 if speed >= 0.0 else -1.0
-            return 0.0, side * play / 2.0, speed, speed, 1.0
-        pulled = (speed - last) / dt + speed / coasting
-        in_contact = abs(gap) >= play / 2.0
-        if in_contact and pulled * gap >= 0.0:
-            return 0.0, gap, speed, speed, 1.0
-        coasted = loose * math.exp(-dt / coasting)
-        gap += 0.5 * dt * (speed + last - coasted - loose)
-        torque = load_inertia * pulled
-        if abs(gap) >= play / 2.0:
-            gap = math.copysign(play / 2.0, gap)
-            if (speed - coasted) * gap > 0.0:
-                torque -= load_inertia * (speed - coasted) / dt
-                coasted = speed
-        return torque, gap, coasted, speed, 1.0
+            return 0.0, math.copysign(half, speed), 0.0, speed, speed, 1.0
+        own, ratio = 2.0 * math.pi * frequency, 0.3
+        beat, decay = own * math.sqrt(1.0 - ratio * ratio), ratio * own
+        mean = (speed - last) / dt
+        push = mean + (last - rate) / coasting
+        if abs(behind) >= half:
+            flank = math.copysign(half, behind)
+            level = push / (own * own)
+            x, fall = behind - flank - level, math.exp(-decay * dt)
+            c, s = fall * math.cos(beat * dt), fall * math.sin(beat * dt) / beat
+            behind = flank + level + x * (c + decay * s) + rate * s
+            rate = rate * (c - decay * s) - x * own * own * s
+        else:
+            behind += dt * (rate + 0.5 * push * dt)
+            rate += push * dt
+        passed = 0.0
+        if abs(behind) >= half:
+            side = math.copysign(1.0, behind)
+            x = behind - side * half
+            passed = side * max(0.0, side * (own * own * x + 2.0 * decay * rate))
+        end = (3.0 * speed - 4.0 * last + before) / (2.0 * dt) if seen > 1.0 else mean
+        torque = load_inertia * (end + speed / coasting - passed)
+        return torque, behind, rate, speed, last, 2.0
