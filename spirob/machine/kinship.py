@@ -7,6 +7,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.dry import falls, is_dry
+from spirob.machine.laws import shares_inertia
 from spirob.machine.models import Model
 from spirob.machine.scaling import Sizes
 from spirob.machine.shapes import counts_periods
@@ -17,8 +18,11 @@ def related(effect: type[Effect], others: Collection[type[Effect]]) -> bool:
 
     The sum of two laws of dry friction is a third one, with a transition that fits anything.  Only
     what they say of different things belongs together: how friction turns round at a reversal, and
-    how its level falls with speed.
+    how its level falls with speed.  And one load stays behind the motor in one way: play has its
+    teeth's spring already.
     """
+    if shares_inertia(effect):
+        return any(shares_inertia(other) for other in others)
     return is_dry(effect) and any(is_dry(o) and not _complete(effect, o) for o in others)
 
 

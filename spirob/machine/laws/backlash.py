@@ -11,7 +11,7 @@ class Backlash(Effect):
 
     The load is behind the motor by φ, φ'' = ω' + ω_l/T - p.  Within the play b nothing is passed,
     p = 0, and it coasts; beyond, the teeth push as a damped spring, p = Ω²·(φ ∓ b/2) + 2·D·Ω·φ'
-    with Ω = 2π·f, but never pull.  Steps are exact for a constant acceleration.
+    with Ω = 2π·f, D = 0.3.  Steps are exact for a constant acceleration.
     """
 
     port = "motor.torque"
@@ -76,9 +76,8 @@ class Backlash(Effect):
             rate += push * dt
         passed = 0.0
         if abs(behind) >= half:
-            side = math.copysign(1.0, behind)
-            x = behind - side * half
-            passed = side * max(0.0, side * (own * own * x + 2.0 * decay * rate))
+            x = behind - math.copysign(half, behind)
+            passed = own * own * x + 2.0 * decay * rate
         end = (3.0 * speed - 4.0 * last + before) / (2.0 * dt) if seen > 1.0 else mean
         torque = load_inertia * (end + speed / coasting - passed)
         return torque, behind, rate, speed, last, 2.0
