@@ -5,10 +5,12 @@ from typing import Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from spirob.control.law import Gains
 from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, Entry
 from spirob.plant import Rig
 
 TIGHT = 3.0  # times the bandwidth of the machine's own controller
+TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
 FITTED = (
     "winch.efficiency",
     "motor.rotor_damping",
@@ -76,11 +78,7 @@ class ArmFile(Entry):
         Raises ConfigError where `arm` names what it does not have.
         """
         rig = Rig.from_mapping({"name": self.name, **self.arm})
-        own = rig.gains
-        gains = replace(
-            own,
-            velocity=TIGHT * own.velocity,
-            integral=TIGHT**2 * own.integral,
-            displacement=TIGHT * own.displacement,
-        )
-        return replace(rig, gains=gains)
+        own = {name: float(getattr(rig.gains, name)) for name in Gains.parameters()}
+        for name, power in TIGHTER.items():
+            own[name] *= TIGHT**power
+        return replace(rig, gains=Gains(**own))
