@@ -12,6 +12,7 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 from spirob.effects import Effect
+from spirob.machine.laws import shares_inertia
 from spirob.machine.shapes import counts_periods
 from spirob.parameter import Parameter
 
@@ -25,6 +26,7 @@ REFERENCE = {  # the small rotor for which the library's nominal numbers and bou
     "mass": 0.1,  # kg
 }
 PERIODS = 2.0  # in the way travelled, for a wave to be known as one
+PLAY = 0.005  # of the stroke: less of it cannot be told from the counts of an encoder
 BRISTLE = 0.05  # of the stroke: what takes longer to turn round is a spring
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 TOKEN = re.compile(r"([A-Za-zΩµ]+)([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
@@ -118,6 +120,10 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
     found = {name: sizes.parameter(about) for name, about in effect.parameters().items()}
     for name, about in found.items():
         if effect.state and dimensions(effect.parameters()[name].unit) == {"angle": 1}:
+            if shares_inertia(effect):
+                low, high = PLAY * sizes.stroke, BRISTLE * sizes.stroke
+                found[name] = replace(about, low=low, high=high, nominal=2.0 * low)
+                continue
             high = min(about.high, max(BRISTLE * sizes.stroke, 2.0 * about.low))
             found[name] = replace(about, high=high, nominal=min(about.nominal, high / 4.0))
         if counts_periods(effect, name):
