@@ -8,7 +8,10 @@ an efficiency to whatever effect is free to follow it.
 from spirob.machine.models import Model
 from spirob.machine.rig import Bounded, RigFile
 
-ROWS, LEAST = 1.5, 1e-3  # samples, and s: so far apart two channels of one log may be
+# So far apart two channels of one log may be: a sample for the effort held over a cycle, one for
+# the drive's answer, one for the order of logging; of a slow log the last alone
+ROWS, FEW = 3.2, 1.5
+LEAST, LONG = 1e-3, 0.02  # s: always possible, and beyond which it takes a slow log
 SIGNS = {"sensing.current": 1.0, "sensing.frame": -1.0}  # of the delay by which a time acts there
 
 
@@ -16,7 +19,7 @@ def with_delay(rig: RigFile, period: float) -> RigFile:
     """The rig with a delay between effort and motion to fit, where the description names none."""
     if "delay" in rig.fit or "delay" in rig.known:
         return rig
-    most = max(ROWS * period, LEAST)
+    most = max(min(ROWS * period, LONG), FEW * period, LEAST)
     return rig.model_copy(
         update={"fit": {**rig.fit, "delay": Bounded(nominal=0.0, low=-most, high=most)}}
     )

@@ -205,8 +205,15 @@ class AskedEffort:
 
 
 def _late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
-    """e(t - δ) to second order in δ, which is a sample or two of a signal that is band-limited."""
+    """e(t - δ): whole samples by moving rows, the rest, half a sample at most, to second order."""
     if delay == 0.0:
         return effort
     first, second = motion.rates(effort)
-    return np.asarray(effort - delay * first + 0.5 * delay**2 * second)
+    out = np.empty_like(effort)
+    for k, step in enumerate(motion.steps):
+        whole = round(delay / step)
+        rest = delay - whole * step
+        begin, end = int(motion.starts[k]), int(motion.starts[k + 1])
+        at = np.clip(np.arange(begin, end) - whole, begin, end - 1)
+        out[begin:end] = effort[at] - rest * first[at] + 0.5 * rest**2 * second[at]
+    return out

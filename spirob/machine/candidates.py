@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from spirob.effects import Effect
+from spirob.machine.laws import shares_inertia
 from spirob.machine.rig import RigFile
 
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
@@ -47,6 +48,8 @@ def _reason(
 ) -> str:
     port, reads = effect.port, set(effect.reads.values())
     hinged = not isinstance(rig.body, str)
+    if shares_inertia(effect) and not (hinged or "inertia" in rig.fit or rig.known.get("inertia")):
+        return "the rig moves no inertia that could stay behind"
     if port == "command.current" and rig.effort.origin != "command":
         return "the log holds no commanded effort to compare with"
     if port == "sensing.frame" and reads:

@@ -36,6 +36,11 @@ def read_csv(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         if np.isfinite(values).any():
             columns[str(name).strip().strip('"')] = values
     said = []
+    names = _cells(lines[0], separator)
+    for name in sorted({n for n in names if n and names.count(n) > 1}):
+        said.append(
+            f"{path.name}: {names.count(name)} columns are called '{name}'; the first is used."
+        )
     if (separator, decimal) != (",", "."):
         between = WORDS.get(separator, f"'{separator}'")
         said.append(

@@ -1,51 +1,17 @@
-"""The whole way for a rig: read, check, fit, search, judge, and what the page shows of it."""
+"""The whole way from files to a verdict: a plain rig, or our arm logged by somebody else."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import pandas as pd
-from threadpoolctl import threadpool_limits
-
-from spirob.diagnose.atlas import atlas
-from spirob.effects import all_effects, find_effects
+from spirob.diagnose.rungs import Settings as ArmSettings
 from spirob.errors import ConfigError
-from spirob.identify.fit import Fit
-from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import with_delay
-from spirob.machine.body import RigidBody
-from spirob.machine.candidates import applicable
-from spirob.machine.document import document
-from spirob.machine.flexible import ceiling
-from spirob.machine.forward import closed_loop, open_loop, possible
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import judge
-from spirob.machine.plausible import doubts, oddities
-from spirob.machine.recording import Recording, read_trial
-from spirob.machine.rig import ANGLES, LENGTHS, SI, RigFile, load_rig
-from spirob.machine.scaling import Sizes
-from spirob.machine.search import Found, Search
-from spirob.machine.splitting import split
-from spirob.machine.standstill import without_holds
+from spirob.machine.arm import diagnosis as arm
+from spirob.machine.arm.description import ArmFile
+from spirob.machine.arm.page import overlay, parameters
+from spirob.machine.axis import Diagnosis, diagnose_recordings
+from spirob.machine.loading import load_rig
+from spirob.machine.recording import read_trial
 from spirob.machine.worth import Settings
-
-REST = 0.01  # of the fast part of the motion: the scale of a smooth sign
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """Everything that a diagnosis found; `document` is what is written.
-
-    overlay     per sample: trial, role, time, position, measured, base, named
-    parameters  of the bare model, for the page
-    """
-
-    document: dict[str, Any]
-    overlay: pd.DataFrame
-    parameters: dict[str, Any]
-    identifiability: str
 
 
 def diagnose(
@@ -61,6 +27,9 @@ def diagnose(
     or DataError, in a sentence, where the description or a log cannot be used.
     """
     rig, folder = load_rig(rig_file)
+    _each_once(train, test)
+    if isinstance(rig, ArmFile):
+        return _arm(rig, train, test, progress)
     first = [read_trial(path, rig) for path in train]
     cutoff = min(r.cutoff for r in first) if rig.filter.cutoff is None else None
     trials = [read_trial(path, rig, cutoff) for path in train]
@@ -68,159 +37,30 @@ def diagnose(
     return diagnose_recordings(rig, folder, trials, held, settings, progress)
 
 
-def diagnose_recordings(
-    rig: RigFile,
-    folder: Path,
-    train: list[Recording],
-    test: list[Recording],
-    settings: Settings | None = None,
-    progress: Callable[[str], None] = lambda text: None,
-) -> Diagnosis:
-    """Diagnose a machine from trials that are read already."""
-    if not train:
-        raise ConfigError("a diagnosis needs at least one training log")
-    if rig.body == "arm":
-        raise ConfigError(
-            "body: arm has two motors on one body, which no inverse model of one axis describes; "
-            "diagnose the arm's own logs with the pipeline (dvc repro)"
-        )
-    settings = settings or Settings()
-    repairs = [text for r in [*train, *test] for text in r.said]
-    train, test, said = split(train, test)
-    repairs += said
-    angular = rig.position.unit in ANGLES
-    body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, angular)
-    own = find_effects(rig.effects)
-    library = [*own, *(e for e in all_effects().values() if e not in own)]
-    has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
-    stiffness = body.stiffness if body else 0.0
-    possible, excluded = applicable(library, rig, has_tip, stiffness, angular)
-    if missing := [e.name() for e in own if e not in possible]:
-        raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
-    sizes, rest = _sizes(rig, body, train)
-    rig = with_delay(rig, max(r.period for r in train))
-    if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
-        (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
-        repairs += [*lost, *more]
-    problems = [InverseProblem(rig, body, r, possible, sizes, rest) for r in (train, test)]
-    names = [f"rig.{name}" for name in rig.fit]
-    names += [f"{e.name()}.{f}" for e in own for f in e.parameters()]
-    if names == ["rig.delay"]:
-        raise ConfigError("fit: name at least one number to fit, such as viscous")
-    table = problems[0].table
-    asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
-    gate = probe(problems[0], asked, {n: table.about[n].nominal for n in asked})
-    if gate.silent:
-        raise ConfigError(f"fit: {gate.sentence}")
-    candidates = [e for e in possible if e not in own]
-    search = Search(problems[0], problems[1], names, candidates, settings, progress)
-    # small matrices and trees lose more time to waiting threads than they win
-    with threadpool_limits(1):
-        return _finish(rig, search, search.run(), gate, repairs, excluded)
+def _each_once(train: Sequence[Path | str], test: Sequence[Path | str]) -> None:
+    """Raise where a log is given twice: a held-out log that was fitted vetoes nothing."""
+    seen: set[Path] = set()
+    for log in (*train, *test):
+        path = Path(log).resolve()
+        if path in seen:
+            raise ConfigError(f"{log}: given twice; a log is fitted or held out, once")
+        seen.add(path)
 
 
-def _finish(
-    rig: RigFile,
-    search: Search,
-    found: Found,
-    gate: Identifiability,
-    repairs: list[str],
-    excluded: dict[str, str],
+def _arm(
+    rig: ArmFile,
+    train: Sequence[Path | str],
+    test: Sequence[Path | str],
+    progress: Callable[[str], None],
 ) -> Diagnosis:
-    bare, chosen = found.rungs[0], found.chosen
-    problems = search.train, search.heldout
-    rest = ceiling(*problems, chosen.fit.residual, chosen.heldout, search.models.folds)
-    low = rest
-    if chosen is not bare:
-        low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
-    warnings = doubts(search, found, rest, gate)
-    judgement = judge(search, found, low, rest, warnings)
-    notes = [*repairs, *oddities(search, bare)]
-    regimes = atlas(search.train, bare.fit.residual)
-    written = document(rig, search, found, judgement, rest, regimes, notes, excluded)
-    if rig.predict != "effort":
-        written["motion"] = _forward(search, found)
+    """Diagnose our arm from logs of somebody else; its search has settings of its own."""
+    settings = ArmSettings(intervals=False)
+    trials, said = arm.read(rig, train, test)
+    search, residuals = arm.searched(rig, trials, settings, progress)
+    found = arm.written(rig, search, residuals, settings, said)
     return Diagnosis(
-        written,
-        _overlay(search, bare.fit, chosen.fit),
-        _parameters(search, bare.fit),
-        gate.sentence,
+        found,
+        overlay(search, residuals, found["verdict"] == "named"),
+        parameters(search, residuals["train"].table),
+        "",
     )
-
-
-def _forward(search: Search, found: Found) -> dict[str, Any]:
-    """What the models predict of the motion, rung by rung, or why they cannot."""
-    problem = search.heldout
-    play = closed_loop if problem.rig.predict == "closed_loop" else open_loop
-    rungs = []
-    for model in found.rungs:
-        if reason := possible(problem, model.fit.changes):
-            return {"absent": reason}
-        errors = play(problem, model.fit.changes).as_dict()
-        rungs.append({"effects": [e.name() for e in model.effects], **errors})
-    unit = problem.sizes.axis_unit
-    return {"unit": unit, "effort_unit": problem.effort.unit, "rungs": rungs}
-
-
-def _sizes(rig: RigFile, body: RigidBody | None, train: Sequence[Recording]) -> tuple[Sizes, float]:
-    """The rig's size in every dimension, from its training trials, and its speed of rest."""
-
-    def gathered(field: str) -> np.ndarray:
-        return np.concatenate([getattr(p, field)[p.use] for r in train for p in r.pieces])
-
-    q, v, effort = gathered("q"), gathered("v"), gathered("effort")
-    angular = rig.position.unit in ANGLES
-    axis = "rad" if angular else "m"
-    scale = rig.known.get("scale", rig.fit["scale"].nominal if "scale" in rig.fit else 0.0)
-    unit = SI[rig.effort.kind]
-    size = float(np.sqrt(np.mean(effort**2)))
-    stroke = float(np.ptp(q))
-    gear = rig.gear or (1.0 if angular else 2 * np.pi / stroke)
-    sizes = Sizes(
-        torque=size * (scale or 1.0),
-        speed=float(np.sqrt(np.mean(v**2))),
-        angle=1.0 / gear,
-        stroke=stroke,
-        current=size,
-        mass=body.mass if body else 0.1,
-        torque_unit=("N·m" if angular else "N") if scale else unit,
-        effort_unit=unit,
-        axis_unit=axis,
-    )
-    fast = float(np.quantile(np.abs(v), 0.95))
-    given = rig.rest_speed and rig.rest_speed * (LENGTHS | ANGLES)[rig.position.unit]
-    return sizes, given or REST * fast
-
-
-def _overlay(search: Search, base: Fit, named: Fit) -> pd.DataFrame:
-    parts = []
-    for role, problem in (("test", search.heldout), ("train", search.train)):
-        lines = {"base": problem(base.changes), "named": problem(named.changes)}
-        measured, at = problem.measured(), 0
-        for stretch in problem.stretches():
-            rows = slice(at, at + len(stretch.seconds))
-            at = rows.stop
-            columns: dict[str, Any] = {"trial": stretch.trial, "role": role}
-            columns |= {"time": stretch.seconds, "position": stretch.position}
-            columns |= {"measured": measured[rows]}
-            columns |= {name: measured[rows] + line[rows] for name, line in lines.items()}
-            parts.append(pd.DataFrame(columns))
-    return pd.concat(parts, ignore_index=True)
-
-
-def _parameters(search: Search, fit: Fit) -> dict[str, Any]:
-    about = search.train.table.about
-    return {
-        name.removeprefix("rig."): {
-            "value": e.value,
-            "low": e.low,
-            "high": e.high,
-            "unit": e.unit,
-            "nominal": about[name].nominal,
-            "bound_low": about[name].low,
-            "bound_high": about[name].high,
-            "at_bound": e.at_bound,
-            "meaning": about[name].meaning,
-        }
-        for name, e in fit.estimates.items()
-    }

@@ -4,6 +4,8 @@ from spirob.effects import Effect
 
 SPEEDS = {"motor.speed", "motor.rest_speed"}
 SLOW, FAST = 1e3, 1e4  # rest speeds at which sliding friction has settled
+LOW = (1.0, 3.0, 10.0)  # rest speeds among which a level is highest
+HIGHER = 1.1
 SETTLING = 100  # steps that a memory is given for that
 STEP = 1e-3  # s
 
@@ -18,6 +20,12 @@ def is_dry(effect: type[Effect]) -> bool:
         return False
     slow, fast, back = (_settled(effect, v) for v in (SLOW, FAST, -FAST))
     return abs(fast) > 0.0 and abs(fast - slow) < 1e-3 * abs(fast) and fast * back < 0.0
+
+
+def falls(effect: type[Effect]) -> bool:
+    """Whether the level of a dry friction is higher at low speed than at high speed."""
+    low = max(abs(_settled(effect, speed)) for speed in LOW)
+    return low > HIGHER * abs(_settled(effect, FAST))
 
 
 def _settled(effect: type[Effect], speed: float) -> float:

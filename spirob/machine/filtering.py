@@ -17,6 +17,12 @@ def smooth(values: np.ndarray, cutoff: float, period: float) -> np.ndarray:
     return np.asarray(signal.sosfiltfilt(_low_pass(cutoff, period), values, padlen=padding))
 
 
+def averaged(values: np.ndarray, count: int) -> np.ndarray:
+    """Means of every `count` samples in a row, (n // count,); what is left over is dropped."""
+    whole = len(values) // count * count
+    return np.asarray(values[:whole].reshape(-1, count).mean(axis=1))
+
+
 def before_thinning(values: np.ndarray, every: int) -> np.ndarray:
     """The zero-phase filter that goes before keeping every n-th sample, same length."""
     padding = min(60, len(values) - 1)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.diagnose.evidence import win_rates
+from spirob.diagnose.noise import noise_floor
 from spirob.effects import Effect
 from spirob.machine.equivalence import equivalents
 from spirob.machine.flexible import Ceiling
@@ -22,6 +23,7 @@ LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak 
 REST = 0.1  # of what the named effects took away: so much may be left for the flexible residual
 MOST_KEPT = 0.4  # of the squared held-out error: where more is left,
 SOME_SHARE = 0.1  # and so much of it follows from the motion, the name is a guess
+MUCH, NOISY = 0.1, 4.0  # of the effort's RMS, and times the noise: no noise leaves so much
 POOR = 0.2  # of the effort's RMS left after naming: no model to trust, whatever is left follows
 
 
@@ -82,7 +84,7 @@ def _kind(
     if doubtful:
         return "unknown"
     if not found.chosen.effects:
-        return "unknown" if structured else "nothing_missing"
+        return "unknown" if structured or _unexplained(search, found) else "nothing_missing"
     kept = found.chosen.heldout_square / max(found.rungs[0].heldout_square, 1e-300)
     if structured and left > REST * (before - after):
         return "unknown"
@@ -92,6 +94,16 @@ def _kind(
     if (kept > MOST_KEPT) + poor + follows >= 2:
         return "unknown"
     return "undecided" if any(rivals.values()) else "named"
+
+
+def _unexplained(search: Search, found: Found) -> bool:
+    """Whether far more is left than any noise, though no signal of this moment explains it.
+
+    Blows, chatter and memories do not follow from the motion of this moment.
+    """
+    noise = max(float(noise_floor(search.train)), search.worth.least)
+    left = np.sqrt(found.chosen.heldout_square)
+    return bool(left > max(MUCH * search.models.size, NOISY * noise))
 
 
 def _probability(search: Search, chosen: Model, effect: type[Effect], rivals: list[Model]) -> float:

@@ -9,6 +9,7 @@ from spirob.diagnose.evidence import block_errors
 from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.laws import shares_inertia
 from spirob.machine.screening import left_out, room
 from spirob.score import Score, score
 
@@ -17,6 +18,7 @@ ITERATIONS = 12  # of a fit
 # of differences, in scaled numbers: an inverse model is smooth, and the order of a ripple over many
 # turns needs a fine one
 STEP = 1e-3
+ROUGH = 0.02  # where blows come earlier or later by a number, and the residual is not smooth
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,9 @@ class Models:
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = 10.0 * self.size  # repairs have taken the outliers; plain least squares inside
+        step = ROUGH if any(shares_inertia(e) for e in effects) else STEP
         found = fit(
-            self.train, names, begin, robust, ITERATIONS, steps=(STEP,), exact=False, smooth=True
+            self.train, names, begin, robust, ITERATIONS, steps=(step,), exact=False, smooth=True
         )
         left = left_out(found.jacobian, found.residual, self.folds, *room(table, found))
         held = self.heldout(found.changes)

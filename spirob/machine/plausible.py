@@ -1,12 +1,17 @@
 """Do data and description fit together?  What has to be doubted before a name is believed."""
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.flexible import Ceiling
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
 
+FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 GIVEN = -0.1  # mean power over the product of RMS effort and speed: below, the axis drives
@@ -19,19 +24,23 @@ LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 def doubts(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
     said = [_senseless(search, found, rest), _backwards(search), _out_of_scale(search)]
+    residuals = found.chosen.fit.residual, found.chosen.heldout
+    said.append(strangers((search.train, search.heldout), residuals))
     if gate.condition > WEAK:
         said.append(f"The fitted numbers cannot be told apart: {gate.sentence}")
     return [text for text in said if text] + _at_bounds(search, found.chosen)
 
 
-def oddities(search: Search, bare: Model) -> list[str]:
+def oddities(search: Search, bare: Model, chosen: Model) -> list[str]:
     """What a reader should know, though it changes no name: alignment, and doubtful scales."""
     said = []
-    delay = bare.fit.estimates.get("rig.delay")
+    delay = chosen.fit.estimates.get("rig.delay")
     if delay is not None and abs(delay.value) > SEEN * search.train.recordings[0].period:
         way = "trails" if delay.value > 0 else "leads"
+        more = " or more" if delay.at_bound else ""
         said.append(
-            f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms in the logs; aligned."
+            f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms{more} in the logs; "
+            "aligned."
         )
     about = search.train.table.about
     for name in search.models.base:
@@ -62,6 +71,28 @@ def _senseless(search: Search, found: Found, rest: Ceiling) -> str:
             "even with a flexible model: are the columns of two motors exchanged, or a unit wrong?"
         )
     return ""
+
+
+def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
+    """Logs that the others' model does not fit at all; empty where there are none.
+
+    residuals  of one model on the trials of each problem
+    """
+    shares: dict[str, float] = {}
+    for problem, residual in zip(problems, residuals, strict=True):
+        for recording, (start, stop) in zip(
+            problem.recordings, pairwise(problem.edges), strict=True
+        ):
+            spread = float(np.var(problem.measured()[start:stop]))
+            missed = float(np.mean(residual[start:stop] ** 2))
+            shares[recording.name] = 1.0 - missed / max(spread, 1e-300)
+    strange = [name for name, share in shares.items() if share < STRANGE]
+    if not strange or max(shares.values()) < FAMILIAR:
+        return ""
+    return (
+        f"{', '.join(strange)}: what fits the other logs does not fit this at all: is it of "
+        "another motor, or are a sign, a unit or its columns others?"
+    )
 
 
 def _backwards(search: Search) -> str:

@@ -12,12 +12,21 @@ import numpy as np
 
 from spirob.errors import DataError, MissingChannel
 from spirob.machine import checks
-from spirob.machine.filtering import ALIAS, BELOW, before_thinning, derivative, rates, smooth
+from spirob.machine.filtering import (
+    ALIAS,
+    BELOW,
+    averaged,
+    before_thinning,
+    derivative,
+    rates,
+    smooth,
+)
 from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
 from spirob.machine.reading import read_columns
 from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, RigFile
 from spirob.machine.rows import usable
 
+FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample
 CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
 
 
@@ -112,6 +121,7 @@ def prepare(
     )
     values = {key: _si(rig, key) * value for key, value in values.items()}
     period, grids = checks.regular_grid(name, seconds, values, said)
+    period, grids = _no_finer(name, period, grids, rig, said)
     cutoff = cutoff or rig.filter.cutoff or _cutoff(grids, period)
     every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff)))
     pieces = [_piece(name, grid, rig, period, cutoff, said) for grid in grids]
@@ -119,6 +129,20 @@ def prepare(
     if used < checks.SHORTEST:
         raise DataError(f"{name}: only {used:.2g} s are left after the row filters")
     return Recording(name, period, cutoff, every, pieces, said)
+
+
+def _no_finer(
+    name: str, period: float, grids: list[dict[str, np.ndarray]], rig: RigFile, said: list[str]
+) -> tuple[float, list[dict[str, np.ndarray]]]:
+    """Grids of at most about a kilohertz, or of twenty samples in a period of a fast filter."""
+    finest = max(FINEST, 20.0 * (rig.filter.cutoff or 0.0))
+    count = int(1.0 / (period * finest) + 0.1)  # clocks differ by less between trials
+    if count < 2:
+        return period, grids
+    said.append(
+        f"{name}: means of {count} samples in a row were used, {1 / (count * period):.4g} Hz."
+    )
+    return count * period, [{n: averaged(v, count) for n, v in g.items()} for g in grids]
 
 
 def _wanted(rig: RigFile) -> dict[str, Column]:

@@ -1,19 +1,14 @@
-"""The description of a machine that nobody here has seen: `RIG.yaml`.
+"""The description of a machine that nobody here has seen: `RIG.yaml`, read by `loading`.
 
 Columns and their units, what the effort is, which numbers are known and which are fitted, the body
 behind the motor, filters and the rows that are left out.  Data, never code; an unknown key is an
 error that says where it stands.
 """
 
-from pathlib import Path
 from typing import Any, Literal
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from spirob.errors import ConfigError, MissingLog
-
-LARGEST = 2**18  # bytes of a description
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 ANGLES = {"rad": 1.0, "deg": 0.017453292519943295, "turn": 6.283185307179586}
@@ -151,7 +146,7 @@ NUMBERS = {
 
 
 class RigFile(Entry):
-    """A whole description; `spirob.machine.rig.load_rig` reads it.
+    """A whole description; `spirob.machine.loading.load_rig` reads it.
 
     predict     what the user wants predicted; effects are named in the effort in any case, because
                 a controller hides in the motion what its effort shows
@@ -172,7 +167,7 @@ class RigFile(Entry):
     control: Control | None = None
     known: dict[str, float] = {}
     fit: dict[str, Bounded] = {}
-    body: Body | Literal["none", "arm"] = "none"
+    body: Body | Literal["none"] = "none"
     filter: FilterSettings = FilterSettings()
     rows: Rows = Rows()
     rest_speed: float | None = Field(default=None, gt=0)
@@ -212,36 +207,3 @@ class RigFile(Entry):
         if self.predict == "closed_loop" and (self.control is None or self.reference is None):
             raise ValueError("predict: closed_loop needs 'control' and 'reference'")
         return self
-
-
-def load_rig(path: Path | str) -> tuple[RigFile, Path]:
-    """The description and its folder, from which its paths count.
-
-    Raises MissingLog where there is no file, ConfigError with the place of the first mistake.
-    """
-    path = Path(path)
-    if not path.is_file():
-        raise MissingLog(f"{path}: there is no such rig description")
-    if path.stat().st_size > LARGEST:
-        raise ConfigError(f"{path}: {path.stat().st_size} bytes are no description of a rig")
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeError, RecursionError) as error:
-        said = " ".join(str(error).split())
-        raise ConfigError(f"{path}: this is no YAML: {said[:200]}") from error
-    if not isinstance(content, dict):
-        raise ConfigError(f"{path}: a rig is a mapping of keys, got {type(content).__name__}")
-    try:
-        return RigFile.model_validate(content), path.parent
-    except ValidationError as error:
-        raise ConfigError(f"{path}: {_first(error)}") from error
-
-
-def _first(error: ValidationError) -> str:
-    wrong = error.errors()[0]
-    place = ".".join(str(part) for part in wrong["loc"])
-    said = wrong["msg"].removeprefix("Value error, ")
-    if wrong["type"] == "extra_forbidden":
-        said = "no such key; see docs/any_rig.md"
-    more = error.error_count() - 1
-    return f"{place + ': ' if place else ''}{said}" + (f" (and {more} more)" if more else "")

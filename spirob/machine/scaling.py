@@ -12,7 +12,7 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 from spirob.effects import Effect
-from spirob.machine.dry import is_dry
+from spirob.machine.laws import shares_inertia
 from spirob.machine.shapes import counts_periods
 from spirob.parameter import Parameter
 
@@ -26,7 +26,8 @@ REFERENCE = {  # the small rotor for which the library's nominal numbers and bou
     "mass": 0.1,  # kg
 }
 PERIODS = 2.0  # in the way travelled, for a wave to be known as one
-BRISTLE = 0.05  # of the stroke: friction that takes longer to turn round is a spring
+PLAY = 0.005  # of the stroke: less of it cannot be told from the counts of an encoder
+BRISTLE = 0.05  # of the stroke: what takes longer to turn round is a spring
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 TOKEN = re.compile(r"([A-Za-zΩµ]+)([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
 RAISED = {2: "²", 3: "³"}
@@ -111,14 +112,18 @@ class Sizes:
 def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
     """The numbers of an effect for a rig of this size.
 
-    A way in which dry friction turns round ends at a small part of the stroke: a bristle that never
-    breaks away would imitate any spring, and gravity too.  A number that counts periods of an angle
-    begins where the motion holds `PERIODS` of them: part of a wave that never came round would
-    imitate any smooth spring.
+    A way in which a memory turns round (of a bristle, of play) ends at a small part of the stroke:
+    a bristle that never breaks away would imitate any spring, and gravity too.  A number that
+    counts periods of an angle begins where the motion holds `PERIODS` of them: part of a wave that
+    never came round would imitate any smooth spring.
     """
     found = {name: sizes.parameter(about) for name, about in effect.parameters().items()}
     for name, about in found.items():
-        if is_dry(effect) and dimensions(effect.parameters()[name].unit) == {"angle": 1}:
+        if effect.state and dimensions(effect.parameters()[name].unit) == {"angle": 1}:
+            if shares_inertia(effect):
+                low, high = PLAY * sizes.stroke, BRISTLE * sizes.stroke
+                found[name] = replace(about, low=low, high=high, nominal=2.0 * low)
+                continue
             high = min(about.high, max(BRISTLE * sizes.stroke, 2.0 * about.low))
             found[name] = replace(about, high=high, nominal=min(about.nominal, high / 4.0))
         if counts_periods(effect, name):

@@ -17,9 +17,10 @@ from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.shapes import starts
-from spirob.parameter import Table
+from spirob.machine.shapes import grid, starts
+from spirob.parameter import Parameter, Table
 
+GRIDDED, WALK = 2, 6  # numbers of a shape that a grid still covers; places on a walk along one
 PROBE = 0.2  # of an amplitude's nominal value
 RIDGE = 1e-8  # of the mean square of a column
 ABSORBED = (
@@ -64,10 +65,24 @@ class Screening:
         for effect in effects:
             table = self.problem.table
             about = {f: table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
+            if len(about) - len(effect.neutral) > GRIDDED:
+                found.append(self._walked(effect, about))
+                continue
             shapes = starts(effect, about, self.residual, self._signals)
             tried = [self._offer(effect, shape) for shape in shapes]
             found.append(min(tried, key=lambda offer: offer.error))
         return sorted(found, key=lambda offer: offer.error)
+
+    def _walked(self, effect: type[Effect], about: Mapping[str, Parameter]) -> Offer:
+        """The best shape by walking along one number after the other, from the nominal ones."""
+        shape = {f: p.nominal for f, p in about.items() if f not in effect.neutral}
+        best = self._offer(effect, shape)
+        for field in [*shape, *shape]:
+            for value in grid(about[field], WALK):
+                tried = self._offer(effect, {**shape, field: value})
+                if tried.error < best.error:
+                    best, shape = tried, {**shape, field: value}
+        return best
 
     def pairs(self, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
         """All pairs of offers with the error of the two together, best first."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.alignment import only_aligns
+from spirob.machine.dry import is_dry
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kinship import related, same_wave
 from spirob.machine.models import Model, Models
@@ -19,6 +20,7 @@ from spirob.machine.screening import ABSORBED, Offer, Screening
 from spirob.machine.worth import Settings, Worth
 
 SINGLES, PAIRS, EXCHANGES = 4, 3, 3  # finalists of a round, fitted in full
+IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
 
 
 @dataclass
@@ -81,10 +83,32 @@ class Search:
             seen.add(current.names)
             self.progress(f"chosen so far: {', '.join(sorted(current.names))}")
             offers = self._screen(current, self._absent(current))
-        current = self._pruned(current)
-        found = Found(self._rungs(current), first)
-        found.rivals = {e.name(): self._rivals(current, e) for e in current.effects}
-        found.vetoed = sorted(self.vetoed - current.names)
+        return self._found(self._pruned(current), first)
+
+    def without_imitations(self, found: Found, share: float) -> Found | None:
+        """The same without its least effect, where more structure is left than that explains.
+
+        A law that is not quite the machine's leaves structure behind, and a second law takes some
+        of it: as long as more is left than it took, it stands for something else.  The first effect
+        stays; what is left beside it, the verdict has to weigh.
+
+        share  of the squared residual of the chosen model that still follows from the motion
+        """
+        chosen = found.chosen
+        if len(chosen.effects) < 2:
+            return None
+        lesser = min(
+            (self._without(chosen, e) for e in chosen.effects), key=lambda m: m.mean_square
+        )
+        fall = lesser.mean_square - chosen.mean_square
+        if share * chosen.mean_square < max(IMITATED * fall, self.worth.least**2):
+            return None
+        return self._found(self._pruned(lesser), found.offers)
+
+    def _found(self, chosen: Model, offers: list[Offer]) -> Found:
+        found = Found(self._rungs(chosen), offers)
+        found.rivals = {e.name(): self._rivals(chosen, e) for e in chosen.effects}
+        found.vetoed = sorted(self.vetoed - chosen.names)
         return found
 
     def _least(self) -> float:
@@ -178,9 +202,25 @@ class Search:
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse."""
         others = self._exchanges(model, effect)
-        return [
+        poorer = [
             m for m in others if m.numbers <= model.numbers and not self.worth.clearly(m, model)
         ]
+        return [*poorer, *self._richer(model, effect)]
+
+    def _richer(self, model: Model, effect: type[Effect]) -> list[Model]:
+        """Models with another law of dry friction that halve what is left, though it is small.
+
+        What they gain is too little to name them by, and too much to be sure of the simpler law.
+        """
+        made = []
+        for other in self.candidates if is_dry(effect) else ():
+            if not is_dry(other) or other.name() in model.names:
+                continue
+            rest = tuple(e for e in model.effects if e is not effect)
+            kept = model.effects if not related(other, model.effects) else rest
+            if not related(other, kept):
+                made.append(self.models.fitted((*kept, other), model.fit.changes))
+        return [m for m in made if self._plain(m) and self.worth.halves(model, m)]
 
     def _rungs(self, model: Model) -> list[Model]:
         """From the bare model upward, each time the effect that takes most off the error."""

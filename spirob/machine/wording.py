@@ -76,6 +76,15 @@ class Words:
             if partly
             else ""
         )
+        if self.rest.share < SOME:
+            return (
+                "Something is missing that the library does not hold: it follows from no signal "
+                "of the moment.",
+                f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS "
+                "on data left out, far more than the sensors' noise, and neither position, speed, "
+                "acceleration nor time explain it: blows, chatter or a memory would look so, and "
+                f"so would logs that do not belong together.{more}",
+            )
         return (
             f"Something is missing that the library does not hold: it depends "
             f"{depends_on(self.rest)}.",

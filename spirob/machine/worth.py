@@ -12,6 +12,8 @@ import numpy as np
 from spirob.diagnose.evidence import improvement
 from spirob.machine.models import Model
 
+HALF = 0.5
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -52,6 +54,14 @@ class Worth:
     def clearly(self, before: Model, after: Model) -> bool:
         """Whether `after` is better than a rival by enough to be preferred to a simpler one."""
         if after.mean_square > (1.0 - self.settings.better) * before.mean_square:
+            return False
+        return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
+
+    def halves(self, before: Model, after: Model) -> bool:
+        """Whether `after` leaves less than half the squared error, held out too, and surely."""
+        if after.mean_square > HALF * before.mean_square:
+            return False
+        if after.heldout_square > HALF * before.heldout_square:
             return False
         return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from spirob.machine.diagnosis import diagnose_recordings
+from spirob.machine.axis import diagnose_recordings
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import Case

@@ -44,6 +44,12 @@ def test_a_file_without_names_says_so(tmp_path):
         read_csv(path)
 
 
+def test_a_name_over_two_columns_is_said(tmp_path):
+    columns, said = read_csv(written(tmp_path / "a.csv", ",", ".", head="t{0}q{0}q"))
+    np.testing.assert_allclose(columns["q"], [row[1] for row in ROWS], atol=1e-9)
+    assert said == ["a.csv: 2 columns are called 'q'; the first is used."]
+
+
 @settings(
     max_examples=150, deadline=2000, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from spirob.errors import ConfigError, MissingLog
-from spirob.machine.rig import load_rig
+from spirob.machine.loading import load_rig
 from tests.machine.rigs import description
 
 

@@ -32,10 +32,14 @@ class Ladder(Section):
 
 
 def declared(data: ReportData) -> dict[str, dict[str, Any]]:
-    """What the library says of each named effect; a user's own file is not in it."""
+    """What the library says of each named effect; a user's own file is not in it.
+
+    Nor is the law of a plain axis, where the library's of that name acts on a tendon.
+    """
     known = all_effects()
-    names = [effect["name"] for effect in data.diagnosis["effects"]]
-    return {name: card(known[name]) for name in names if name in known}
+    titles = {effect["name"]: effect["title"] for effect in data.diagnosis["effects"]}
+    named = {n: known[n] for n, title in titles.items() if n in known and known[n].title == title}
+    return {name: card(effect) for name, effect in named.items()}
 
 
 def candidates(found: list[dict[str, Any]], chosen: set[str]) -> list[dict[str, Any]]:

@@ -1,0 +1,8 @@
+"""Our arm with its two tendons, logged by somebody else: `body: arm` in a description.
+
+description.py  which columns the two motors have, and which machine drives them
+replay.py       a log as a trial that the model can play again
+roles.py        which logs are fitted, chosen by, held out
+diagnosis.py    the arm's own search and verdict, as the document of a rig
+page.py         what the page shows besides: overlay and fitted numbers
+"""

@@ -1,0 +1,132 @@
+"""The arm's own search (`spirob.diagnose`) on logs from elsewhere, as the document of a rig."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from spirob.diagnose.atlas import atlas
+from spirob.diagnose.document import document
+from spirob.diagnose.ladder import climb
+from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.verdict import Verdict, judge
+from spirob.effects import Effect, all_effects, find_effects
+from spirob.errors import ConfigError
+from spirob.identify.measurement import Measurement
+from spirob.identify.problem import effort_rms
+from spirob.identify.residual import Residual
+from spirob.machine.arm.description import ArmFile
+from spirob.machine.arm.replay import read_arm_trial
+from spirob.machine.arm.roles import roles
+from spirob.plant import Plant
+
+SENSE = 0.3  # R² below which the currents do not belong to this motion
+SENSELESS = "No verdict: the data or the model do not fit together."
+
+
+def read(
+    rig: ArmFile, train: Sequence[Path | str], test: Sequence[Path | str]
+) -> tuple[dict[str, list[Measurement]], list[str]]:
+    """The logs by role, and what was repaired in them."""
+    trials: dict[str, list[Measurement]] = {}
+    said: list[str] = []
+    for role, paths in roles(train, test).items():
+        found = [read_arm_trial(path, rig, role) for path in paths]
+        trials[role] = [trial for trial, _ in found]
+        said += [text for _, texts in found for text in texts]
+    names = ", ".join(t.name for t in trials["validate"])
+    return trials, [*said, f"Effects are chosen by {names}, which no fit has seen."]
+
+
+def searched(
+    rig: ArmFile,
+    trials: Mapping[str, Sequence[Measurement]],
+    settings: Settings,
+    progress: Callable[[str], None],
+    candidates: Sequence[type[Effect]] | None = None,
+) -> tuple[Search, dict[str, Residual]]:
+    """The search on these trials; candidates are those of the library where none are given.
+
+    Raises ConfigError where `fit` names no number of the model.
+    """
+    own = find_effects(rig.effects)
+    library = list(all_effects().values()) if candidates is None else list(candidates)
+    absent = [e for e in library if e not in own]
+    plant = Plant(rig.machine(), [*own, *absent])
+    start = {f"{e.name()}.{f}": p.nominal for e in own for f, p in e.parameters().items()}
+    for name in rig.fit:
+        if name not in plant.table.about:
+            raise ConfigError(f"fit: the arm's model has no number '{name}'")
+    residuals = {role: Residual(plant, found) for role, found in trials.items()}
+    found = climb(residuals, [*rig.fit, *start], absent, start, settings, progress)
+    return found, residuals
+
+
+def written(
+    rig: ArmFile,
+    search: Search,
+    residuals: Mapping[str, Residual],
+    settings: Settings,
+    said: list[str],
+) -> dict[str, Any]:
+    """What `diagnosis.json` holds, with the keys of any rig's."""
+    verdict = judge(search, residuals["validate"], settings)
+    train, base = residuals["train"], search.rungs[0]
+    regimes = atlas(train, base.fit.residual[train.rows])
+    found = document(search, verdict, regimes, noise_floor(train), train.effort)
+    if base.scores["validate"].r2 < SENSE:
+        found |= _senseless(base.scores["validate"].r2)
+    for effect in found["effects"]:
+        effect["rivals"] = list(verdict.rivals)
+    return {
+        **found,
+        "rig": rig.name,
+        "predict": "effort",
+        "effort": train.effort.name,
+        "effort_rms": {
+            r: effort_rms(residuals[h]) for r, h in (("train", "train"), ("test", "heldout"))
+        },
+        "effects": found["effects"] or _contested(verdict, search, found["verdict"]),
+        "ladder": [{**rung, "test": rung["heldout"]} for rung in found["ladder"]],
+        "repairs": said,
+        "excluded": {},
+        "numbers": _numbers(search),
+        "motion": None,
+    }
+
+
+def _senseless(r2: float) -> dict[str, Any]:
+    return {
+        "verdict": "unknown",
+        "sentence": SENSELESS,
+        "explanation": (
+            f"With fitted numbers the arm's model explains {max(0.0, r2):.0%} of the current's "
+            "variance: are the columns of the two motors exchanged, a sign or a unit wrong?"
+        ),
+        "effects": [],
+    }
+
+
+def _contested(verdict: Verdict, search: Search, kind: str) -> list[dict[str, Any]]:
+    """The effects between which an undecided verdict could not choose."""
+    if kind != "undecided":
+        return []
+    rivals = set(verdict.rivals)
+    return [
+        {
+            "name": e.name(),
+            "title": e.title,
+            "probability": verdict.probability,
+            "equivalents": list(verdict.equivalents),
+            "rivals": sorted(rivals - {e.name()}),
+            "parameters": {},
+        }
+        for e in search.rungs[-1].effects
+    ]
+
+
+def _numbers(search: Search) -> dict[str, Any]:
+    return {
+        name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+        for name, e in search.rungs[-1].fit.estimates.items()
+    }

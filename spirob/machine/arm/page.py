@@ -1,0 +1,50 @@
+"""What the page of an arm's diagnosis shows besides the document."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from spirob.diagnose.rungs import Search
+from spirob.identify.residual import Residual
+from spirob.parameter import Table
+from spirob.robot import MOTORS
+
+PAGE_ROLES = {"heldout": "test", "train": "train"}
+
+
+def overlay(search: Search, residuals: Mapping[str, Residual], named: bool) -> pd.DataFrame:
+    """Current of each working motor, measured and modelled: bare, and with the named effects."""
+    models = {"base": search.rungs[0], "named": search.rungs[-1 if named else 0]}
+    parts = []
+    for role, shown in PAGE_ROLES.items():
+        residual = residuals[role]
+        for k, trial in enumerate(residual.trials):
+            found = {n: residual.respond(rung.fit.changes, k) for n, rung in models.items()}
+            for m in residual.driven(trial):
+                thin = residual.filter.thin
+                columns: dict[str, Any] = {"trial": trial.name, "role": shown}
+                columns["time"] = trial.seconds[:: residual.filter.every]
+                columns["position"] = thin(trial.displacement[:, m], trial.name)
+                columns["measured"] = thin(trial.current[:, m], trial.name)
+                columns |= {n: thin(r.current[:, m], trial.name) for n, r in found.items()}
+                parts.append(pd.DataFrame(columns).assign(motor=MOTORS[m]))
+    return pd.concat(parts, ignore_index=True)
+
+
+def parameters(search: Search, table: Table) -> dict[str, Any]:
+    """Fitted numbers of the bare model."""
+    return {
+        name: {
+            "value": e.value,
+            "low": e.low,
+            "high": e.high,
+            "unit": e.unit,
+            "nominal": table.about[name].nominal,
+            "bound_low": table.about[name].low,
+            "bound_high": table.about[name].high,
+            "at_bound": e.at_bound,
+            "meaning": table.about[name].meaning,
+        }
+        for name, e in search.rungs[0].fit.estimates.items()
+    }

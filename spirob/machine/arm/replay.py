@@ -1,0 +1,121 @@
+"""A log of the arm as a trial that the model can play again.
+
+How the arm was commanded is not in such a log, and need not be: the motor that does the work is
+made to follow the motion that was measured, the other one gets the current that was measured.  The
+error is then that of the working motor's current, and of the length that the other winds in.
+Following takes an error of the speed, i/K_v; so the measured current is fed forward as one, and
+what the controller adds is the model's own error.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from spirob.control.law import CURRENT, DISPLACEMENT
+from spirob.control.schedule import Schedule
+from spirob.errors import DataError, MissingChannel
+from spirob.identify.measurement import Measurement
+from spirob.machine import checks
+from spirob.machine.arm.description import ArmFile, MotorColumns
+from spirob.machine.filtering import derivative, smooth
+from spirob.machine.reading import read_columns
+from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column
+from spirob.plant import Rig
+from spirob.robot import MOTORS, Scene
+
+CYCLE = 1e-3  # s, of the model
+CUTOFF = 30.0  # Hz, of the motion to follow; that of the residual's filter
+BEGIN = 0.05  # s at the beginning, in which the arm has to stand
+MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
+ROOM = 2.0  # times the largest current: the model's command never reaches its limit
+
+
+def read_arm_trial(path: Path | str, rig: ArmFile, role: str) -> tuple[Measurement, list[str]]:
+    """A log as a trial of the model, and sentences about what was repaired.
+
+    Raises MissingChannel and DataError in a sentence that names the file.
+    """
+    path = Path(path)
+    columns, said = read_columns(path)
+    return arm_trial(path.name, columns, rig, role, said)
+
+
+def arm_trial(
+    name: str, columns: Mapping[str, np.ndarray], rig: ArmFile, role: str, said: list[str]
+) -> tuple[Measurement, list[str]]:
+    """Columns in the log's own units as a trial; see `read_arm_trial`."""
+    values = _regular(name, columns, rig, said)
+    displacement = np.column_stack([values[f"{m}.position"] for m in MOTORS])
+    current = np.column_stack([values[f"{m}.effort"] for m in MOTORS])
+    motion, held = (
+        np.column_stack([smooth(x, CUTOFF, CYCLE) for x in both.T])
+        for both in (displacement, current)
+    )
+    velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
+    _at_rest(name, velocity)
+    moves = int(np.argmax(np.std(current, axis=0)))
+    said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
+    schedule = Schedule(
+        mode=np.array([DISPLACEMENT if m == moves else CURRENT for m in range(len(MOTORS))]),
+        reference=np.where(np.arange(len(MOTORS)) == moves, motion, current),
+        reference_rate=velocity + held / rig.machine().gains.velocity,
+        current_limit=np.full(len(MOTORS), ROOM * float(np.abs(current).max())),
+    )
+    trial = Measurement(name, role, current, displacement, velocity, schedule, Scene())
+    return trial, said
+
+
+def _regular(
+    name: str, columns: Mapping[str, np.ndarray], rig: ArmFile, said: list[str]
+) -> dict[str, np.ndarray]:
+    """All signals in SI on the model's clock, positions in metres wound in since the beginning."""
+    wanted = {
+        f"{m}.{k}": getattr(c, k) for m, c in rig.motors().items() for k in ("position", "effort")
+    }
+    for column in (rig.time, *wanted.values()):
+        if column.column not in columns:
+            raise MissingChannel(name, column.column, list(columns))
+    seconds = _scaled(rig.time, columns) * TIME_UNITS[rig.time.unit]
+    raw = {key: np.asarray(columns[c.column], float) for key, c in wanted.items()}
+    scaled = {f"{key} scaled": _scaled(c, columns) for key, c in wanted.items()}
+    seconds, kept = checks.regular_time(name, seconds, {**raw, **scaled}, said)
+    values = {}
+    for key, column in wanted.items():
+        found = checks.finite(name, column.column, kept[f"{key} scaled"], said)
+        if key.endswith("position"):
+            checks.moving(name, column.column, found)
+            found = checks.position(name, column.column, found, kept[key], seconds, said)
+        values[key] = found * _si(rig.motors()[key.partition(".")[0]], key, rig.machine())
+    _, grids = checks.regular_grid(name, seconds, values, said)
+    if len(grids) != 1:
+        raise DataError(f"{name}: a gap; the model plays a log from its beginning, give whole ones")
+    even = np.arange(0.0, grids[0]["time"][-1], CYCLE)
+    values = {key: np.interp(even, grids[0]["time"], grids[0][key]) for key in values}
+    begin = round(BEGIN / CYCLE)
+    for motor in MOTORS:
+        values[f"{motor}.position"] -= np.median(values[f"{motor}.position"][:begin])
+    return values
+
+
+def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    return column.factor * (np.asarray(columns[column.column], float) - column.zero)
+
+
+def _si(motor: MotorColumns, key: str, machine: Rig) -> float:
+    """Factor to metres wound in, or to ampere."""
+    if key.endswith("effort"):
+        return EFFORTS["current"][motor.effort.unit]
+    unit = motor.position.unit
+    if unit in LENGTHS:
+        return LENGTHS[unit]
+    return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
+
+
+def _at_rest(name: str, velocity: np.ndarray) -> None:
+    """Raise where the log begins in the midst of a motion."""
+    first = np.abs(velocity[: round(BEGIN / CYCLE)]).mean(axis=0)
+    if np.any(first > MOVING * np.quantile(np.abs(velocity), 0.95)):
+        raise DataError(
+            f"{name}: it begins in motion; the model plays a log from the straight arm at rest"
+        )

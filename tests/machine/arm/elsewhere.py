@@ -1,0 +1,51 @@
+"""Logs of the arm as somebody else would write them: rotor angles in degrees, currents in mA."""
+
+import numpy as np
+import yaml
+
+from spirob.bench import Trial
+from spirob.bench.simulate import simulate
+from spirob.machine.arm.description import ArmFile
+from spirob.plant import Plant, Rig
+from tests.identify.known import TRIALS
+
+TURN = Rig().winch.gear_ratio / Rig().winch.radius  # rad of the rotor a metre wound in
+
+
+def description(**changes):
+    base = {
+        "name": "arm",
+        "time": {"column": "ms", "unit": "ms"},
+        "body": "arm",
+        **{
+            motor: {
+                "position": {"column": f"{motor} angle", "unit": "deg"},
+                "effort": {"column": f"{motor} current", "unit": "mA"},
+            }
+            for motor in ("left", "right")
+        },
+    }
+    return {**base, **changes}
+
+
+def rig(**changes):
+    return ArmFile.model_validate(description(**changes))
+
+
+def log(role, k, true, effects=(), every=2):
+    """Columns of a trial that the model played, at 500 Hz."""
+    plain = {"name": f"{role}_{k}", "role": role, **TRIALS[role][k]}
+    trace = simulate(Plant(Rig(), list(effects)), Trial.from_plain(plain), true, 0.002, seed=k)
+    columns = {"ms": 1e3 * trace.seconds[::every] + 5000.0}
+    for motor in ("left", "right"):
+        angle = np.degrees(TURN * trace[f"{motor}.displacement"]) + 123.0
+        columns[f"{motor} angle"] = angle[::every]
+        columns[f"{motor} current"] = 1e3 * trace[f"{motor}.current"][::every]
+    return columns
+
+
+def write(folder, **changes):
+    """The description as a file."""
+    path = folder / "rig.yaml"
+    path.write_text(yaml.safe_dump(description(**changes)))
+    return path

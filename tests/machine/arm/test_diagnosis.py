@@ -1,0 +1,67 @@
+"""The arm from anybody's CSV: the hidden effect is named, in the same words as any rig's."""
+
+import pandas as pd
+import pytest
+
+from spirob.diagnose.rungs import Settings
+from spirob.effects import all_effects
+from spirob.errors import ConfigError
+from spirob.machine.arm import diagnosis
+from spirob.machine.arm.page import overlay, parameters
+from spirob.machine.arm.roles import roles
+from spirob.machine.loading import load_rig
+from tests.machine.arm.elsewhere import log, rig, write
+
+FRICTION = all_effects()["coulomb_friction"]
+TRUE = {"winch.efficiency": 0.7, "coulomb_friction.coulomb_torque": 0.004}
+
+
+def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
+    paths = []
+    for role, k in (("train", 0), ("train", 1), ("validate", 0), ("heldout", 0)):
+        paths.append(tmp_path / f"{role}_{k}.csv")
+        pd.DataFrame(log(role, k, TRUE, [FRICTION])).to_csv(paths[-1], index=False, sep=";")
+    arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
+    trials, said = diagnosis.read(arm, paths[:3], paths[3:])
+    settings = Settings(finalists=1, rounds=1, intervals=False)
+    search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
+    document = diagnosis.written(arm, search, residuals, settings, said)
+    assert document["verdict"] == "named"
+    (found,) = document["effects"]
+    assert found["name"] == "coulomb_friction"
+    assert found["parameters"]["coulomb_torque"]["value"] == pytest.approx(0.004, rel=0.1)
+    before, after = (rung["test"]["rmse"] for rung in document["ladder"])
+    assert after < 0.4 * before
+    assert any("read with ';'" in text for text in document["repairs"])
+    shown = overlay(search, residuals, named=True)
+    assert {"trial", "role", "time", "measured", "base", "named"} <= set(shown.columns)
+    assert parameters(search, residuals["train"].table)["winch.efficiency"]["unit"] == "1"
+
+
+def test_roles_are_told_apart_or_asked_for():
+    assert roles(["a", "b", "c", "d"], ["e"]) == {
+        "train": ["a", "b", "c"],
+        "validate": ["d"],
+        "heldout": ["e"],
+    }
+    with pytest.raises(ConfigError, match="needs two logs in --train"):
+        roles(["a"], ["b"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"left": {"position": {"column": "a", "unit": "deg"}}}, "left.effort: Field required"),
+        ({"position": {"column": "q", "unit": "m"}}, "position: no such key"),
+        ({"time": {"column": "t", "unit": "hours"}}, "time: unit 'hours'"),
+    ],
+)
+def test_a_mistake_in_the_description_names_its_place(tmp_path, changes, sentence):
+    with pytest.raises(ConfigError, match=sentence):
+        load_rig(write(tmp_path, **changes))
+
+
+def test_an_unknown_number_is_named(tmp_path):
+    arm = rig(fit=["winch.colour"])
+    with pytest.raises(ConfigError, match=r"no number 'winch\.colour'"):
+        diagnosis.searched(arm, {}, Settings(), print, [])

@@ -1,0 +1,60 @@
+"""Shaft and play on a plain axis: sound as effects, and right where theory gives the answer."""
+
+import numpy as np
+import pytest
+
+from spirob.effects import all_effects
+from spirob.effects.check import check
+from spirob.effects.replay import run
+from spirob.machine.candidates import applicable
+from spirob.machine.laws import AXIS, for_axis
+from spirob.machine.laws.backlash import Backlash
+from spirob.machine.laws.gear_compliance import GearCompliance
+from spirob.machine.rig import RigFile
+from tests.machine.rigs import description
+
+DT = 1e-3
+
+
+@pytest.mark.parametrize("law", AXIS.values(), ids=AXIS)
+def test_a_law_keeps_what_every_effect_promises(law):
+    assert [f"{f.law}: {f.sentence}" for f in check(law)] == []
+
+
+def test_a_load_on_a_spring_answers_as_an_oscillator_does():
+    numbers = {"load_inertia": 0.02, "frequency": 6.0, "damping": 0.2}
+    w, own = 2 * np.pi * 3.0, 2 * np.pi * 6.0
+    t = np.arange(0, 6, DT)
+    torque, _ = run(GearCompliance, numbers, {"speed": np.cos(w * t)}, DT)
+    # ω' = Re(i·w·e^(iwt)), φ = ω'/(Ω² - w² + 2i·D·Ω·w), τ = -J·w²·φ
+    answer = -0.02 * w**2 * 1j * w / (own**2 - w**2 + 2j * 0.2 * own * w)
+    late = t > 3
+    expected = np.real(answer * np.exp(1j * w * t))
+    np.testing.assert_allclose(torque[late], expected[late], atol=0.01 * abs(answer))
+
+
+def test_a_loose_load_flies_through_its_play_and_gives_back_its_momentum():
+    numbers = {"load_inertia": 0.02, "play": 0.1, "coasting": 10.0, "frequency": 40.0}
+    step = DT / 10  # a blow lasts some milliseconds
+    t = np.arange(0, 1.5, step)
+    speed = np.where(t < 0.5, 2.0 * t, 1.0 - 4.0 * (t - 0.5))  # then 4 rad/s² of braking
+    torque, states = run(Backlash, numbers, {"speed": speed}, step)
+    flight = np.sqrt(2 * 0.1 / 4.0)  # b = d·T²/2
+    loose = (t > 0.51) & (t < 0.49 + flight)
+    assert torque[loose] == pytest.approx(-0.02 * 4.0, rel=0.1)
+    taken = 0.02 * 4.0 * flight  # of momentum in flight, which the blow gives back
+    assert abs(step * torque[t > 0.5].sum()) < 0.05 * taken
+    assert states["behind"][-1] == pytest.approx(-0.05, abs=2e-3)  # on the other flank
+
+
+def test_they_take_the_place_of_the_laws_of_a_tendon():
+    laws = for_axis(all_effects().values())
+    assert {e for e in laws if e.name() in AXIS} == set(AXIS.values())
+    possible, _ = applicable(laws, RigFile.model_validate(description()), False, 0.0, True)
+    assert set(AXIS.values()) <= set(possible)
+
+
+def test_a_rig_without_inertia_has_no_load_to_leave_behind():
+    rig = description(known={"inertia": 0.0}, fit={"viscous": description()["fit"]["viscous"]})
+    _, excluded = applicable(list(AXIS.values()), RigFile.model_validate(rig), False, 0.0, True)
+    assert set(excluded) == set(AXIS)
