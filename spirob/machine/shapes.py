@@ -74,7 +74,13 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
     if not angles or effect.state:
         return False
     rng = np.random.default_rng(0)
-    values = {f: rng.uniform(0.2, 0.8) * (p.high - p.low) + p.low for f, p in _bounds(effect)}
+    # a second wave may have any ratio to the first; what comes round is that of a whole number
+    values = {
+        f: rng.uniform(0.2, 0.8) * (p.high - p.low) + p.low
+        if f in (field, *effect.neutral)
+        else p.nominal
+        for f, p in _bounds(effect)
+    }
     values |= {argument: rng.uniform(0.5, 1.5) for argument in effect.reads}
     values |= {"upstream": 1.0} if is_pipe(effect) else {}
     values |= {"dt": 1e-3} if "dt" in effect.arguments() else {}

@@ -76,11 +76,13 @@ class Project:
             start_new_session=True,
         )
         assert process.stdout is not None
+        said = []
         for line in process.stdout:
+            said.append(line)
             if f"pipeline.{stage}" in line:
                 break
         else:
-            process.wait()
+            assert process.wait() == 0, "".join(said)
             return False
         time.sleep(after)
         with suppress(ProcessLookupError):  # it may have come to its end

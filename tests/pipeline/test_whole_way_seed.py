@@ -1,0 +1,83 @@
+"""The whole way on short trials: complete, idempotent, blind to the truth, survives a kill."""
+
+import json
+import random
+import shutil
+import sys
+
+import pytest
+
+from tests.pipeline.project import DECIDING, SHORT, Project
+
+STAGES = {  # in the order in which they run: about how long each takes [s]
+    "config": 3,
+    "collect": 6,
+    "decode": 3,
+    "identify": 8,
+    "compare": 4,
+    "diagnose": 15,
+    "experiments": 6,
+    "features": 5,
+    "train": 4,
+    "transfer": 8,
+    "evaluate": 4,
+    "trial": 20,
+    "report": 4,
+}
+METRICS = ["compare", "diagnose", "experiments", "identify", "score", "size", "transfer", "trial"]
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    project = Project(tmp_path_factory.mktemp("project"), SHORT)
+    project.repro()
+    return project
+
+
+def test_report_and_metrics_are_there(finished):
+    page = (finished.root / "reports/index.html").read_text()
+    assert "<html" in page
+    assert sorted(finished.metrics()) == [f"{name}.json" for name in METRICS]
+    size = json.loads(finished.metrics()["size.json"])
+    assert {"mae", "rmse", "r2", "std"} <= set(size["robot"])
+    assert {"mae", "rmse", "r2", "std"} <= set(size["simulation"])
+    assert "diagnose.json" in finished.run(sys.executable, "-m", "dvc", "metrics", "show")
+
+
+def test_a_second_run_has_nothing_to_do(finished):
+    assert "up to date" in finished.repro()
+
+
+def test_no_log_and_no_public_file_names_the_hidden_effect(finished):
+    hidden = b"guide_friction"
+    open_files = [p for p in (finished.root / "data").rglob("*") if p.is_file()]
+    open_files = [p for p in open_files if p.name not in ("hidden.yaml", "truth.json")]
+    assert any(p.suffix == ".mcap" for p in open_files)
+    assert [p for p in open_files if hidden in p.read_bytes()] == []
+
+
+def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
+    """The truth file is deleted and the configuration names another hidden effect."""
+    blind = tmp_path / "blind"
+    shutil.copytree(finished.root, blind, ignore=shutil.ignore_patterns(".dvc", ".git"))
+    decided = Project.__new__(Project)
+    decided.root = blind
+    shutil.rmtree(blind / "data/truth")
+    decided.override([*SHORT, "robot.hidden.effect=winding_heating", "robot.hidden.seed=99"])
+    decided.stage("config")
+    assert b"winding_heating" in (blind / "data/config/hidden.yaml").read_bytes()
+    for stage in ("decode", *DECIDING):
+        decided.stage(stage)
+    for file in ("data/identified/base.json", "data/diagnosis/diagnosis.json"):
+        assert (blind / file).read_bytes() == (finished.root / file).read_bytes()
+
+
+def test_a_run_that_is_killed_in_every_stage_ends_with_the_same_metrics(finished, tmp_path):
+    seed = 599010  # a moment of its own in each stage, another in each run
+    rng = random.Random(seed)
+    killed = Project(tmp_path / "killed", SHORT)
+    hit = [name for name, s in STAGES.items() if killed.kill_repro_at(name, rng.uniform(0, s))]
+    killed.repro()
+    assert killed.metrics() == finished.metrics(), f"seed {seed}, killed in {hit}"
+    assert (killed.root / "reports/index.html").stat().st_size > 1e6
+    assert len(hit) > len(STAGES) / 2, f"seed {seed}: only {hit} still had something to do"
