@@ -21,6 +21,7 @@ SHORT = [
     "trial=short",
 ]
 READMES = ("data/sweep/README.md", "data/recorded/README.md")
+TRIES = 3  # of a run that DVC refuses
 DECIDING = ("identify", "compare", "diagnose")  # stages that must not know the truth
 
 
@@ -64,8 +65,25 @@ class Project:
         """Start `dvc repro`, wait until a stage runs, kill everything `after` seconds later.
 
         False where the stage had nothing to do any more.  A kill may hit DVC while it writes its
-        own files; what `spirob run` does about that is done here, too.
+        own files; what `spirob run` does about that is done here, too.  A run that DVC refuses is
+        tried again, as a user would, and its words are the failure where it goes on refusing.
         """
+        for _ in range(TRIES):
+            process, said = self._until(stage)
+            if process.poll() is None:
+                time.sleep(after)
+                with suppress(ProcessLookupError):  # it may have come to its end
+                    os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+                discard_torn(self.root)
+                return True
+            if process.returncode == 0:
+                return False
+            time.sleep(5.0)
+        raise AssertionError(f"before '{stage}' DVC went on refusing:\n{said}")
+
+    def _until(self, stage: str) -> tuple[subprocess.Popen[str], str]:
+        """`dvc repro`, still running at a stage or at its end, and what it said so far."""
         process = subprocess.Popen(
             [sys.executable, "-m", "dvc", "repro"],
             cwd=self.root,
@@ -80,17 +98,9 @@ class Project:
         for line in process.stdout:
             said.append(line)
             if f"pipeline.{stage}" in line:
-                break
-        else:
-            assert process.wait() == 0, "".join(said)
-            return False
-        time.sleep(after)
-        with suppress(ProcessLookupError):  # it may have come to its end
-            os.killpg(process.pid, signal.SIGKILL)
-        process.stdout.close()
+                return process, "".join(said)
         process.wait()
-        discard_torn(self.root)
-        return True
+        return process, "".join(said)
 
     def metrics(self) -> dict[str, bytes]:
         """All metrics files, byte for byte."""
