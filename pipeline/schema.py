@@ -91,7 +91,7 @@ class Diagnose(Strict):
     candidates: list[str] = []
     finalists: int = Field(4, ge=1, le=100)
     rounds: int = Field(2, ge=0, le=10)
-    floor: float = Field(0.005, gt=0, lt=1)
+    floor: float = Field(0.004, gt=0, lt=1)
     rest: float = Field(0.006, gt=0, lt=1)
     further: float = Field(0.25, ge=0, le=1)
     confidence: float = Field(0.9, gt=0.5, le=1)

@@ -12,7 +12,7 @@ from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS
 
 ZERO = encode_command((0.0,) * len(MOTORS))
-LOST = 0.01  # of the cycles without feedback of a motor
+LOST = 0.01  # of the feedback of a motor
 LATE = 0.01  # of the cycles that were skipped
 WARM_UP = 100  # cycles that do not count
 DRIFT = 1e-3  # of the clock that times the cycles against the wall's
@@ -23,7 +23,7 @@ class Paces:
     """What came of it.
 
     cycles   played;  skipped  not played because the computer was late
-    rate     feedback a second of each motor;  lost  fraction of cycles without any
+    rate     feedback a second of each motor;  lost  fraction of it that never came
     longest  cycles in a row without feedback of each motor
     delay    from command to feedback [s], 50 %, 99 % and the most, of each motor
     lateness of the cycles' ends [s], 50 %, 99 % and the most
@@ -79,7 +79,10 @@ def _motor(found: Paces, heard: list[list[CanFrame]], m: int, motor: str, second
     if not delays:
         raise HardwareError(f"no feedback from motor {motor}")
     found.rate[motor] = len(delays) / seconds
-    found.lost[motor] = float(np.mean(np.array(missing) > 0))
+    # answers that come as a cycle ends fall now into this one, now into the next: none is lost,
+    # and one may still be on its way
+    short = len(heard) - len(delays)
+    found.lost[motor] = short / len(heard) if short > 1 else 0.0
     found.longest[motor] = max(missing)
     found.delay[motor] = _spread(np.array(delays))
 
@@ -92,8 +95,8 @@ def _judge(found: Paces) -> None:
     for motor in MOTORS:
         if found.lost[motor] > LOST:
             found.faults.append(
-                f"motor {motor}: {100 * found.lost[motor]:.1f} % of the cycles had no feedback, "
-                f"at most {100 * LOST:g} % may"
+                f"motor {motor}: {100 * found.lost[motor]:.1f} % of the feedback never came, "
+                f"at most {100 * LOST:g} % may be lost"
             )
     if found.skipped > LATE * found.cycles:
         found.faults.append(

@@ -10,10 +10,9 @@ to first order in q farther out than that of the rigid unit by
 
     r_n - r_1 = L q/12·(1 - 1/n²):
 
-1 mm for a base unit of 38 mm on a 70 mm cylinder with n = 2, twice that in diameter.  So the edges
-are carried outwards by this much in each step, for as long as there is something to touch.  The
-moment that a contact does along with this small motion is left out: a thirtieth of what it does on
-the nearest hinge.
+with n = 2 a sixteenth of L q.  So the edges are carried outwards by this much in each step, for as
+long as there is something to touch.  The moment that a contact does along with this small motion is
+left out: with n = 2, on each of the two hinges a sixteenth of what it does on the nearer one.
 """
 
 import mujoco

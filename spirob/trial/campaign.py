@@ -32,6 +32,11 @@ def cases(
     return chosen + [Case("none", first + k) for k in range(nulls)]
 
 
+def left(chosen: Sequence[Case], folder: Path) -> list[Case]:
+    """The cases that have no result yet."""
+    return [case for case in chosen if not _path(folder, case).exists()]
+
+
 def play(
     chosen: Sequence[Case],
     folder: Path,
@@ -41,7 +46,7 @@ def play(
 ) -> list[dict[str, Any]]:
     """Run the cases that have no result yet; all results in the order of `chosen`."""
     for attempt in range(ATTEMPTS):
-        todo = [case for case in chosen if not _path(folder, case).exists()]
+        todo = left(chosen, folder)
         if not todo:
             break
         jobs = (delayed(_one)(case, folder, settings) for case in todo)

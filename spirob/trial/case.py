@@ -15,11 +15,12 @@ from spirob.diagnose.verdict import judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.measurement import Measurement
+from spirob.identify.numbers import FITTED
 from spirob.identify.problem import Problem, effort_rms
 from spirob.plant import Plant, Rig
 from spirob.trial.answers import ANSWERS
 from spirob.trial.oracle import oracle
-from spirob.trial.played import NUMBERS, problems_of, recorded
+from spirob.trial.played import problems_of, recorded
 from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, strength_of
 from spirob.trial.visibility import left
 
@@ -50,7 +51,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     hidden, trials = _drawn(case)
     library = list(all_effects().values())
     problems = problems_of(trials, Plant(Rig(), library))
-    search = climb(problems, NUMBERS, library, {}, settings)
+    search = climb(problems, FITTED, library, {}, settings)
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
         "kind": case.kind,
@@ -60,7 +61,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     found = [{**about, "without": False, **_outcome(search, problems, best, settings)}]
     if case.without:
         kept = [e for e in library if e.name() not in _right_names(case)]
-        blind = climb(problems, NUMBERS, kept, {}, settings, known=search)
+        blind = climb(problems, FITTED, kept, {}, settings, known=search)
         found.append({**about, "without": True, **_outcome(blind, problems, best, settings)})
     return found
 

@@ -15,18 +15,6 @@ from spirob.plant import Plant, Rig
 from spirob.robot import Scene
 from spirob.trial.bends import bends
 
-NUMBERS = (
-    "winch.efficiency",
-    "motor.rotor_damping",
-    "motor.rotor_inertia",
-    "arm.base_stiffness",
-    "arm.damping_time",
-    "arm.bends_per_hinge",
-    "tendon.stiffness",
-    "winch.efficiency_difference",
-    "motor.rotor_damping_difference",
-)
-
 
 def recorded(hidden: HiddenSettings, seed: int) -> dict[str, list[Measurement]]:
     """Play all trials over the bus, and decode their logs."""

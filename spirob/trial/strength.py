@@ -3,7 +3,7 @@
 The strength is drawn so that knowing the effect would bring the held-out error to between 0.3 and
 0.4 of what it is without, from √(f² + (v s)²) to f: f is left with nothing hidden, and v is what
 the effect leaves at strength 1 after all numbers of the model are fitted.  Weaker effects are no
-fair question: diagnosis calls nothing an effect that carries less than 0.5 % of the current.
+fair question: diagnosis calls nothing an effect that carries less than 0.4 % of the current.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 
 from spirob.errors import ConfigError
 
-LEFT = 0.27  # % of the current's RMS with nothing hidden: 0.23 to 0.31 on nine of ten robots
+LEFT = 0.27  # % of the current's RMS with nothing hidden: 0.23 to 0.32 on most robots
 RATIOS = (0.3, 0.4)  # of the errors with and without knowing
 LARGEST = 3.0  # strength
 FACTOR = 4.0  # of one adjustment, at most

@@ -18,9 +18,10 @@ from spirob.diagnose.rungs import Settings
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.fit import STEPS, fit
 from spirob.identify.measurement import Measurement
+from spirob.identify.numbers import FITTED
 from spirob.identify.problem import effort_rms
 from spirob.plant import Plant, Rig
-from spirob.trial.played import NUMBERS, problems_of, recorded
+from spirob.trial.played import problems_of, recorded
 from spirob.trial.strength import SIZES, VISIBLE, adjusted, beside, strength_of
 
 
@@ -32,7 +33,7 @@ def left(trials: dict[str, list[Measurement]]) -> float:
     problems = problems_of(trials, Plant(Rig(), []))
     settings = Settings()
     steps, patience = STEPS[:1], settings.patience
-    found = fit(problems["train"], NUMBERS, {}, settings.scale, patience, steps=steps, exact=False)
+    found = fit(problems["train"], FITTED, {}, settings.scale, patience, steps=steps, exact=False)
     shares = []
     for problem in (problems["validate"], problems["heldout"]):
         errors = problem(found.changes)[problem.rows]

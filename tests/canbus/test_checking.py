@@ -3,6 +3,7 @@
 import time
 
 import can
+import numpy as np
 import pytest
 
 from spirob.can_protocol import COMMAND_ID, decode_command
@@ -54,7 +55,24 @@ def test_lost_frames_are_counted_and_named():
     found = check(Quiet(thinned), 0.5)
     assert found.lost == {"left": 0.0, "right": pytest.approx(0.2)}
     assert found.longest == {"left": 0, "right": 2}
-    assert "motor right: 20.0 % of the cycles had no feedback" in found.faults[0]
+    assert "motor right: 20.0 % of the feedback never came" in found.faults[0]
+
+
+def test_answers_on_the_edge_between_two_cycles_are_not_lost():
+    random, held = np.random.default_rng(0), []
+
+    def late(k, frames):
+        now = [*held, *(f for f in frames if f.arbitration_id != 0x202)]
+        held.clear()
+        (held if random.random() < 0.5 else now).extend(
+            f for f in frames if f.arbitration_id == 0x202
+        )
+        return sorted(now, key=lambda f: f.arbitration_id)
+
+    found = check(Quiet(late), 0.5)
+    assert found.longest["right"] == 1
+    assert found.lost == {"left": 0.0, "right": 0.0}
+    assert not [f for f in found.faults if "motor" in f]
 
 
 def test_a_motor_that_never_answers_is_named():

@@ -81,8 +81,9 @@ def _check(arguments: argparse.Namespace) -> int:
         robot.close()
     for motor, rate in found.rate.items():
         print(
-            f"{motor}: {rate:.1f} feedback frames/s, {100 * found.lost[motor]:.2f} % of cycles "
-            f"without, at most {found.longest[motor]} in a row; delay {_micro(found.delay[motor])}"
+            f"{motor}: {rate:.1f} feedback frames/s, {100 * found.lost[motor]:.2f} % lost; "
+            f"cycles without: at most {found.longest[motor]} in a row; "
+            f"delay {_micro(found.delay[motor])}"
         )
     print(f"cycles: {found.cycles}, {found.skipped} skipped; lateness {_micro(found.lateness)}")
     print(f"clock: {1e6 * found.drift:+.0f} ppm against the wall clock")

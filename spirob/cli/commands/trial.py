@@ -46,14 +46,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     from spirob.cli.progress import Progress
     from spirob.logs.atomic import write_text
-    from spirob.trial.campaign import cases, play
+    from spirob.trial.campaign import cases, left, play
     from spirob.trial.rates import rates
 
     seeds = _seeds(arguments.seeds)
     kinds = _kinds(arguments.kinds)
     chosen = cases(kinds, seeds, arguments.nulls, arguments.without)
-    left = [case.name for case in chosen if not (arguments.out / f"{case.name}.json").exists()]
-    with Progress(left) as progress:
+    with Progress([case.name for case in left(chosen, arguments.out)]) as progress:
         results = play(chosen, arguments.out, arguments.workers, tell=_told(progress))
     found = rates(results)
     for name, one in found.items():

@@ -6,22 +6,12 @@ from typing import Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from spirob.control.law import Gains
+from spirob.identify.numbers import FITTED
 from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, Entry
 from spirob.plant import Rig
 
 TIGHT = 3.0  # times the bandwidth of the machine's own controller
 TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
-FITTED = (
-    "winch.efficiency",
-    "motor.rotor_damping",
-    "motor.rotor_inertia",
-    "arm.base_stiffness",
-    "arm.damping_time",
-    "arm.bends_per_hinge",
-    "tendon.stiffness",
-    "winch.efficiency_difference",
-    "motor.rotor_damping_difference",
-)
 
 
 class MotorColumns(Entry):
