@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnose.orders import best_orders
+from spirob.diagnose.waves import BY_LOAD, answers, following
 from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.identify.descent import Anchor, corrected, linear_step, robust_cost
@@ -25,8 +26,8 @@ from spirob.identify.scaling import Scaling
 
 NUMBER = 0.1  # step of a fitted number
 PROBE = 0.2  # of an amplitude's nominal value: small, yet far above rounding
-RIPPLES = {"motor.torque": False, "motor.drive_torque": True}  # does it grow with the effort?
 TRIED = 0.5  # of the nominal value, where the derivatives promise nothing
+SEEN = 0.1  # of the residual's RMS: what changes less of it is nothing
 # candidates simulated in each; on eight robots the right one was promised 1st to 4th place
 HEATS = (20, 8)
 STEPS = 2  # of the linear problem, whose weights follow the residual
@@ -52,14 +53,15 @@ class Screened:
 class _Runner:
     """A candidate on its way: coordinates, residual there, derivatives, cost with the anchor.
 
-    probe  step of its first amplitude, with which it was differentiated
+    absent  coordinates of its own amplitudes at which it vanishes
+    probe   step of the first of them, with which it was differentiated
     """
 
     effect: type[Effect]
     scaling: Scaling
     anchor: Anchor
     fixed: Mapping[str, float]
-    own: int
+    absent: np.ndarray
     probe: float
     u: np.ndarray
     residual: np.ndarray
@@ -142,9 +144,9 @@ def _started(
         slopes = np.column_stack([*first, *((next(seen) - base.residual) / w for w in moves)])
         anchor = anchor_of(problem, scaling)
         cost = robust_cost(base.residual, scale) + anchor.cost(u)
-        own = len(moves)
+        absent = u[-len(moves) :]
         runner = _Runner(
-            effect, scaling, anchor, fixed, own, moves[0], u, base.residual, slopes, cost
+            effect, scaling, anchor, fixed, absent, moves[0], u, base.residual, slopes, cost
         )
         runners.append(runner)
     return runners
@@ -155,11 +157,12 @@ def _orders(
 ) -> dict[str, dict[str, float]]:
     """Orders of the ripples among the candidates, from the residual."""
     found = {}
-    for effect in candidates:
-        if "order" in effect.parameters() and effect.port in RIPPLES:
+    ripples = [e for e in candidates if "order" in e.parameters() and e.port in BY_LOAD]
+    if ripples and problem.rotors():
+        trials = answers(problem, base, ripples[0])
+        for effect in ripples:
             waves = [name for name in ("order", "ratio") if name in effect.parameters()]
-            by_load = RIPPLES[effect.port]
-            orders = best_orders(problem, base.residual, base.jacobian, by_load, len(waves))
+            orders = best_orders(base, following(trials, effect), len(waves))
             values = [orders[0] if k == 0 else n / orders[0] for k, n in enumerate(orders)]
             found[effect.name()] = {
                 f"{effect.name()}.{name}": float(np.clip(value, about.low, about.high))
@@ -206,10 +209,11 @@ def _heat(problem: Problem, runners: Sequence[_Runner], scale: float) -> list[_R
 
 
 def _goal(runner: _Runner, scale: float) -> np.ndarray:
-    scaling, u, own = runner.scaling, runner.u, runner.own
+    scaling, u, own = runner.scaling, runner.u, len(runner.absent)
     box = scaling.around(u)
     goal = _solved(runner, box, scale)
-    if np.any(np.abs(goal[-own:] - u[-own:]) > 0.1 * abs(runner.probe)):
+    change = runner.slopes[:, -own:] @ (goal[-own:] - runner.absent)
+    if np.linalg.norm(change) > SEEN * np.linalg.norm(runner.residual):
         return goal
     # no slope towards it: look at a size that would be seen
     k = len(u) - own

@@ -49,7 +49,6 @@ class Stretch:
     effort    as measured
     still     speed below which the axis counts as standing, in the unit of velocity
     forward, backward    what the two directions are called
-    angle     of the rotor [rad], where it is known
     """
 
     trial: str
@@ -61,7 +60,19 @@ class Stretch:
     still: float
     forward: str
     backward: str
-    angle: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """A motor in one trial, unfiltered: what a ripple over its turns follows.
+
+    angle   [rad];  effort  as measured, both (n,)
+    every   the residual keeps every n-th sample
+    """
+
+    angle: np.ndarray
+    effort: np.ndarray
+    every: int
 
 
 class Problem(Protocol):
@@ -101,6 +112,9 @@ class Problem(Protocol):
 
     def stretches(self) -> list[Stretch]:
         """What was going on along the residual; the stretches follow one another as it does."""
+
+    def rotors(self) -> list[list[Rotor]]:
+        """All motors of each trial; none where their angles are not known."""
 
     def raw(self) -> list[np.ndarray]:
         """The measured effort before any filter, one array for each stretch."""

@@ -16,7 +16,7 @@ from scipy import signal
 
 from spirob.control.law import CURRENT
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import Effort, Stretch
+from spirob.identify.problem import Effort, Rotor, Stretch
 from spirob.parameter import Table
 from spirob.plant import Plant, Response
 from spirob.robot import MOTORS
@@ -100,6 +100,22 @@ class Residual:
         """One stretch for each driven motor of each trial."""
         return [self._stretch(t, m) for t in self.trials for m in self.driven(t)]
 
+    def rotors(self) -> list[list[Rotor]]:
+        """All motors of each trial; their angles follow from the lengths they have wound in."""
+        winch = self.plant.rig.winch
+        turn = winch.gear_ratio / winch.radius  # rad/m
+        return [
+            [
+                Rotor(
+                    t.first_angle[m] + t.displacement[:, m] * turn,
+                    t.current[:, m],
+                    self.filter.every,
+                )
+                for m in range(len(MOTORS))
+            ]
+            for t in self.trials
+        ]
+
     def raw(self) -> list[np.ndarray]:
         """Unfiltered current of each driven motor of each trial [A]."""
         return [t.current[:, m] for t in self.trials for m in self.driven(t)]
@@ -151,14 +167,7 @@ class Residual:
             STILL,
             "winding in",
             "paying out",
-            trial.first_angle[motor] + position * self._turn,
         )
-
-    @property
-    def _turn(self) -> float:
-        """Rotor angle a metre wound in [rad/m]."""
-        winch = self.plant.rig.winch
-        return winch.gear_ratio / winch.radius
 
     def _others(self, trial: Measurement) -> list[int]:
         """Motors whose length is compared: beside one that pulls."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.identify.problem import Effort, Stretch
+from spirob.identify.problem import Effort, Rotor, Stretch
 from spirob.machine.asked import AskedEffort
 from spirob.machine.body import RigidBody
 from spirob.machine.motion import kept_rows, motion_of
@@ -100,6 +100,10 @@ class InverseProblem:
             )
             for kept in kept_rows(self.recordings)
         ]
+
+    def rotors(self) -> list[list[Rotor]]:
+        """None: which orders a ripple has, `screening` finds by playing them."""
+        return []
 
     def raw(self) -> list[np.ndarray]:
         """The unfiltered effort of each piece."""

@@ -7,13 +7,19 @@ from spirob.parameter import bounded
 
 
 class TorqueRipple(Effect):
-    """τ → τ·(1 + a·sin Nθ + b·cos Nθ): the motor's torque k_t·i ripples with the angle."""
+    """τ → τ·(1 + a·sin Nθ + b·cos Nθ + a_2·sin κNθ + b_2·cos κNθ): k_t·i ripples with the angle.
+
+    A weak magnet shows once a turn, an offset of a phase current once and its gain twice an
+    electrical turn, so a second wave of an order of its own (κN) stands beside the first.
+    """
 
     port = "motor.drive_torque"
     reads = {"angle": "motor.angle"}
-    neutral = {"sine": 0.0, "cosine": 0.0}
+    neutral = {"sine": 0.0, "cosine": 0.0, "second_sine": 0.0, "second_cosine": 0.0}
     traits = {"rate_independent"}
-    equation = "upstream*(1 + a*sin(N*angle) + b*cos(N*angle))"
+    equation = (
+        "upstream*(1 + a*sin(N*angle) + b*cos(N*angle) + a_2*sin(κ*N*angle) + b_2*cos(κ*N*angle))"
+    )
     title = "torque ripple of the motor"
     signature = "A ripple periodic in the motor's angle whose size grows with the current."
     explanation = (
@@ -29,9 +35,15 @@ class TorqueRipple(Effect):
 
     sine: float = bounded(0.03, -0.3, 0.3, "1", "a", "relative amplitude in phase")
     cosine: float = bounded(0.0, -0.3, 0.3, "1", "b", "relative amplitude in quadrature")
+    second_sine: float = bounded(0.0, -0.3, 0.3, "1", "a_2", "second wave in phase")
+    second_cosine: float = bounded(0.0, -0.3, 0.3, "1", "b_2", "second wave in quadrature")
     order: float = bounded(6.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor")
+    ratio: float = bounded(2.0, 1e-3, 1e3, "1", "κ", "order of the second wave over N", log=True)
 
     @staticmethod
-    def kernel(upstream, angle, sine, cosine, order):
+    def kernel(upstream, angle, sine, cosine, second_sine, second_cosine, order, ratio):
         """Torque of the motor at the rotor [N·m]."""
-        return upstream * (1.0 + sine * math.sin(order * angle) + cosine * math.cos(order * angle))
+        one, two = order * angle, ratio * order * angle
+        first = sine * math.sin(one) + cosine * math.cos(one)
+        second = second_sine * math.sin(two) + second_cosine * math.cos(two)
+        return upstream * (1.0 + first + second)
