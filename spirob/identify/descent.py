@@ -22,12 +22,12 @@ class Anchor:
     """Σ((u - place)/width)² is added to the squared residual over noise².
 
     place   coordinates that the data have to argue against
-    width   by how much at one standard deviation
+    width   by how much at one standard deviation, (n,) or one for all
     noise   residual of one independent sample that counts as one, in its unit
     """
 
     place: np.ndarray
-    width: float
+    width: np.ndarray | float
     noise: float
 
     def cost(self, u: np.ndarray) -> float:
@@ -35,12 +35,12 @@ class Anchor:
         return 0.5 * float(np.sum(((u - self.place) * self._weight) ** 2))
 
     @property
-    def _weight(self) -> float:
+    def _weight(self) -> np.ndarray | float:
         return self.noise / self.width
 
     def rows(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the linear problem and their residual."""
-        return self._weight * np.eye(len(u)), self._weight * (u - self.place)
+        return np.eye(len(u)) * self._weight, self._weight * (u - self.place)
 
 
 @dataclass(frozen=True)

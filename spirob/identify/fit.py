@@ -30,6 +30,7 @@ from spirob.parameter import Table
 STEPS = (0.3, 0.03)
 SETTLED = 2e-3  # relative fall of the cost in a step that ends the fit: 0.1 % of the RMS
 ANCHOR = 0.5  # relative width of what the data sheet says of a number, at one deviation
+LOOSE = 5.0  # the same of an effect's strength: its nominal value is that of some other machine
 FLOOR = 0.01  # of the effort's RMS: how well a model of a real machine may be expected to fit
 INDEPENDENT = 10  # samples of the residual that say the same thing
 WALKERS = 2  # of the spread starts, that walk down beside the given one
@@ -126,8 +127,9 @@ def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
     """Where the data say nothing, the data sheet does: numbers nominal, effects absent."""
     table = residual.table
     values = {n: float(table.values[table.position(n)]) for n in scaling.names}
+    widths = [LOOSE if v != table.about[n].nominal else ANCHOR for n, v in values.items()]
     noise = FLOOR * effort_rms(residual) * np.sqrt(INDEPENDENT)
-    return Anchor(scaling.scaled(values), ANCHOR, noise)
+    return Anchor(scaling.scaled(values), np.array(widths), noise)
 
 
 def best_start(

@@ -8,10 +8,12 @@ the residual's own noise gives it.  It is part of the intervals: one deviation o
 `fit.ANCHOR` of the number.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from spirob.identify.descent import Anchor, corrected, linear_step, robust_cost
-from spirob.identify.fit import ANCHOR, Fit, anchor_of
+from spirob.identify.fit import Fit, anchor_of
 from spirob.identify.intervals import block_scatter, estimates
 from spirob.identify.problem import Problem
 from spirob.identify.scaling import Scaling
@@ -24,11 +26,11 @@ def polished(problem: Problem, found: Fit, scale: float) -> Fit:
     """A fit with exact derivatives, taken to its optimum; `scale` is that of the robust loss."""
     scaling = Scaling(problem.table, list(found.estimates))
     fixed = {k: v for k, v in found.changes.items() if k not in found.estimates}
-    place = anchor_of(problem, scaling).place
+    held = anchor_of(problem, scaling)
     u, residual, slopes = scaling.scaled(found.changes), found.residual, found.jacobian
     evaluations = 0
     while True:
-        anchor, covariance = _weighed(problem, residual, slopes, scale, place)
+        anchor, covariance = _weighed(problem, residual, slopes, scale, held)
         if evaluations == MOST:
             break
         low, high = scaling.around(u)
@@ -53,15 +55,14 @@ def polished(problem: Problem, found: Fit, scale: float) -> Fit:
 
 
 def _weighed(
-    problem: Problem, residual: np.ndarray, slopes: np.ndarray, scale: float, place: np.ndarray
+    problem: Problem, residual: np.ndarray, slopes: np.ndarray, scale: float, held: Anchor
 ) -> tuple[Anchor, np.ndarray]:
     """The anchor at the noise that the residual shows, and the covariance of the anchored fit.
 
-    cov = A⁻¹ (G + s² Λ) A⁻¹,   A = H + Λ,   Λ = (s/width)² 1,   s² = tr(H⁻¹ G)/n
+    cov = A⁻¹ (G + s² Λ) A⁻¹,   A = H + Λ,   Λ = diag(s/width)²,   s² = tr(H⁻¹ G)/n
     """
     hessian, scatter = block_scatter(slopes, residual, problem.edges, scale, problem.block)
-    noise = float(np.sqrt(np.trace(np.linalg.pinv(hessian, rcond=1e-12) @ scatter) / len(place)))
-    anchor = Anchor(place, ANCHOR, noise)
-    held = (noise / ANCHOR) ** 2 * np.eye(len(place))
-    inverse = np.linalg.pinv(hessian + held, rcond=1e-12)
-    return anchor, inverse @ (scatter + noise**2 * held) @ inverse
+    noise = float(np.sqrt(np.trace(np.linalg.pinv(hessian, rcond=1e-12) @ scatter) / len(hessian)))
+    stiffness = np.eye(len(hessian)) * (noise / held.width) ** 2
+    inverse = np.linalg.pinv(hessian + stiffness, rcond=1e-12)
+    return replace(held, noise=noise), inverse @ (scatter + noise**2 * stiffness) @ inverse
