@@ -49,17 +49,20 @@ def climb(
     names  parameters fitted at every rung;  start  where their fit begins.  What the data do not
            tell without an effect stays at its place on the first rung only: with the effect that
            is missing it may well be told
-    known  an earlier search of the same trials among more candidates: its fit of the parameters
-           alone and its first screening are taken over, less who does not take part now
+    known  an earlier search of the same trials, begun or among more candidates: its fit of the
+           parameters alone and its first screening are taken over, less who does not take part now
     """
     train, validate = residuals["train"], residuals["validate"]
-    search = _known(known) if known else _begun(residuals, names, start, settings)
+    search = _known(known) if known else begun(residuals, names, start, settings)
     progress(f"parameters only: {line(search.rungs[0].scores, train.effort)}")
     rest = complete(validate, settings.rest)
     while len(search.rungs[-1].effects) < settings.rounds:
         rung = search.rungs[-1]
         absent = [c for c in candidates if c not in rung.effects]
-        if not absent or (rung.effects and rung.scores["validate"].rmse < rest):
+        error = rung.scores["validate"].rmse
+        if not absent or (rung.effects and error < rest):
+            break
+        if not settings.always and error < settings.floor * effort_rms(validate):
             break
         if known and known.screened and not search.screened:
             ranked = [s for s in known.screened[0] if s.effect in absent]
@@ -98,13 +101,13 @@ def climb(
     return search
 
 
-def _begun(
+def begun(
     residuals: Mapping[str, Problem],
     names: Sequence[str],
     start: Mapping[str, float],
     settings: Settings,
 ) -> Search:
-    """The fit of the parameters alone."""
+    """A search that has not looked for anything yet: the fit of the parameters alone."""
     found, vague = fit_identifiable(
         residuals["train"],
         names,

@@ -36,6 +36,8 @@ class Settings:
     iterations   sets of differences in the fit of a finalist
     patience     sets of differences in a last fit, and in the fit of the parameters alone
     intervals    exact ones for the numbers of each rung; a trial of many robots does without
+    always       look for effects, for a report to show, even where the whole error is below the
+                 floor and so none can count; a trial of many robots does without
     """
 
     scale: float = 0.05
@@ -50,6 +52,7 @@ class Settings:
     iterations: int = 2
     patience: int = 6
     intervals: bool = True
+    always: bool = True
     seed: int = 0
 
 

@@ -7,6 +7,7 @@ fair question: diagnosis calls nothing an effect that carries less than 0.4 % of
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,6 +17,7 @@ LEFT = 0.27  # % of the current's RMS with nothing hidden: 0.23 to 0.32 on most 
 RATIOS = (0.3, 0.4)  # of the errors with and without knowing
 LARGEST = 3.0  # strength
 FACTOR = 4.0  # of one adjustment, at most
+POWERS = (0.5, 3.0)  # of the strength, with which what it leaves may grow
 
 # % of the current's RMS that strength 1 leaves after the model's numbers are fitted, as measured on
 # one to three robots near the strengths that are drawn; where a robot shows its effect too little
@@ -76,7 +78,17 @@ def strength_of(kind: str, size: float) -> float:
     return min(LARGEST, size / VISIBLE[kind])
 
 
-def adjusted(strength: float, shown: float, wanted: float) -> float:
-    """The strength to try next where one left `shown` instead of `wanted`."""
-    factor = wanted / max(shown, wanted / FACTOR)
-    return min(LARGEST, strength * max(factor, 1.0 / FACTOR))
+def adjusted(tries: Sequence[tuple[float, float]], wanted: float) -> float:
+    """The strength to try next where earlier ones showed more or less than `wanted`.
+
+    tries  (strength, % of the current's RMS that it left), the latest last.  What is left grows as
+           a power of the strength: 1 at first, then as the last two tries tell
+    """
+    strength, shown = tries[-1]
+    power = 1.0
+    if len(tries) > 1 and min(shown, tries[-2][1]) > 0.0 and strength != tries[-2][0]:
+        rise = math.log(shown / tries[-2][1]) / math.log(strength / tries[-2][0])
+        power = min(max(rise, POWERS[0]), POWERS[1])
+    ratio = wanted / max(shown, 1e-3 * wanted)
+    factor = min(FACTOR, max(1.0 / FACTOR, ratio ** (1.0 / power)))
+    return min(LARGEST, strength * factor)

@@ -9,41 +9,42 @@ that measurement asks for.  What is printed is % of the effort at strength 1.
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from spirob.diagnose.rungs import Settings
+from spirob.diagnose.ladder import begun
+from spirob.diagnose.rungs import Rung, Settings
 from spirob.emulator.rig import HiddenSettings
-from spirob.identify.fit import STEPS, fit
-from spirob.identify.measurement import Measurement
 from spirob.identify.numbers import FITTED
-from spirob.identify.problem import effort_rms
+from spirob.identify.problem import Problem, effort_rms
 from spirob.plant import Plant, Rig
 from spirob.trial.played import problems_of, recorded
 from spirob.trial.strength import SIZES, VISIBLE, adjusted, beside, strength_of
 
 
-def left(trials: dict[str, list[Measurement]]) -> float:
+def left(base: Rung, problems: Mapping[str, Problem]) -> float:
     """RMSE of the fitted model without any effect, in % of the effort's RMS.
 
     On trials that were not fitted, those that decide and those that are reported.
     """
-    problems = problems_of(trials, Plant(Rig(), []))
-    settings = Settings()
-    steps, patience = STEPS[:1], settings.patience
-    found = fit(problems["train"], FITTED, {}, settings.scale, patience, steps=steps, exact=False)
-    shares = []
-    for problem in (problems["validate"], problems["heldout"]):
-        errors = problem(found.changes)[problem.rows]
-        shares.append(float(np.mean(errors**2)) / effort_rms(problem) ** 2)
+    shares = [
+        (base.scores[role].rmse / effort_rms(problems[role])) ** 2
+        for role in ("validate", "heldout")
+    ]
     return 100.0 * float(np.sqrt(np.mean(shares)))
+
+
+def shown_by(hidden: HiddenSettings, seed: int) -> float:
+    """The same of one robot, recorded and fitted for this."""
+    problems = problems_of(recorded(hidden, seed), Plant(Rig(), []))
+    return left(begun(problems, FITTED, {}, Settings(intervals=False)).base, problems)
 
 
 def nothing(seed: int) -> float:
     """The same of a robot with nothing hidden."""
-    return left(recorded(HiddenSettings("none"), seed))
+    return shown_by(HiddenSettings("none"), seed)
 
 
 def visible(kind: str, seed: int, plain: float) -> tuple[str, int, list[float], list[float]]:
@@ -53,13 +54,12 @@ def visible(kind: str, seed: int, plain: float) -> tuple[str, int, list[float], 
     """
     wanted = float(np.mean(SIZES))
     strength = strength_of(kind, wanted)
-    strengths, sizes = [], []
+    tries: list[tuple[float, float]] = []
     for _ in range(2):
-        trials = recorded(HiddenSettings(f"{kind}:{strength:.6g}"), seed)
-        strengths.append(strength)
-        sizes.append(beside(left(trials), plain))
-        strength = adjusted(strength, sizes[-1], wanted)
-    return kind, seed, strengths, [e / s for e, s in zip(sizes, strengths, strict=True)]
+        shown = beside(shown_by(HiddenSettings(f"{kind}:{strength:.6g}"), seed), plain)
+        tries.append((strength, shown))
+        strength = adjusted(tries, wanted)
+    return kind, seed, [s for s, _ in tries], [shown / s for s, shown in tries]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -1,11 +1,14 @@
 """Strengths are drawn for every kind, and so that the oracle's gain is as asked."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from spirob.diagnose.rungs import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
-from spirob.trial.case import Case, _drawn
+from spirob.trial.case import TRIES, Case, _drawn
 from spirob.trial.strength import (
     FACTOR,
     LARGEST,
@@ -47,22 +50,36 @@ def test_nothing_hidden_has_strength_one():
 
 
 def test_an_adjustment_goes_where_a_linear_kind_shows_what_is_wanted():
-    assert adjusted(0.5, 0.35, 0.7) == pytest.approx(1.0)
-    assert adjusted(0.5, 0.0, 0.7) == pytest.approx(0.5 * FACTOR)
-    assert adjusted(0.5, 70.0, 0.7) == pytest.approx(0.5 / FACTOR)
-    assert adjusted(2.0, 0.1, 0.7) == LARGEST
+    assert adjusted([(0.5, 0.35)], 0.7) == pytest.approx(1.0)
+    assert adjusted([(0.5, 0.0)], 0.7) == pytest.approx(0.5 * FACTOR)
+    assert adjusted([(0.5, 70.0)], 0.7) == pytest.approx(0.5 / FACTOR)
+    assert adjusted([(2.0, 0.1)], 0.7) == LARGEST
 
 
-def test_a_robot_that_shows_too_little_is_recorded_again(monkeypatch):
+@pytest.mark.parametrize("power", [0.7, 1.0, 1.7, 2.5])
+def test_two_tries_tell_how_what_is_left_grows(power):
+    tries = [(s, 3.0 * s**power) for s in (0.5, 0.2)]
+    assert 3.0 * adjusted(tries, 0.7) ** power == pytest.approx(0.7)
+
+
+def test_a_try_that_shows_nothing_tells_no_power():
+    assert adjusted([(0.5, 3.0), (0.125, 0.0)], 0.7) == pytest.approx(0.125 * FACTOR)
+
+
+def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch):
     played = []
     names = _drawn.__globals__
     monkeypatch.setitem(names, "recorded", lambda hidden, seed: played.append(hidden) or hidden)
-    shares = iter([0.3, 0.7])
-    monkeypatch.setitem(names, "left", lambda trials: next(shares))
-    hidden, trials = _drawn(Case("cogging", 5))
-    assert len(played) == 2
-    assert trials is hidden is played[1]
-    assert played[1].parts[0][1] > 2 * played[0].parts[0][1]
-    monkeypatch.setitem(names, "left", lambda trials: 0.7)
-    _drawn(Case("cogging", 5))
-    assert len(played) == 3
+    monkeypatch.setitem(names, "problems_of", lambda trials, plant: trials)
+    monkeypatch.setitem(names, "begun", lambda *_: SimpleNamespace(base=None))
+    shares = iter([2.7, 0.31, 0.74])
+    monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
+    hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
+    first, second, third = (h.parts[0][1] for h in played)
+    assert problems is hidden is played[2]
+    assert second < third < first
+    monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
+    _drawn(Case("cogging", 5), None, Settings())
+    assert len(played) == 3 + TRIES
+    _drawn(Case("none", 5), None, Settings())
+    assert len(played) == 4 + TRIES
