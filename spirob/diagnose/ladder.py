@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from spirob.diagnose.confirm import briefly, confirm, finished, shaped
-from spirob.diagnose.evidence import improvement, win_rates
+from spirob.diagnose.evidence import block_errors, foreseen, improvement, win_rates
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import (
     Confirmed,
@@ -27,7 +27,7 @@ from spirob.diagnose.rungs import (
 )
 from spirob.diagnose.screen import amplitudes, screen
 from spirob.effects import Effect
-from spirob.identify.fit import STEPS, fit, fit_identifiable
+from spirob.identify.fit import INDEPENDENT, STEPS, Fit, fit, fit_identifiable
 from spirob.identify.problem import Problem, effort_rms
 
 CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
@@ -90,7 +90,7 @@ def climb(
         improved = {c.effects: c for c in leaders}
         tried = [improved.get(c.effects, c) for c in tried]
         search.screened.append(ranked)
-        search.rounds.append(_with_probability(tried, rung, settings))
+        search.rounds.append(_with_probability(tried, rung, train, settings))
         if not leaders:
             break
         best = finished(_simplest(leaders, settings), residuals, settings)
@@ -232,12 +232,20 @@ def _simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
 
 
 def _with_probability(
-    confirmed: Sequence[Confirmed], rung: Rung, settings: Settings
+    confirmed: Sequence[Confirmed], rung: Rung, train: Problem, settings: Settings
 ) -> list[Confirmed]:
-    """With the share of resampled validation errors that each wins; the one to add first."""
+    """With the share of resampled errors that each wins; the one to add first."""
     if not confirmed:
         return []
-    errors = {label(c.effects): c.errors for c in confirmed} | {"": rung.errors}
-    rates = win_rates(errors, settings.seed)
+    errors = {label(c.effects): _all_errors(c.errors, c.fit, train) for c in confirmed}
+    rates = win_rates(errors | {"": _all_errors(rung.errors, rung.fit, train)}, settings.seed)
     rated = [replace(c, probability=rates[label(c.effects)]) for c in confirmed]
     return sorted(rated, key=lambda c: float(c.errors.mean()))
+
+
+def _all_errors(validated: np.ndarray, found: Fit, train: Problem) -> np.ndarray:
+    """Block errors on the validation trials, then on the fitted ones as if they were new."""
+    missed = found.residual / np.sqrt(np.mean(train.rows))
+    errors = block_errors(missed, train.edges, train.block)
+    samples = len(missed) // INDEPENDENT
+    return np.concatenate([validated, foreseen(errors, len(found.estimates), samples)])
