@@ -3,7 +3,7 @@
 A ripple's kernel is linear in its amplitudes but not in its orders, so these are looked for where
 the other numbers begin: at each order of a grid the residual is regressed on what the model answers
 to a sine and a cosine of the rotor's angle (`waves`), separately for each motor, beside the columns
-of the fitted numbers.  Of two orders each is found beside the waves of the other.
+of the fitted numbers.  Of several orders each is found beside the waves of the others.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,9 @@ from spirob.diagnose.waves import Waves
 from spirob.identify.fit import Fit
 
 LOWEST, HIGHEST = 0.03, 50.0  # waves a turn
-RATIO = 1.03  # of neighbours in the grid
+STEP = 0.03  # to the next order of the grid, relative
+PHASE = 0.5  # waves over the whole way by which neighbours differ at most
+MOST = 600  # orders in the grid
 FINER = 8  # steps to a neighbour, round the best
 WAVES = 0.4  # of the order's least: so many over the whole way, or it is a slope
 
@@ -25,7 +27,7 @@ def best_orders(base: Fit, trials: Sequence[Waves], count: int = 1) -> list[floa
     base    the fit without the ripple;  trials  what each answers to waves of it
     """
     way = max(float(np.ptp(r.angle)) for t in trials for r in t.rotors) / (2 * np.pi)
-    grid = np.exp(np.arange(np.log(max(LOWEST, WAVES / way)), np.log(HIGHEST), np.log(RATIO)))
+    grid = _grid(way)
     waves = _columns(trials, grid)
     found: dict[int, float] = {}
     for place in list(range(count)) * (1 if count == 1 else 2):
@@ -36,9 +38,21 @@ def best_orders(base: Fit, trials: Sequence[Waves], count: int = 1) -> list[floa
         free = [k for k, n in enumerate(grid) if _apart(n, others, way)]
         if free:
             best = grid[free[_strongest(base.residual, known, waves[free])]]
-            near = best * RATIO ** (np.arange(1 - FINER, FINER) / FINER)
+            near = best + _step(best, way) * np.arange(1 - FINER, FINER) / FINER
             found[place] = near[_strongest(base.residual, known, _columns(trials, near))]
     return [float(n) for n in found.values()]
+
+
+def _grid(way: float) -> np.ndarray:
+    """Orders to try where the rotor makes `way` turns: no wave falls between two of them."""
+    orders = [max(LOWEST, WAVES / way)]
+    while orders[-1] < HIGHEST and len(orders) < MOST:
+        orders.append(orders[-1] + _step(orders[-1], way))
+    return np.array(orders)
+
+
+def _step(order: float, way: float) -> float:
+    return min(STEP * order, PHASE / way)
 
 
 def _apart(order: float, others: Sequence[float], way: float) -> bool:

@@ -5,9 +5,9 @@ A race in three heats.  First the whole coupled model is differentiated by every
 a few columns with all its consequences for motion and control in them; the residual is regressed on
 them together with the columns of the fitted numbers, because a wrong parameter is not a missing
 effect.  Then those that are promised most are simulated at the numbers that this promises them:
-what a promise is worth, only the model can tell.  The best of them correct their derivatives with
-what they saw (Broyden) and are simulated once more.  An effect is ranked by the best that it was
-seen to do.
+what a promise is worth, only the model can tell.  All correct their derivatives with what they saw
+(Broyden), and those that then promise most are simulated again, twice.  An effect is ranked by the
+best that it was seen to do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,8 @@ PROBE = 0.2  # of an amplitude's nominal value: small, yet far above rounding
 TRIED = 0.5  # of the nominal value, where the derivatives promise nothing
 SEEN = 0.1  # of the residual's RMS: what changes less of it is nothing
 # candidates simulated in each; on eight robots the right one was promised 1st to 4th place
-HEATS = (20, 8)
+HEATS = (20, 8, 4)
+ORDERS = ("order", "ratio", "third_ratio")  # of a ripple's waves, the further ones over the first
 STEPS = 2  # of the linear problem, whose weights follow the residual
 
 
@@ -90,10 +91,11 @@ def screen(
     scale   of the robust loss
     """
     runners = _started(problem, base, fitted, candidates, scale)
-    runners.sort(key=lambda r: _promise(r, scale))
     for places in HEATS:
+        # by what is promised, not by what was seen: from a poor start the first goal of the right
+        # candidate may lie too far, and what was seen there corrects its derivatives
+        runners.sort(key=lambda r: _promise(r, scale))
         runners = [*_heat(problem, runners[:places], scale), *runners[places:]]
-        runners.sort(key=lambda r: r.cost)
     before = robust_cost(base.residual, scale)
     found = [
         Screened(
@@ -161,7 +163,7 @@ def _orders(
     if ripples and problem.rotors():
         trials = answers(problem, base, ripples[0])
         for effect in ripples:
-            waves = [name for name in ("order", "ratio") if name in effect.parameters()]
+            waves = [name for name in ORDERS if name in effect.parameters()]
             orders = best_orders(base, following(trials, effect), len(waves))
             values = [orders[0] if k == 0 else n / orders[0] for k, n in enumerate(orders)]
             found[effect.name()] = {
@@ -188,9 +190,13 @@ def beside(
 
 
 def _probe(problem: Problem, scaling: Scaling, values: Mapping[str, float], name: str) -> float:
-    """Step of an amplitude's coordinate."""
+    """Step of an amplitude's coordinate: a second wave or a difference is probed as the first."""
     about, neutral = problem.table.about[name], values[name]
-    size = about.nominal - neutral if about.nominal != neutral else 0.1 * (about.high - neutral)
+    size = about.nominal - neutral
+    if size == 0.0:
+        own = [n for n in scaling.names if n.split(".")[0] == name.split(".")[0]]
+        alike = [problem.table.about[n] for n in own if problem.table.about[n].unit == about.unit]
+        size = next((a.nominal for a in alike if a.nominal), 0.1 * (about.high - neutral))
     moved = scaling.scaled({**values, name: neutral + PROBE * size}) - scaling.scaled(values)
     return float(moved[scaling.names.index(name)])
 

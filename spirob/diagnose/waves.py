@@ -47,7 +47,7 @@ class Waves:
         found = []
         for motor, rotor in enumerate(self.rotors):
             for phase in (0.0, np.pi / 2):
-                waves = [wave(self.problem, rotor, n, phase, self.by_load) for n in orders]
+                waves = wave(self.problem, rotor, orders[:, None], phase, self.by_load)
                 spectra = np.fft.rfft(waves, self._length)
                 parts = [self._thinned(spectra * s[motor]) for s in self._spectra]
                 found.append(np.concatenate(parts, axis=1))
@@ -66,8 +66,10 @@ class Waves:
         return np.fft.irfft(spectra, self._length)[:, : len(rotor.angle) : rotor.every]
 
 
-def wave(problem: Problem, rotor: Rotor, order: float, phase: float, by_load: bool) -> np.ndarray:
-    """A wave over the rotor's angle, as the residual's filter leaves it, (n,)."""
+def wave(
+    problem: Problem, rotor: Rotor, order: float | np.ndarray, phase: float, by_load: bool
+) -> np.ndarray:
+    """A wave over the rotor's angle, as the residual's filter leaves it, (..., n)."""
     plain = np.sin(order * rotor.angle + phase)
     return problem.filter(plain * rotor.effort if by_load else plain)
 

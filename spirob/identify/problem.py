@@ -120,7 +120,7 @@ class Problem(Protocol):
         """The measured effort before any filter, one array for each stretch."""
 
     def filter(self, values: np.ndarray) -> np.ndarray:
-        """What the residual's filter leaves of an unfiltered signal, same length."""
+        """What the residual's filter leaves of unfiltered signals, along the last axis."""
 
 
 def effort_rms(problem: Problem) -> float:

@@ -41,9 +41,9 @@ class Filter:
     every: int = 10
 
     def __call__(self, values: np.ndarray, name: str = "signal") -> np.ndarray:
-        """Filter one 1 kHz signal, same length; raises TooShort."""
+        """Filter 1 kHz signals along the last axis, same shape; raises TooShort."""
         if self.kind == "moving_average":
-            return moving_average(values, self.window, name)
+            return np.apply_along_axis(moving_average, -1, values, self.window, name)
         return signal.sosfiltfilt(self._sections, values)
 
     @cached_property
