@@ -28,7 +28,7 @@ class Settings:
                  complete: as much as the build of a machine differs from its model
     further      least size of a second effect, relative to the first: a law of the library is never
                  quite that of the machine, and what is left of its form is no effect of its own
-    confidence   an effect is named when it wins this share of resampled validation errors
+    confidence   an effect is named when no rival wins more than the rest of the resampled errors
     explained    least share of the squared error above the floor that named effects account for;
                  with less, something else is missing
     alike        two candidates whose residuals differ by less than this share of the effect's size

@@ -7,7 +7,7 @@ import numpy as np
 
 from spirob.diagnose.evidence import alike
 from spirob.diagnose.ladder import counts
-from spirob.diagnose.noise import complete
+from spirob.diagnose.noise import complete, noise_floor
 from spirob.diagnose.rungs import Confirmed, Search, Settings, label
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
@@ -21,7 +21,9 @@ class Verdict:
     """What is missing.
 
     kind         "named", "undecided", "nothing_missing" or "unknown"
-    probability  how often the named effect wins on resampled validation errors
+    probability  how often the named effect wins on resampled errors, times the share of the
+                 squared error above the sensor's noise that it accounts for: a law that leaves
+                 structure behind may stand for another, which the library does not hold
     rivals       effects that explain the data as well in another way
     equivalents  effects that say the same of these data, under another name
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
@@ -58,7 +60,8 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     # a rival counts in the first round; later it stands against what was named already
     if rivals and len(last.effects) == 1 and _brought(search) in first:
         return _undecided(best, rivals, share, effort)
-    return _named(search, best, [label(c.effects) for c in same], share, effort)
+    whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
+    return _named(search, best, whole, [label(c.effects) for c in same], share, effort)
 
 
 def _brought(search: Search) -> Confirmed:
@@ -122,7 +125,12 @@ def _poorly_explained(
 
 
 def _named(
-    search: Search, best: Confirmed, same: Sequence[str], share: float, effort: Effort
+    search: Search,
+    best: Confirmed,
+    whole: float,
+    same: Sequence[str],
+    share: float,
+    effort: Effort,
 ) -> Verdict:
     base, last = search.rungs[0], search.rungs[-1]
     before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
@@ -135,13 +143,14 @@ def _named(
     added = "the effect" if len(own) == 1 else "these effects"
     return Verdict(
         "named",
-        best.probability,
+        best.probability * whole,
         [],
         f"Missing: {' and '.join(e.title for e in last.effects)}.",
         f"{story} With fitted numbers alone the model misses "
         f"{share:.1%} of the {effort.name}'s RMS; with {added} added and all numbers refitted, "
         f"the error on held-out trials falls from {effort.shown(before, after)}. "
-        f"It wins {best.probability:.0%} of resampled validation errors"
+        f"It accounts for {whole:.0%} of the squared error above the sensor's noise, and wins "
+        f"{best.probability:.0%} of resampled errors"
         + (f" against {', '.join(others)}." if others else ".")
         + (f" On these data {' and '.join(same)} would say the same." if same else ""),
         f"To make sure: {experiment}." if experiment else "",

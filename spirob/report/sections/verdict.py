@@ -58,7 +58,7 @@ def kind(diagnosis: dict[str, Any]) -> str:
     effects = diagnosis.get("effects") or [{}]
     if diagnosis["verdict"] != "named" or not is_number(sure := effects[0].get("probability")):
         return found
-    return f"{found}; it wins in {percent(sure)} of the resampled validation errors"
+    return f"{found}; {percent(sure)} sure"
 
 
 def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: str) -> str:
