@@ -28,7 +28,7 @@ def document(
             {
                 "name": effect.name(),
                 "title": effect.title,
-                "probability": _probability(search, effect.name()),
+                "probability": _probability(search, verdict, effect.name()),
                 "equivalents": list(verdict.equivalents) if k == 0 else [],
                 "parameters": _numbers(last, parameters_of(effect)),
             }
@@ -59,15 +59,17 @@ def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:
     }
 
 
-def _probability(search: Search, name: str) -> float:
-    """How often the candidate that brought the effect in won its round."""
+def _probability(search: Search, verdict: Verdict, name: str) -> float:
+    """The verdict's; of several effects each has its own rate of winning."""
+    if len(search.rungs[-1].effects) == 1:
+        return verdict.probability
     rates = [
         c.probability
         for tried in search.rounds
         for c in tried
         if name in (e.name() for e in c.effects)
     ]
-    return max(rates, default=0.0)
+    return max(rates, default=0.0) * verdict.accounted
 
 
 def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:

@@ -26,6 +26,7 @@ class Verdict:
                  structure behind may stand for another, which the library does not hold
     rivals       effects that explain the data as well in another way
     equivalents  effects that say the same of these data, under another name
+    accounted    share of the squared error above the sensor's noise that the named explain
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
     """
 
@@ -36,6 +37,7 @@ class Verdict:
     explanation: str
     next_experiment: str
     equivalents: tuple[str, ...] = ()
+    accounted: float = 1.0
 
 
 def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
@@ -155,6 +157,7 @@ def _named(
         + (f" On these data {' and '.join(same)} would say the same." if same else ""),
         f"To make sure: {experiment}." if experiment else "",
         tuple(same),
+        whole,
     )
 
 
