@@ -102,7 +102,7 @@ class InverseProblem:
         ]
 
     def rotors(self) -> list[list[Rotor]]:
-        """None: which orders a ripple has, `screening` finds by playing them."""
+        """None: the orders of a ripple come from the residual's spectrum here (`shapes`)."""
         return []
 
     def raw(self) -> list[np.ndarray]:
