@@ -47,18 +47,25 @@ def shaped(
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Confirmed:
-    """Fitted with its shapes too: a friction that yields before it slides is one only in its own
-    distance."""
+    """Fitted until it settles, with its shapes too: a friction that yields before it slides is one
+    only in its own distance."""
     names = list(found.fit.estimates)
     train = residuals["train"]
     shapes = [n for e in found.effects for n in parameters_of(e) if n not in names]
     shapes = [n for n in shapes if n in train.table.about]
-    if not shapes:
-        return found
-    slopes = _widened(train, found.fit, names, shapes)
-    changed = briefly(train, [*names, *shapes], found.fit.changes, settings, slopes)
+    slopes = _widened(train, found.fit, names, shapes) if shapes else found.fit.jacobian
+    changed = fit(
+        train,
+        [*names, *shapes],
+        found.fit.changes,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[-1:],
+        exact=False,
+        slopes=slopes,
+    )
     better = _refitted(found, changed, residuals)
-    progress(f"{label(found.effects)} with its shape: {line(better.scores, train.effort)}")
+    progress(f"{label(found.effects)} to the end: {line(better.scores, train.effort)}")
     return better
 
 
@@ -69,14 +76,14 @@ def briefly(
     settings: Settings,
     slopes: np.ndarray | None = None,
 ) -> Fit:
-    """A fit that only has to be compared: wide differences, few sets of them, no intervals."""
+    """A fit that only has to be compared: few sets of differences, no intervals."""
     return fit(
         train,
         names,
         begin,
         settings.scale,
         settings.iterations,
-        steps=STEPS[:1],
+        steps=STEPS[-1:],
         exact=False,
         slopes=slopes,
     )

@@ -28,6 +28,7 @@ from spirob.diagnose.rungs import (
 from spirob.diagnose.screen import amplitudes, screen
 from spirob.effects import Effect
 from spirob.identify.fit import INDEPENDENT, STEPS, Fit, fit, fit_identifiable
+from spirob.identify.near import near
 from spirob.identify.problem import Problem, effort_rms
 
 CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
@@ -52,12 +53,15 @@ def climb(
     known  an earlier search of the same trials, begun or among more candidates: its fit of the
            parameters alone and its first screening are taken over, less who does not take part now
     """
-    train, validate = residuals["train"], residuals["validate"]
+    validate = residuals["validate"]
     search = _known(known) if known else begun(residuals, names, start, settings)
-    progress(f"parameters only: {line(search.rungs[0].scores, train.effort)}")
+    progress(f"parameters only: {line(search.rungs[0].scores, validate.effort)}")
     rest = complete(validate, settings.rest)
     while len(search.rungs[-1].effects) < settings.rounds:
         rung = search.rungs[-1]
+        # a round stays near its rung; what it ends with is scored, and finished, on the trials
+        train = near(residuals["train"], rung.fit.changes)
+        close = {**residuals, "train": train}
         absent = [c for c in candidates if c not in rung.effects]
         error = rung.scores["validate"].rmse
         if not absent or (rung.effects and error < rest):
@@ -71,20 +75,20 @@ def climb(
         progress("screened: " + ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5]))
         keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]
-        tried = [confirm([s], rung, residuals, settings, progress) for s in finalists]
+        tried = [confirm([s], rung, close, settings, progress) for s in finalists]
         passed = [c for c in tried if counts(c, rung, validate, settings, _least(search, settings))]
         if not passed and not rung.effects and rung.scores["validate"].rmse > rest:
             pairs = combinations(finalists[:PAIRED], 2)
-            joint = [confirm(pair, rung, residuals, settings, progress) for pair in pairs]
+            joint = [confirm(pair, rung, close, settings, progress) for pair in pairs]
             passed = [c for c in joint if counts(c, rung, validate, settings)]
             tried += passed
-        again = _without(passed, rung, residuals, settings, progress)
+        again = _without(passed, rung, close, residuals["train"], settings, progress)
         if again is not None:
             search.rungs[-1] = rung = again
             least = _least(search, settings)
             passed = [c for c in passed if counts(c, rung, validate, settings, least)]
         leaders = [
-            shaped(c, residuals, settings, progress)
+            shaped(c, close, settings, progress)
             for c in sorted(passed, key=lambda c: float(c.errors.mean()))[:LEADERS]
         ]
         improved = {c.effects: c for c in leaders}
@@ -97,7 +101,7 @@ def climb(
         effects = [*rung.effects, *best.effects]
         grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
         search.rungs.append(grown)
-        _pruned(search, residuals, settings, progress)
+        _pruned(search, close, settings, progress)
     return search
 
 
@@ -108,14 +112,18 @@ def begun(
     settings: Settings,
 ) -> Search:
     """A search that has not looked for anything yet: the fit of the parameters alone."""
+    train = residuals["train"]
+    cheap = near(train, start)
+    first = fit(cheap, names, start, settings.scale, settings.patience, exact=False)
     found, vague = fit_identifiable(
-        residuals["train"],
+        train,
         names,
-        start,
+        first.changes,
         settings.scale,
         settings.patience,
-        steps=STEPS[:1],
+        steps=STEPS[-1:],
         exact=settings.intervals,
+        slopes=first.jacobian,
     )
     base = rung_of("fitted parameters", [], found, residuals)
     return Search(base, [base], vague=vague)
@@ -133,7 +141,8 @@ def _names(rung: Rung, fitted: Sequence[str], problem: Problem) -> list[str]:
 def _without(
     passed: Sequence[Confirmed],
     rung: Rung,
-    residuals: Mapping[str, Problem],
+    close: Mapping[str, Problem],
+    exact: Problem,
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Rung | None:
@@ -146,21 +155,21 @@ def _without(
     best = min(passed, key=lambda c: float(c.errors.mean()))
     own = {n for e in best.effects for n in parameters_of(e)}
     begin = {k: v for k, v in best.fit.changes.items() if k not in own}
-    train, names = residuals["train"], list(rung.fit.estimates)
-    again = briefly(train, names, begin, settings, rung.fit.jacobian)
+    names = list(rung.fit.estimates)
+    again = briefly(close["train"], names, begin, settings, rung.fit.jacobian)
     if again.cost > (1.0 - CLEARLY) * rung.fit.cost:
         return None
     final = fit(
-        train,
+        exact,
         names,
         again.changes,
         settings.scale,
         settings.patience,
-        steps=STEPS[:1],
+        steps=STEPS[-1:],
         exact=settings.intervals,
     )
-    found = rung_of(rung.label, rung.effects, final, residuals)
-    progress(f"the rung below, fitted again from there: {line(found.scores, train.effort)}")
+    found = rung_of(rung.label, rung.effects, final, {**close, "train": exact})
+    progress(f"the rung below, fitted again from there: {line(found.scores, exact.effort)}")
     return found
 
 

@@ -18,6 +18,7 @@ STEP = 0.03  # to the next order of the grid, relative
 PHASE = 0.5  # waves over the whole way by which neighbours differ at most
 MOST = 600  # orders in the grid
 FINER = 8  # steps to a neighbour, round the best
+SAME = 1e-10  # of the largest: waves that differ by less of their square are one
 WAVES = 0.4  # of the order's least: so many over the whole way, or it is a slope
 
 
@@ -69,8 +70,8 @@ def _strongest(residual: np.ndarray, known: np.ndarray, waves: np.ndarray) -> in
     """Which order's waves explain most of the residual beside the known columns."""
     basis, _ = np.linalg.qr(known)
     left = residual - basis @ (basis.T @ residual)
-    gains = []
-    for columns in waves:
-        own, _ = np.linalg.qr(columns - basis @ (basis.T @ columns))
-        gains.append(float(np.sum((own.T @ left) ** 2)))
-    return int(np.argmax(gains))
+    own = waves - basis @ (basis.T @ waves)
+    across = own.transpose(0, 2, 1)
+    told = across @ left
+    square = np.linalg.pinv(across @ own, rcond=SAME, hermitian=True)
+    return int(np.argmax(np.einsum("ki,kij,kj->k", told, square, told)))

@@ -41,7 +41,7 @@ class Settings:
     """
 
     scale: float = 0.05
-    finalists: int = 4
+    finalists: int = 6
     rounds: int = 2
     floor: float = 0.004
     rest: float = 0.006

@@ -48,22 +48,31 @@ class Waves:
         for motor, rotor in enumerate(self.rotors):
             for phase in (0.0, np.pi / 2):
                 waves = wave(self.problem, rotor, orders[:, None], phase, self.by_load)
-                spectra = np.fft.rfft(waves, self._length)
+                spectra = np.fft.rfft(waves, self._length)[:, : self._kept]
                 parts = [self._thinned(spectra * s[motor]) for s in self._spectra]
                 found.append(np.concatenate(parts, axis=1))
         return np.stack(found, axis=2)
 
     @cached_property
     def _length(self) -> int:
-        return 2 * len(self.rotors[0].angle)
+        rotor = self.rotors[0]  # twice as long, so that the end does not answer at the beginning
+        return rotor.every * -(-2 * len(rotor.angle) // rotor.every)
+
+    @cached_property
+    def _kept(self) -> int:
+        # the filter leaves nothing above half the rate at which samples are kept
+        return self._length // self.rotors[0].every // 2 + 1
 
     @cached_property
     def _spectra(self) -> list[list[np.ndarray]]:
-        return [[np.fft.rfft(h, self._length) for h in by_motor] for by_motor in self.answers]
+        spectra = [np.fft.rfft(by_motor, self._length) for by_motor in self.answers]
+        return [list(s[:, : self._kept]) for s in spectra]
 
     def _thinned(self, spectra: np.ndarray) -> np.ndarray:
         rotor = self.rotors[0]
-        return np.fft.irfft(spectra, self._length)[:, : len(rotor.angle) : rotor.every]
+        samples = len(range(0, len(rotor.angle), rotor.every))
+        whole = np.fft.irfft(spectra, self._length // rotor.every) / rotor.every
+        return whole[:, :samples]
 
 
 def wave(

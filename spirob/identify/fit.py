@@ -98,7 +98,7 @@ def fit(
     if smooth:
         found = to_the_optimum(residual, scaling, value, u0, fixed, scale, iterations, steps[-1])
     else:
-        anchor = anchor_of(residual, scaling)
+        anchor = anchor_of(residual, scaling, start)
         for step in steps:
 
             def differ(u: np.ndarray, at: np.ndarray, step: float = step) -> np.ndarray:
@@ -123,13 +123,22 @@ def fit(
     return Fit(changes, numbers, found.residual, jacobian, found.cost, len(known))
 
 
-def anchor_of(residual: Problem, scaling: Scaling) -> Anchor:
-    """Where the data say nothing, the data sheet does: numbers nominal, effects absent."""
+def anchor_of(
+    residual: Problem, scaling: Scaling, start: Mapping[str, float] | None = None
+) -> Anchor:
+    """Where the data say nothing, the data sheet does: numbers nominal, effects absent.
+
+    start  where a fit begins: an effect's shape, of which no data sheet knows, is held there
+    """
     table = residual.table
-    values = {n: float(table.values[table.position(n)]) for n in scaling.names}
-    widths = [LOOSE if v != table.about[n].nominal else ANCHOR for n, v in values.items()]
+    whole = dict(zip(table.names, table.values.tolist(), strict=True))
+    strengths = {n for n, v in whole.items() if v != table.about[n].nominal}
+    effects = {n.split(".")[0] for n in strengths}
+    shapes = {n for n in scaling.names if n.split(".")[0] in effects} - strengths
+    places = {n: (start or {}).get(n, whole[n]) if n in shapes else whole[n] for n in scaling.names}
+    widths = [LOOSE if n in strengths else ANCHOR for n in scaling.names]
     noise = FLOOR * effort_rms(residual) * np.sqrt(INDEPENDENT)
-    return Anchor(scaling.scaled(values), np.array(widths), noise)
+    return Anchor(scaling.scaled(places), np.array(widths), noise)
 
 
 def best_start(
@@ -182,13 +191,14 @@ def fit_identifiable(
     progress: Callable[[str], None] = lambda text: None,
     steps: Sequence[float] = STEPS,
     exact: bool = True,
+    slopes: np.ndarray | None = None,
 ) -> tuple[Fit, list[str]]:
     """Fit, then fit again without the parameters that the data cannot tell.
 
     A parameter whose interval spans a decade goes back to what the table says of it: left free it
     would drift to a bound and take the others along.  Returns the fit and the names left out.
     """
-    first = fit(residual, names, start, scale, iterations, progress, steps, exact)
+    first = fit(residual, names, start, scale, iterations, progress, steps, exact, slopes=slopes)
     vague = [
         n
         for n, e in first.estimates.items()

@@ -26,7 +26,7 @@ def polished(problem: Problem, found: Fit, scale: float) -> Fit:
     """A fit with exact derivatives, taken to its optimum; `scale` is that of the robust loss."""
     scaling = Scaling(problem.table, list(found.estimates))
     fixed = {k: v for k, v in found.changes.items() if k not in found.estimates}
-    held = anchor_of(problem, scaling)
+    held = anchor_of(problem, scaling, found.changes)
     u, residual, slopes = scaling.scaled(found.changes), found.residual, found.jacobian
     evaluations = 0
     while True:

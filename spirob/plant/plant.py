@@ -81,6 +81,12 @@ class Plant:
         self._run = assemble(self.effects, self.table.names)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])
 
+    def coarse(self) -> "Plant":
+        """The same machine in one step a cycle: half the price, 0.3 % of the current away."""
+        found = copy.copy(self)
+        found.substeps = 1
+        return found
+
     def simulate(
         self,
         schedule: Schedule,

@@ -24,7 +24,7 @@ from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, str
 from spirob.trial.visibility import left
 
 TRIES = 3  # recordings of one robot, until its effect shows about as much as is wanted
-SHOWN = (0.8 * SIZES[0], 1.25 * SIZES[1])  # % of the current's RMS: near enough
+SHOWN = (0.9 * SIZES[0], 1.25 * SIZES[1])  # % of the current's RMS: near enough
 
 
 @dataclass(frozen=True)

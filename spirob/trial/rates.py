@@ -9,6 +9,7 @@ import numpy as np
 from spirob.trial.answers import ANSWERS
 
 LEAST_GAIN = 0.02  # where the oracle gains less, there is nothing to name
+RANGE = 0.9  # of the base's error: the trial asks for effects with which the oracle leaves less
 CONFIDENT = 0.9
 CLAIMS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)  # edges of probability
 LEAVES = (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # edges of oracle over base
@@ -30,12 +31,17 @@ def rate(hits: Iterable[bool]) -> dict[str, Any]:
 def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """All rates of a trial and its confusion matrix.
 
+    A robot in which the drawn effect shows too little to be asked for (the oracle leaves more than
+    0.9 of the error) is `outside`: no miss where it is not named, but wrong where it is wrongly.
+
     top1                 named, and the first name is right (undecided counts as a miss)
     exact                named, right, and nothing besides
     top3                 the right name is among the first three that were fitted in full
     false_alarm          of robots with nothing hidden, those for which something was named
-    wrong_and_confident  of robots with one effect, wrongly named with at least 90 %
-    undecided, unknown   of robots with one effect
+    wrong_and_confident  of robots with one effect, wrongly named with at least 90 %, those outside
+                         the range included
+    outside              of robots with one effect
+    undecided, unknown   of robots with one effect in the range
     left_out             library without the right answer: not named with confidence
     pairs_both           of robots with two effects, both named
     excess_error_closed  share of the oracle's fall of the held-out error that naming achieved, mean
@@ -43,7 +49,8 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     whole = [r for r in results if not r["without"]]
     nulls = [r for r in whole if nothing_to_name(r)]
     pairs = [r for r in whole if "+" in r["kind"] and r not in nulls]
-    single = [r for r in whole if r not in nulls and r not in pairs]
+    every = [r for r in whole if r not in nulls and r not in pairs]
+    single = [r for r in every if asked(r)]
     left = [r for r in results if r["without"]]
     return {
         "cases": len(results),
@@ -51,7 +58,8 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "exact": rate(is_right(r) and len(r["named"]) == 1 for r in single),
         "top3": rate(any(n in _answers(r) for n in r["first"][:3]) for r in single),
         "false_alarm": rate(r["verdict"] == "named" for r in nulls),
-        "wrong_and_confident": rate(_confidently_wrong(r) for r in single),
+        "wrong_and_confident": rate(_confidently_wrong(r) for r in every),
+        "outside": rate(not asked(r) for r in every),
         "undecided": rate(r["verdict"] == "undecided" for r in single),
         "unknown": rate(r["verdict"] == "unknown" for r in single),
         "left_out": rate(not _confidently_wrong(r) for r in left),
@@ -67,6 +75,12 @@ def nothing_to_name(result: Mapping[str, Any]) -> bool:
     """Nothing is hidden, or so little that even knowing it would not help."""
     error = result["heldout"]
     return result["kind"] == "none" or error["oracle"] > (1.0 - LEAST_GAIN) * error["base"]
+
+
+def asked(result: Mapping[str, Any]) -> bool:
+    """Whether the oracle gains as much as the trial means to ask for."""
+    error = result["heldout"]
+    return bool(error["oracle"] <= RANGE * error["base"])
 
 
 def is_right(result: Mapping[str, Any]) -> bool:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spirob.effects.motor.cogging import Cogging
 from spirob.effects.motor.winding_heating import WindingHeating
 from spirob.identify.fit import anchor_of
 from spirob.identify.scaling import Scaling
@@ -41,3 +42,15 @@ def test_the_cost_grows_with_the_square():
     about = WindingHeating.parameters()["heating"]
     one, two = (cost(winding_heating__heating=k * about.nominal) for k in (1.0, 2.0))
     assert two == pytest.approx(4.0 * one)
+
+
+def test_a_shape_is_held_where_its_fit_begins():
+    table = Plant(Rig(), [Cogging]).table
+    problem = SimpleNamespace(table=table, rows=np.ones(4, dtype=bool), measured=lambda: np.ones(4))
+    scaling = Scaling(table, ["motor.rotor_inertia", "cogging.order"])
+    start = {"motor.rotor_inertia": 1.1 * Rig().motor.rotor_inertia, "cogging.order": 7.0}
+    free, held = (anchor_of(problem, scaling, begin) for begin in ({}, start))
+    here = scaling.scaled(start)
+    inertia = scaling.scaled({**start, "cogging.order": Cogging.parameters()["order"].nominal})
+    assert 0.0 < held.cost(here) == pytest.approx(free.cost(inertia))
+    assert free.cost(here) > held.cost(here)

@@ -82,3 +82,17 @@ def test_the_share_of_the_oracles_gain():
     half = {"base": 0.04, "named": 0.03, "oracle": 0.02}
     found = rates([result(), result(heldout=half)])["excess_error_closed"]
     assert found["value"] == pytest.approx(0.75)
+
+
+def test_an_effect_that_hardly_shows_is_outside_but_may_still_be_named_wrongly():
+    weak = {"base": 0.01, "named": 0.01, "oracle": 0.0095}
+    found = rates(
+        [
+            result(),
+            result(verdict="nothing_missing", heldout=weak),
+            result(named=("cogging",), heldout=weak),
+        ]
+    )
+    assert (found["top1"]["value"], found["top1"]["n"]) == (1.0, 1)
+    assert found["outside"]["value"] == pytest.approx(2 / 3)
+    assert found["wrong_and_confident"]["value"] == pytest.approx(1 / 3)

@@ -13,6 +13,7 @@ RATES = {
     "top1": "named, and the first name is right",
     "exact": "named, right, and nothing besides",
     "top3": "the right one among the first three fitted in full",
+    "outside": "hidden, but showing too little there to be asked for",
     "undecided": "undecided between rivals",
     "unknown": "said to be none that the library holds",
     "wrong_and_confident": "wrongly named with 90 % or more",
