@@ -1,9 +1,11 @@
 """Model minus measurement, filtered alike on both sides and weighted to one unit.
 
 The current of a motor that follows a velocity, displacement or force is what its load demands, and
-is compared in ampere.  A motor whose current is commanded shows nothing there: its load shows in
-its motion, and the length that it has wound in is compared too, at so many ampere a metre.  What
-stretches, creeps or winds up shows there more clearly than in any current.
+is compared in ampere.  A motor whose current is commanded shows nothing of its load there: that
+shows in its motion, and the length that it has wound in is compared too, at so many ampere a metre.
+What stretches, creeps or winds up shows there more clearly than in any current.  Its current is
+compared as well, for it says whether the drive gives what it is told: a dead band stays short of
+the command, a sensor that is wrong does not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -64,7 +66,8 @@ class Residual:
               to 0.1 %; on i** it ends at 9 mA with η 13 % off, because i** multiplies differences
               between rotor and arm by J_eq/r², kilograms
     length    weight of a wound-in length [A/m]; 0 leaves it out.  Two builds of one arm, one with
-              24 hinges and one with 48, differ by 1 mm and by 1 % of the current, 5 mA: 5 A/m
+              24 hinges and one with 48, differ by 1 mm and by 1 % of the current, 5 mA: 5 A/m.  The
+              other motor's current is compared where its length is
     workers   threads; the compiled loop runs without the GIL
     """
 
@@ -184,9 +187,10 @@ class Residual:
             self.length * self.filter.thin(displacement[:, m], trial.name)
             for m in self._others(trial)
         ]
+        parts += [self.filter.thin(current[:, m], trial.name) for m in self._others(trial)]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _rows(self, trial: Measurement) -> np.ndarray:
         samples = len(trial.seconds[:: self.filter.every])
-        kinds = [True] * len(self.driven(trial)) + [False] * len(self._others(trial))
+        kinds = [True] * len(self.driven(trial)) + [False] * 2 * len(self._others(trial))
         return np.repeat(np.array(kinds, dtype=bool), samples)

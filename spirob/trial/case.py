@@ -3,6 +3,7 @@
 What is hidden stays on this side of the logs: the diagnosis is handed decoded logs, nothing else.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnose.ladder import begun, climb
-from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.rungs import Rung, Search, Settings, rung_of
 from spirob.diagnose.verdict import judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import HiddenSettings
+from spirob.identify.fit import STEPS, fit
+from spirob.identify.near import near
 from spirob.identify.numbers import FITTED
 from spirob.identify.problem import Problem, effort_rms
 from spirob.plant import Plant, Rig
@@ -101,15 +104,32 @@ def _drawn(
     wanted = [drawn_size(rng) for _ in kinds]
     strengths = [strength_of(k, w) for k, w in zip(kinds, wanted, strict=True)]
     tries: list[tuple[float, float]] = []
+    played = []
     while True:
         hidden = _settings(kinds, strengths)
         problems = problems_of(recorded(hidden, case.seed), plant)
-        base = begun(problems, FITTED, {}, settings)
-        tries.append((strengths[0], beside(left(base.base, problems), LEFT)))
+        rough = _roughly(problems, settings)
+        tries.append((strengths[0], beside(left(rough, problems), LEFT)))
+        played.append((_beyond(tries[-1][1]), hidden, problems, rough))
         alone = len(kinds) == 1 and case.kind != "none"
-        if not alone or SHOWN[0] <= tries[-1][1] <= SHOWN[1] or len(tries) == TRIES:
-            return hidden, problems, base
+        if not alone or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
+            break
         strengths = [adjusted(tries, wanted[0])]
+    _, hidden, problems, rough = min(played, key=lambda p: p[0])
+    return hidden, problems, begun(problems, FITTED, rough.fit.changes, settings)
+
+
+def _roughly(problems: Mapping[str, Problem], settings: Settings) -> Rung:
+    """The numbers fitted with wide differences: enough to see what is left, and to go on from."""
+    train = near(problems["train"], {})
+    found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
+    return rung_of("roughly", [], found, problems)
+
+
+def _beyond(shown: float) -> float:
+    """By what factor an effect shows less or more than is near enough, as a logarithm."""
+    inside = min(max(shown, SHOWN[0]), SHOWN[1])
+    return abs(math.log(max(shown, 1e-3) / inside))
 
 
 def _settings(kinds: Sequence[str], strengths: Sequence[float]) -> HiddenSettings:

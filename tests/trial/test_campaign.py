@@ -41,7 +41,7 @@ def test_a_strong_lag_of_the_sensor_is_found_on_a_robot_of_its_own(monkeypatch):
     few = {name: library[name] for name in names}
     monkeypatch.setitem(campaign.run.__globals__, "all_effects", lambda: few)
     monkeypatch.setitem(campaign.run.__globals__, "strength_of", lambda kind, size: 0.2)
-    monkeypatch.setitem(campaign.run.__globals__, "SIZES", (0.0, 100.0))
+    monkeypatch.setitem(campaign.run.__globals__, "TRIES", 1)
     found, without = run(Case("current_lag", 77, without=True), QUICK)
     assert found["named"] == ["current_lag"]
     assert found["heldout"]["oracle"] < 0.5 * found["heldout"]["base"]

@@ -71,15 +71,20 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch):
     names = _drawn.__globals__
     monkeypatch.setitem(names, "recorded", lambda hidden, seed: played.append(hidden) or hidden)
     monkeypatch.setitem(names, "problems_of", lambda trials, plant: trials)
-    monkeypatch.setitem(names, "begun", lambda *_: SimpleNamespace(base=None))
+    rough = SimpleNamespace(fit=SimpleNamespace(changes={}))
+    monkeypatch.setitem(names, "_roughly", lambda *_: rough)
+    monkeypatch.setitem(names, "begun", lambda *_: None)
     shares = iter([2.7, 0.31, 0.74])
     monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
     hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
     first, second, third = (h.parts[0][1] for h in played)
     assert problems is hidden is played[2]
     assert second < third < first
+    shares = iter([3.0, 0.5, 5.0])
+    hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
+    assert problems is hidden is played[4], "the nearest of three tries"
     monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
     _drawn(Case("cogging", 5), None, Settings())
-    assert len(played) == 3 + TRIES
+    assert len(played) == 6 + TRIES
     _drawn(Case("none", 5), None, Settings())
-    assert len(played) == 4 + TRIES
+    assert len(played) == 7 + TRIES
