@@ -17,6 +17,7 @@ from spirob.report.sections import Section, discover
 SCRIPTS = (
     "packing.js",
     "theme.js",
+    "legend.js",
     "plots.js",
     "switches.js",
     "moment.js",

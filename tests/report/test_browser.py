@@ -66,6 +66,20 @@ def desk(page, tmp_path_factory):
     flip('capstan_friction');
     await wait(200);
     note.again = read();
+    const press = (key) => document.activeElement.dispatchEvent(
+      new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true }));
+    const entry = () => get('overlay').querySelector('.legend .traces');
+    const lines = () => get('overlay').data.map((t) => t.visible);
+    entry().focus();
+    note.legend = [document.activeElement.getAttribute('aria-label')];
+    const before = lines();
+    for (const key of ['Enter', ' ']) {
+      press(key);
+      await wait(200);
+      note.legend.push(entry().getAttribute('aria-checked'));
+      note.legend.push(lines().filter((v, k) => v !== before[k] && v === 'legendonly').length);
+    }
+    note.kept = document.activeElement === entry();
     note.wide = document.documentElement.scrollWidth - innerWidth;
     const strip = document.querySelector('nav'), entries = [...strip.querySelectorAll('a')];
     note.cut = entries.filter((a) => a.getBoundingClientRect().right > innerWidth).length;
@@ -83,6 +97,14 @@ def desk(page, tmp_path_factory):
 def test_every_figure_is_drawn(desk):
     assert desk["drawn"] == ["steps", "regimes", "overlay", "atlas", "size"]
     assert desk["options"] == [len(TRIALS), len(TRIALS)]
+
+
+def test_a_legend_is_worked_by_keyboard(desk):
+    name, hidden, lines, shown, back = desk["legend"]
+    assert name
+    assert (hidden, shown, back) == ("false", "true", 0)
+    assert lines > 0
+    assert desk["kept"], "the focus stays on the entry"
 
 
 def test_the_slider_moves_the_line_in_the_plots(desk):

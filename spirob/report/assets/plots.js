@@ -22,7 +22,7 @@ const plots = {
       const place = document.getElementById(name);
       drawn.layout.width = place.closest(".pair") ? plots.width / 2 - 12 : plots.width;
     }
-    return Plotly.react(name, drawn.data, drawn.layout, plots.config);
+    return Plotly.react(name, drawn.data, drawn.layout, plots.config).then(legend.follow);
   },
   showAll() {
     Object.keys(plots.figures).forEach((name) => plots.show(name));
