@@ -24,12 +24,17 @@ PAIRS = (
 
 
 def cases(
-    kinds: Sequence[str], seeds: Sequence[int], nulls: int, without: bool = False
+    kinds: Sequence[str],
+    seeds: Sequence[int],
+    nulls: int,
+    without: bool = False,
+    pairs: bool = False,
 ) -> list[Case]:
-    """Every kind with every seed; `nulls` robots more with nothing hidden."""
+    """Every kind with every seed, `nulls` robots with nothing hidden, every pair with every seed."""
     chosen = [Case(k, s, without and any(_names(k))) for s in seeds for k in kinds if k != "none"]
     first = min(seeds, default=0)
-    return chosen + [Case("none", first + k) for k in range(nulls)]
+    chosen += [Case("none", first + k) for k in range(nulls)]
+    return chosen + [Case("+".join(pair), s) for s in seeds for pair in PAIRS if pairs]
 
 
 def left(chosen: Sequence[Case], folder: Path) -> list[Case]:

@@ -71,16 +71,24 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
+def left_by_oracle(result: Mapping[str, Any]) -> float:
+    """Share of the error that knowing leaves.
+
+    The oracle knows one of the accepted names; where another was named, that knew as much.
+    """
+    error = result["heldout"]
+    known = [error["oracle"]] + [error["named"]] * is_right(result)
+    return float(min(known) / error["base"])
+
+
 def nothing_to_name(result: Mapping[str, Any]) -> bool:
     """Nothing is hidden, or so little that even knowing it would not help."""
-    error = result["heldout"]
-    return result["kind"] == "none" or error["oracle"] > (1.0 - LEAST_GAIN) * error["base"]
+    return result["kind"] == "none" or left_by_oracle(result) > 1.0 - LEAST_GAIN
 
 
 def asked(result: Mapping[str, Any]) -> bool:
     """Whether the oracle gains as much as the trial means to ask for."""
-    error = result["heldout"]
-    return bool(error["oracle"] <= RANGE * error["base"])
+    return left_by_oracle(result) <= RANGE
 
 
 def is_right(result: Mapping[str, Any]) -> bool:
@@ -124,7 +132,7 @@ def by_strength(single: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
     """top1 against what knowing would leave of the held-out error."""
     table = []
     for low, high in pairwise(LEAVES):
-        inside = [r for r in single if low <= r["heldout"]["oracle"] / r["heldout"]["base"] < high]
+        inside = [r for r in single if low <= left_by_oracle(r) < high]
         if inside:
             right = rate(is_right(r) for r in inside)
             table.append({"low": low, "high": high, "value": right["value"]} | _n(right))
@@ -148,7 +156,7 @@ def _closed(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     shares = []
     for r in results:
         error = r["heldout"]
-        gain = error["base"] - error["oracle"]
+        gain = error["base"] * (1.0 - left_by_oracle(r))
         shares.append(min(1.0, (error["base"] - error["named"]) / gain))
     if not shares:
         return {"value": None, "low": 0.0, "high": 1.0, "n": 0}

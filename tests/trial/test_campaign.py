@@ -20,6 +20,12 @@ def test_cases_hold_every_kind_with_every_seed_and_the_nulls():
     assert "none-6" in names
 
 
+def test_pairs_are_drawn_with_every_seed():
+    names = [case.name for case in campaign.cases(["cogging"], [4, 5], nulls=0, pairs=True)]
+    assert len(names) == 2 + 2 * len(campaign.PAIRS)
+    assert "guide_friction_and_current_lag-5" in names
+
+
 def test_results_that_are_there_are_kept(tmp_path, monkeypatch):
     case = Case("none", 7)
     done = [{"kind": "none", "kept": True}, {"kind": "none", "without": True}]

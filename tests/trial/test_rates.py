@@ -96,3 +96,11 @@ def test_an_effect_that_hardly_shows_is_outside_but_may_still_be_named_wrongly()
     assert (found["top1"]["value"], found["top1"]["n"]) == (1.0, 1)
     assert found["outside"]["value"] == pytest.approx(2 / 3)
     assert found["wrong_and_confident"]["value"] == pytest.approx(1 / 3)
+
+
+def test_the_oracle_knows_what_an_accepted_name_knew():
+    """It adds the first of the accepted names; another may fit the robot's richer effect better."""
+    other = {"base": 0.010, "named": 0.003, "oracle": 0.0095}
+    found = rates([result("current_offset", ("constant_force",), heldout=other)])
+    assert (found["top1"]["value"], found["outside"]["value"]) == (1.0, 0.0)
+    assert found["excess_error_closed"]["value"] == 1.0

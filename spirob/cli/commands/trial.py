@@ -31,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--nulls", type=int, default=0, metavar="N", help="robots with nothing hidden (%(default)s)"
     )
     parser.add_argument(
+        "--pairs", action="store_true", help="four pairs of effects with every seed, besides"
+    )
+    parser.add_argument(
         "--without", action="store_true", help="each case again with the right effect disabled"
     )
     parser.add_argument(
@@ -51,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     seeds = _seeds(arguments.seeds)
     kinds = _kinds(arguments.kinds)
-    chosen = cases(kinds, seeds, arguments.nulls, arguments.without)
+    chosen = cases(kinds, seeds, arguments.nulls, arguments.without, arguments.pairs)
     with Progress([case.name for case in left(chosen, arguments.out)]) as progress:
         results = play(chosen, arguments.out, arguments.workers, tell=_told(progress))
     found = rates(results)
