@@ -63,7 +63,7 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     if rivals and len(last.effects) == 1 and _brought(search) in first:
         return _undecided(best, rivals, share, effort)
     whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
-    return _named(search, best, whole, [label(c.effects) for c in same], share, effort)
+    return _named(search, best, whole, same, share, effort)
 
 
 def _brought(search: Search) -> Confirmed:
@@ -130,16 +130,19 @@ def _named(
     search: Search,
     best: Confirmed,
     whole: float,
-    same: Sequence[str],
+    same: Sequence[Confirmed],
     share: float,
     effort: Effort,
 ) -> Verdict:
     base, last = search.rungs[0], search.rungs[-1]
     before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
-    own = [e.name() for e in last.effects]
-    others = [e.name() for c in search.rounds[0] for e in c.effects]
-    others = [n for n in dict.fromkeys(others) if n not in own and n not in same]
-    ways = (e.tell_apart[o] for e in last.effects for o in others if o in e.tell_apart)
+    own = set(last.effects)
+    alone = {c.effects for c in same}
+    tried = dict.fromkeys(e for c in search.rounds[0] if c.effects not in alone for e in c.effects)
+    others = [e for e in tried if e not in own]
+    ways = (
+        e.tell_apart[o.name()] for e in last.effects for o in others if o.name() in e.tell_apart
+    )
     experiment = next(ways, "")
     story = " ".join(f"{e.explanation} {e.signature}" for e in last.effects)
     added = "the effect" if len(own) == 1 else "these effects"
@@ -153,12 +156,16 @@ def _named(
         f"the error on held-out trials falls from {effort.shown(before, after)}. "
         f"It accounts for {whole:.0%} of the squared error above the sensor's noise, and wins "
         f"{best.probability:.0%} of resampled errors"
-        + (f" against {', '.join(others)}." if others else ".")
-        + (f" On these data {' and '.join(same)} would say the same." if same else ""),
+        + (f" against {', '.join(e.title for e in others)}." if others else ".")
+        + (f" On these data {' or '.join(map(_titles, same))} would say the same." if same else ""),
         f"To make sure: {experiment}." if experiment else "",
-        tuple(same),
+        tuple(label(c.effects) for c in same),
         whole,
     )
+
+
+def _titles(found: Confirmed) -> str:
+    return " and ".join(e.title for e in found.effects)
 
 
 def _undecided(
@@ -166,7 +173,7 @@ def _undecided(
 ) -> Verdict:
     names = [e.name() for c in rivals for e in c.effects]
     every = [best, *rivals]
-    titles = " or ".join(" and ".join(e.title for e in c.effects) for c in every)
+    titles = " or ".join(map(_titles, every))
     known: Mapping[str, str] = {k: v for e in best.effects for k, v in e.tell_apart.items()}
     ways = [known[n] for n in names if n in known]
     return Verdict(

@@ -30,7 +30,7 @@ def cases(
     without: bool = False,
     pairs: bool = False,
 ) -> list[Case]:
-    """Every kind with every seed, `nulls` robots with nothing hidden, every pair with every seed."""
+    """Every kind with every seed, `nulls` robots with nothing hidden, each pair with every seed."""
     chosen = [Case(k, s, without and any(_names(k))) for s in seeds for k in kinds if k != "none"]
     first = min(seeds, default=0)
     chosen += [Case("none", first + k) for k in range(nulls)]
