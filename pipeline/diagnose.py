@@ -8,6 +8,7 @@ from pipeline.model import fitted_names, plant, residual
 from pipeline.overlay import motion, overlay
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.switches import laws, switches
+from spirob.diagnose.again import proposed
 from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.ladder import climb
@@ -35,7 +36,8 @@ def stage(root: Path) -> None:
     base = search.rungs[0].fit
     effort = residuals["train"].effort
     regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
-    written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort)
+    further = proposed(search, verdict, residuals["validate"])
+    written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort, further)
     last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
     write_json(root / "data/diagnosis/diagnosis.json", written)
     write_json(

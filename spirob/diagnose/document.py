@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from spirob.diagnose.atlas import Regime, worst
+from spirob.diagnose.proposals import Proposal, told
 from spirob.diagnose.rungs import Confirmed, Rung, Search, label, parameters_of
 from spirob.diagnose.verdict import Verdict
 from spirob.identify.problem import Effort
@@ -15,15 +16,20 @@ def document(
     regimes: Sequence[Regime],
     noise_floor: float,
     effort: Effort,
+    proposals: Sequence[Proposal] = (),
 ) -> dict[str, Any]:
-    """All of a diagnosis; errors in the unit of the effort."""
+    """All of a diagnosis; errors in the unit of the effort.
+
+    proposals  experiments that would tell the rivals apart, best first
+    """
     added = search.rungs[-1].effects if verdict.kind == "named" else []
     last = search.rungs[-1]
     return {
         "verdict": verdict.kind,
         "sentence": verdict.sentence,
         "explanation": verdict.explanation,
-        "next_experiment": verdict.next_experiment,
+        "next_experiment": told(proposals, effort) or verdict.next_experiment,
+        "next_trials": [t for p in proposals[:1] for t in p.trials],
         "effects": [
             {
                 "name": effect.name(),

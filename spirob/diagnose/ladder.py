@@ -94,10 +94,10 @@ def climb(
         improved = {c.effects: c for c in leaders}
         tried = [improved.get(c.effects, c) for c in tried]
         search.screened.append(ranked)
-        search.rounds.append(_with_probability(tried, rung, train, settings))
+        search.rounds.append(with_probability(tried, rung, train, settings))
         if not leaders:
             break
-        best = finished(_simplest(leaders, settings), residuals, settings)
+        best = finished(simplest(leaders, settings), residuals, settings)
         effects = [*rung.effects, *best.effects]
         grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
         search.rungs.append(grown)
@@ -229,7 +229,7 @@ def _least(search: Search, settings: Settings) -> float:
     return settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
 
 
-def _simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
+def simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
     """The best, or one with fewer numbers that is not surely worse."""
     best = min(leaders, key=lambda c: float(c.errors.mean()))
     equal = [
@@ -240,7 +240,7 @@ def _simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
     return min(equal, key=lambda c: (len(c.fit.estimates), float(c.errors.mean())))
 
 
-def _with_probability(
+def with_probability(
     confirmed: Sequence[Confirmed], rung: Rung, train: Problem, settings: Settings
 ) -> list[Confirmed]:
     """With the share of resampled errors that each wins; the one to add first."""

@@ -5,20 +5,22 @@ What is hidden stays on this side of the logs: the diagnosis is handed decoded l
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from spirob.diagnose.again import decided_again, proposed
 from spirob.diagnose.ladder import begun, climb
 from spirob.diagnose.rungs import Rung, Search, Settings, rung_of
-from spirob.diagnose.verdict import judge
+from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.fit import STEPS, fit
 from spirob.identify.near import near
 from spirob.identify.numbers import FITTED
 from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.residual import Residual
 from spirob.plant import Plant, Rig
 from spirob.trial.answers import ANSWERS, TOGETHER
 from spirob.trial.oracle import oracle
@@ -56,18 +58,43 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     library = list(all_effects().values())
     hidden, problems, base = _drawn(case, Plant(Rig(), library), settings)
     search = climb(problems, FITTED, library, {}, settings, known=base)
+    first, experiment = judge(search, problems["validate"], settings), ""
+    asked, known = search, problems
+    if first.kind == "undecided":
+        asked, known, experiment = _asked_again(search, problems, first, hidden, case, settings)
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
         "kind": case.kind,
         "seed": case.seed,
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
-    found = [{**about, "without": False, **_outcome(search, problems, best, settings)}]
+    told = {"first_verdict": first.kind, "experiment": experiment}
+    found = [{**about, "without": False, **told, **_outcome(asked, known, best, settings)}]
     if case.without:
         kept = [e for e in library if e.name() not in _right_names(case)]
         blind = climb(problems, FITTED, kept, {}, settings, known=search)
         found.append({**about, "without": True, **_outcome(blind, problems, best, settings)})
     return found
+
+
+def _asked_again(
+    search: Search,
+    problems: Mapping[str, Problem],
+    undecided: Verdict,
+    hidden: HiddenSettings,
+    case: Case,
+    settings: Settings,
+) -> tuple[Search, Mapping[str, Problem], str]:
+    """The experiment that separates the rivals best, played on the same robot, and judged."""
+    validate = problems["validate"]
+    assert isinstance(validate, Residual)
+    proposals = proposed(search, undecided, validate)
+    if not proposals:
+        return search, problems, ""
+    best = proposals[0]
+    logs = recorded(hidden, case.seed, best.trials)["validate"]
+    asked, known = decided_again(search, problems, replace(validate, trials=logs), settings)
+    return asked, known, best.name
 
 
 def _outcome(

@@ -1,7 +1,9 @@
 """A robot with something hidden plays the trial's bends over the bus; its logs are decoded."""
 
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from spirob.bench import Trial, record
 from spirob.diagnose.rungs import ROLES
@@ -16,8 +18,10 @@ from spirob.robot import Scene
 from spirob.trial.bends import bends
 
 
-def recorded(hidden: HiddenSettings, seed: int) -> dict[str, list[Measurement]]:
-    """Play all trials over the bus, and decode their logs."""
+def recorded(
+    hidden: HiddenSettings, seed: int, trials: Sequence[Mapping[str, Any]] | None = None
+) -> dict[str, list[Measurement]]:
+    """Play trials over the bus, the bends where none are given, and decode their logs."""
     rig = Rig()
     machine = EmulatedRig(
         gear_ratio=rig.winch.gear_ratio,
@@ -29,7 +33,7 @@ def recorded(hidden: HiddenSettings, seed: int) -> dict[str, list[Measurement]]:
     found: dict[str, list[Measurement]] = {role: [] for role in ROLES}
     try:
         with tempfile.TemporaryDirectory(prefix="spirob-trial-") as folder:
-            for plain in bends():
+            for plain in bends() if trials is None else trials:
                 path = Path(folder) / f"{plain['name']}.mcap"
                 _record(robot, Trial.from_plain(plain), path, rig)
                 found[plain["role"]].append(Measurement.from_trace(read_log(path)))

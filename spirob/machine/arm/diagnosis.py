@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from spirob.diagnose.again import proposed
 from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document
 from spirob.diagnose.ladder import climb
@@ -73,7 +74,8 @@ def written(
     verdict = judge(search, residuals["validate"], settings)
     train, base = residuals["train"], search.rungs[0]
     regimes = atlas(train, base.fit.residual[train.rows])
-    found = document(search, verdict, regimes, noise_floor(train), train.effort)
+    further = proposed(search, verdict, residuals["validate"])
+    found = document(search, verdict, regimes, noise_floor(train), train.effort, further)
     if base.scores["validate"].r2 < SENSE:
         found |= _senseless(base.scores["validate"].r2)
     for effect in found["effects"]:

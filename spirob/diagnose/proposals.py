@@ -1,0 +1,143 @@
+"""Which trial would tell two explanations apart?
+
+Both models play every trial of a short list, each on either side, and the one on which their
+signals differ most is proposed.  What it is worth is then for the robot to say.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from spirob.bench.simulate import simulate
+from spirob.bench.trial import Trial
+from spirob.errors import SimulationError
+from spirob.identify.measurement import Measurement
+from spirob.identify.problem import Effort
+from spirob.identify.residual import Residual
+
+LIMIT = 5.0  # A
+SIDES = (("left", "right"), ("right", "left"))
+
+# name, (duration [s], length [m]) of the moves of one motor, and what the other's current does
+TRIALS: tuple[tuple[str, tuple[tuple[float, float], ...], dict[str, Any]], ...] = (
+    ("slow crawl", ((0.1, 0.0), (5.0, 0.02)), {"kind": "constant", "value": 0.8}),
+    (
+        "fast moves",
+        ((0.1, 0.0), (0.4, 0.012), (0.4, 0.004), (0.4, 0.014), (0.4, 0.005)),
+        {"kind": "constant", "value": 0.8},
+    ),
+    (
+        "short reversals",
+        ((0.1, 0.0), (0.8, 0.014), (0.3, 0.011), (0.3, 0.014), (0.3, 0.011), (0.4, 0.013)),
+        {"kind": "constant", "value": 0.8},
+    ),
+    (
+        "light load",
+        ((0.1, 0.0), (1.2, 0.025), (0.3, 0.025), (0.8, 0.014)),
+        {"kind": "constant", "value": 0.35},
+    ),
+    (
+        "second load",
+        ((0.1, 0.0), (1.2, 0.02), (0.3, 0.02), (0.8, 0.011)),
+        {"kind": "constant", "value": 2.0},
+    ),
+    (
+        "hot run",
+        ((0.1, 0.0), (0.8, 0.012), (3.0, 0.012), (0.8, 0.006)),
+        {"kind": "constant", "value": 3.0},
+    ),
+    (
+        "hold",
+        ((0.1, 0.0), (1.2, 0.03), (3.0, 0.03), (0.8, 0.02)),
+        {"kind": "constant", "value": 0.7},
+    ),
+    (
+        "load dropped",
+        ((0.1, 0.0), (1.0, 0.015), (1.9, 0.015)),
+        {"kind": "ramp", "start": 1.4, "end": 0.2, "begins": 1.6, "ends": 2.0},
+    ),
+    (
+        "load up and down",
+        ((0.1, 0.0), (1.0, 0.015), (2.9, 0.015)),
+        {"kind": "triangle", "low": 0.4, "high": 1.6, "period": 2.0},
+    ),
+    ("deep bend", ((0.1, 0.0), (2.4, 0.07), (0.8, 0.055)), {"kind": "constant", "value": 0.65}),
+)
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """An experiment, and by how much two explanations differ on it.
+
+    trials      one for each side, as plain data
+    difference  RMS of what the residual compares, in its unit
+    """
+
+    name: str
+    trials: tuple[dict[str, Any], ...]
+    difference: float
+
+
+def propose(
+    problem: Residual, one: Mapping[str, float], other: Mapping[str, float]
+) -> list[Proposal]:
+    """All experiments, that on which the models with these numbers differ most first.
+
+    An experiment that one of the models cannot play to its end is left out.
+    """
+    found = []
+    for name, moves, load in TRIALS:
+        trials = tuple(_plain(name, moves, load, *side) for side in SIDES)
+        try:
+            apart = [_difference(problem, trial, one, other) for trial in trials]
+        except SimulationError:
+            continue
+        found.append(Proposal(name, trials, float(np.sqrt(np.mean(np.square(apart))))))
+    return sorted(found, key=lambda p: -p.difference)
+
+
+def told(proposals: Sequence[Proposal], effort: Effort) -> str:
+    """What to play next and what it is worth, in a line; empty where nothing can be played."""
+    if not proposals:
+        return ""
+    first, *others = proposals
+    line = (
+        f"To decide: play '{first.name}' on either side; the explanations differ by "
+        f"{effort.shown(first.difference)} there"
+    )
+    if others:
+        line += f" (on '{others[0].name}', the next best, by {effort.shown(others[0].difference)})"
+    return f"{line}."
+
+
+def _plain(
+    name: str,
+    moves: Sequence[tuple[float, float]],
+    load: Mapping[str, Any],
+    motor: str,
+    other: str,
+) -> dict[str, Any]:
+    follow = {"kind": "moves", "waypoints": [list(move) for move in moves]}
+    return {
+        "name": f"{name.replace(' ', '_')}_{motor}",
+        "role": "validate",
+        "duration": sum(lasts for lasts, _ in moves),
+        "motors": {
+            motor: {"mode": "displacement", "current_limit": LIMIT, "profile": follow},
+            other: {
+                "mode": "current",
+                "current_limit": LIMIT,
+                "profile": {"blend": 0.2, **load},
+            },
+        },
+    }
+
+
+def _difference(
+    problem: Residual, plain: dict[str, Any], one: Mapping[str, float], other: Mapping[str, float]
+) -> float:
+    played = Measurement.from_trace(simulate(problem.plant, Trial.from_plain(plain), one))
+    apart = replace(problem, trials=[played])(other)
+    return float(np.sqrt(np.mean(apart**2)))

@@ -1,0 +1,105 @@
+"""Two explanations that the logs do not tell apart: the right one foretells a further trial."""
+
+import numpy as np
+import pytest
+
+from spirob.bench import Trial
+from spirob.bench.simulate import simulate
+from spirob.diagnose.again import decided_again, proposed, rivals
+from spirob.diagnose.ladder import with_probability
+from spirob.diagnose.proposals import TRIALS, propose, told
+from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, rung_of, scores_of
+from spirob.diagnose.verdict import Verdict, judge
+from spirob.effects.motor.coulomb_friction import CoulombFriction
+from spirob.effects.motor.load_dependent_friction import LoadDependentFriction
+from spirob.identify.fit import fit
+from spirob.identify.measurement import Measurement
+from spirob.identify.residual import Residual
+from tests.identify.known import residual, spirob
+
+TRUE = {"coulomb_friction.coulomb_torque": 5e-4}
+OTHER = "load_dependent_friction.loss_ratio"
+SETTINGS = Settings()
+
+
+@pytest.fixture(scope="module")
+def plant():
+    return spirob([CoulombFriction, LoadDependentFriction])
+
+
+@pytest.fixture(scope="module")
+def trials(plant):
+    return {r: residual(plant, TRUE, r, seed=3) for r in ("train", "validate", "heldout")}
+
+
+@pytest.fixture(scope="module")
+def search(trials):
+    """As if the first round had ended: friction that is constant, and that grows with the load."""
+    train = trials["train"]
+    base = rung_of("fitted parameters", [], fit(train, ["winch.efficiency"], {}, 0.05), trials)
+    tried = []
+    for effect, name in ((CoulombFriction, next(iter(TRUE))), (LoadDependentFriction, OTHER)):
+        found = fit(train, ["winch.efficiency", name], {}, 0.05)
+        scores, missed, errors = scores_of(found, trials)
+        tried.append(Confirmed((effect,), 0.0, found, missed, errors, scores))
+    tried = with_probability(tried, base, train, SETTINGS)
+    best = tried[0]
+    rung = Rung("+ one", list(best.effects), best.fit, best.scores, best.errors)
+    return Search(base, [base, rung], [tried])
+
+
+def undecided(search):
+    other = search.rounds[0][1].effects[0].name()
+    return Verdict("undecided", 0.5, [other], "", "", "")
+
+
+def test_the_rivals_are_the_best_and_who_stands_against_it(search):
+    one, other = rivals(search, undecided(search))
+    assert {*one.effects, *other.effects} == {CoulombFriction, LoadDependentFriction}
+    assert list(one.effects) == search.rungs[-1].effects
+
+
+def test_experiments_are_ordered_by_what_they_would_show(search, trials):
+    found = proposed(search, undecided(search), trials["validate"])
+    apart = [p.difference for p in found]
+    assert len(found) == len(TRIALS)
+    assert apart == sorted(apart, reverse=True)
+    assert apart[0] > 2.0 * apart[-1]
+    for proposal in found:
+        assert [Trial.from_plain(t).role for t in proposal.trials] == ["validate"] * 2
+    line = told(found, trials["validate"].effort)
+    assert f"'{found[0].name}'" in line
+    assert "mA" in line
+
+
+def test_models_that_say_the_same_do_not_differ(trials, search):
+    same = search.rungs[0].fit.changes
+    assert max(p.difference for p in propose(trials["validate"], same, same)) < 1e-3  # a count
+
+
+def test_nothing_is_proposed_where_a_verdict_stands(search, trials):
+    named = Verdict("named", 0.99, [], "", "", "")
+    assert proposed(search, named, trials["validate"]) == []
+
+
+@pytest.mark.parametrize(
+    ("truth", "right"),
+    [(TRUE, CoulombFriction), (None, LoadDependentFriction)],
+    ids=["constant", "grows"],
+)
+def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, right):
+    """Once the machine is the one rival, once the other: the further trial says which."""
+    validate = trials["validate"]
+    one = next(c for c in search.rounds[0] if c.effects == (right,))
+    best = proposed(search, undecided(search), validate)[0]
+    played = [
+        simulate(plant, Trial.from_plain(t), truth or one.fit.changes, 0.002, seed=k)
+        for k, t in enumerate(best.trials)
+    ]
+    further = Residual(plant, [Measurement.from_trace(trace) for trace in played])
+    again, known = decided_again(search, trials, further, SETTINGS)
+    assert again.rungs[-1].effects == [right]
+    assert len(known["validate"].trials) == len(validate.trials) + 2
+    assert again.rounds[0][0].effects == (right,)
+    verdict = judge(again, known["validate"], SETTINGS)
+    assert np.isfinite(verdict.probability)
