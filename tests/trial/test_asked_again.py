@@ -1,0 +1,47 @@
+"""An undecided robot is asked the experiment that separates its rivals, and judged with its logs."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from spirob.diagnose.proposals import Proposal
+from spirob.diagnose.rungs import Settings
+from spirob.emulator.rig import HiddenSettings
+from spirob.trial.case import Case, _asked_again
+from tests.identify.known import residual, spirob
+
+CASE, HIDDEN = Case("rotor_friction", 41), HiddenSettings("rotor_friction:0.1")
+UNDECIDED = SimpleNamespace(kind="undecided", rivals=["cogging"])
+
+
+@pytest.fixture(scope="module")
+def problems():
+    return {"validate": residual(spirob(), {}, "validate")}
+
+
+def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch):
+    names, played = _asked_again.__globals__, []
+    best = Proposal("hold", ({"name": "hold_left"},), 0.01)
+    logs = [replace(problems["validate"].trials[0], name="hold_left")]
+
+    def recorded(hidden, seed, trials):
+        played.append((hidden, seed, trials))
+        return {"validate": logs}
+
+    def decided_again(search, known, further, settings):
+        assert further.trials == logs
+        return "judged again", known
+
+    monkeypatch.setitem(names, "proposed", lambda *_: [best, replace(best, name="deep bend")])
+    monkeypatch.setitem(names, "recorded", recorded)
+    monkeypatch.setitem(names, "decided_again", decided_again)
+    search, _, name = _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings())
+    assert (search, name) == ("judged again", "hold")
+    assert played == [(HIDDEN, 41, best.trials)]
+
+
+def test_where_nothing_can_be_played_it_stays_undecided(problems, monkeypatch):
+    monkeypatch.setitem(_asked_again.__globals__, "proposed", lambda *_: [])
+    found = _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings())
+    assert found == ("search", problems, "")
