@@ -1,4 +1,4 @@
-"""An undecided robot is asked the experiment that separates its rivals, and judged with its logs."""
+"""An undecided robot is asked what separates its rivals best, and judged with those logs too."""
 
 from dataclasses import replace
 from types import SimpleNamespace
