@@ -8,6 +8,7 @@ from pipeline.resolution import resolution
 from pipeline.stage import public_config, run, tell, write_json
 from spirob.identify.fit import Fit, best_start, fit_identifiable
 from spirob.identify.identifiability import probe
+from spirob.identify.near import near
 from spirob.identify.polish import polished
 from spirob.parameter import Table
 from spirob.score import score
@@ -24,7 +25,7 @@ def stage(root: Path) -> None:
     tell(gate.sentence)
     names = [n for n in names if n not in gate.silent + gate.held]
     settings = config.identify
-    begin = best_start(train, names, begin, settings.scale, settings.starts)
+    begin = best_start(near(train, begin), names, begin, settings.scale, settings.starts)
     found, vague = fit_identifiable(train, names, begin, settings.scale, settings.iterations, tell)
     found = polished(train, found, settings.scale)
     measured = train.measured()[train.rows]

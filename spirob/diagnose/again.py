@@ -11,26 +11,36 @@ from spirob.diagnose.ladder import counts, simplest, with_probability
 from spirob.diagnose.proposals import Proposal, propose
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label, rung_of, scores_of
 from spirob.diagnose.verdict import Verdict
+from spirob.effects import Effect
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
 
 
 def rivals(search: Search, verdict: Verdict) -> tuple[Confirmed, Confirmed]:
-    """The two finalists between which an undecided verdict most needs to choose."""
-    first = search.rounds[0]
-    named = set(search.rungs[-1].effects)
-    best = next(c for c in first if set(c.effects) == named)
-    names = set(verdict.rivals)
-    others = [c for c in first if c is not best and {e.name() for e in c.effects} <= names]
+    """The finalist that was found, and the most probable of those that stand beside it."""
+    first, last = search.rounds[0], set(search.rungs[-1].effects)
+    best = max((c for c in first if set(c.effects) <= last), key=lambda c: c.probability)
+    names = {*verdict.rivals, *verdict.equivalents}
+    others = [c for c in first if c is not best and _beside(c, names)]
     return best, max(others, key=lambda c: c.probability)
 
 
+def _beside(found: Confirmed, names: set[str]) -> bool:
+    """Whether these names, of single effects or of pairs, hold this candidate."""
+    return label(found.effects) in names or {e.name() for e in found.effects} <= names
+
+
 def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Proposal]:
-    """Experiments that would tell the rivals of an undecided verdict apart, best first."""
-    if verdict.kind != "undecided":
+    """Experiments that would tell what was found from what else it may be, best first."""
+    if not verdict.contested or set(search.rungs[-1].effects) not in _alone(search):
         return []
     one, other = rivals(search, verdict)
     return propose(problem, one.fit.changes, other.fit.changes)
+
+
+def _alone(search: Search) -> list[set[type[Effect]]]:
+    """What the first round found: with more added since, it is not what is in question."""
+    return [set(c.effects) for c in search.rounds[0]]
 
 
 def decided_again(

@@ -32,7 +32,8 @@ from spirob.identify.near import near
 from spirob.identify.problem import Problem, effort_rms
 
 CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
-LEADERS = 2  # candidates fitted with their shapes too
+LEADERS = 2  # candidates fitted until they settle, with their shapes too
+REACH = 4.0  # times the least mean square: who missed more is fitted no further
 PAIRED = 3  # candidates of which pairs are tried
 
 
@@ -87,10 +88,7 @@ def climb(
             search.rungs[-1] = rung = again
             least = _least(search, settings)
             passed = [c for c in passed if counts(c, rung, validate, settings, least)]
-        leaders = [
-            shaped(c, close, settings, progress)
-            for c in sorted(passed, key=lambda c: float(c.errors.mean()))[:LEADERS]
-        ]
+        leaders = [shaped(c, close, settings, progress) for c in _leading(passed)]
         improved = {c.effects: c for c in leaders}
         tried = [improved.get(c.effects, c) for c in tried]
         search.screened.append(ranked)
@@ -103,6 +101,12 @@ def climb(
         search.rungs.append(grown)
         _pruned(search, close, settings, progress)
     return search
+
+
+def _leading(passed: Sequence[Confirmed]) -> list[Confirmed]:
+    """The best, and the next if it is within reach."""
+    ranked = sorted(passed, key=lambda c: float(c.errors.mean()))
+    return [c for c in ranked[:LEADERS] if c.errors.mean() <= REACH * ranked[0].errors.mean()]
 
 
 def begun(

@@ -39,6 +39,11 @@ class Verdict:
     equivalents: tuple[str, ...] = ()
     accounted: float = 1.0
 
+    @property
+    def contested(self) -> bool:
+        """Whether another explanation stands beside what was found."""
+        return self.kind == "undecided" or bool(self.equivalents)
+
 
 def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     """Judge the first round; later rounds are further rungs of the same answer."""

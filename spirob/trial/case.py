@@ -60,7 +60,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     search = climb(problems, FITTED, library, {}, settings, known=base)
     first, experiment = judge(search, problems["validate"], settings), ""
     asked, known = search, problems
-    if first.kind == "undecided":
+    if first.contested:
         asked, known, experiment = _asked_again(search, problems, first, hidden, case, settings)
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
@@ -80,7 +80,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
 def _asked_again(
     search: Search,
     problems: Mapping[str, Problem],
-    undecided: Verdict,
+    contested: Verdict,
     hidden: HiddenSettings,
     case: Case,
     settings: Settings,
@@ -88,7 +88,7 @@ def _asked_again(
     """The experiment that separates the rivals best, played on the same robot, and judged."""
     validate = problems["validate"]
     assert isinstance(validate, Residual)
-    proposals = proposed(search, undecided, validate)
+    proposals = proposed(search, contested, validate)
     if not proposals:
         return search, problems, ""
     best = proposals[0]

@@ -82,6 +82,20 @@ def test_nothing_is_proposed_where_a_verdict_stands(search, trials):
     assert proposed(search, named, trials["validate"]) == []
 
 
+def test_a_name_beside_which_another_says_the_same_is_contested(search, trials):
+    other = search.rounds[0][1].effects[0].name()
+    named = Verdict("named", 0.99, [], "", "", "", equivalents=(other,))
+    assert rivals(search, named) == rivals(search, undecided(search))
+    assert proposed(search, named, trials["validate"])
+
+
+def test_with_more_added_since_the_first_round_is_not_in_question(search, trials):
+    further = Search(search.base, list(search.rungs), search.rounds)
+    both = [CoulombFriction, LoadDependentFriction]
+    further.rungs.append(Rung("+ both", both, *[None] * 3))
+    assert proposed(further, undecided(search), trials["validate"]) == []
+
+
 @pytest.mark.parametrize(
     ("truth", "right"),
     [(TRUE, CoulombFriction), (None, LoadDependentFriction)],
