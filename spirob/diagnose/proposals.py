@@ -16,9 +16,9 @@ from spirob.errors import SimulationError
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort
 from spirob.identify.residual import Residual
+from spirob.robot import MOTORS
 
 LIMIT = 5.0  # A
-SIDES = (("left", "right"), ("right", "left"))
 
 # name, (duration [s], length [m]) of the moves of one motor, and what the other's current does
 TRIALS: tuple[tuple[str, tuple[tuple[float, float], ...], dict[str, Any]], ...] = (
@@ -89,7 +89,10 @@ def propose(
     """
     found = []
     for name, moves, load in TRIALS:
-        trials = tuple(_plain(name, moves, load, *side) for side in SIDES)
+        trials = tuple(
+            bend(f"{name.replace(' ', '_')}_{motor}", "validate", motor, moves, load)
+            for motor in MOTORS
+        )
         try:
             apart = [_difference(problem, trial, one, other) for trial in trials]
         except SimulationError:
@@ -112,25 +115,29 @@ def told(proposals: Sequence[Proposal], effort: Effort) -> str:
     return f"{line}."
 
 
-def _plain(
+def bend(
     name: str,
+    role: str,
+    motor: str,
     moves: Sequence[tuple[float, float]],
     load: Mapping[str, Any],
-    motor: str,
-    other: str,
+    limit: float = LIMIT,
 ) -> dict[str, Any]:
+    """A trial in which one motor moves and the other pulls against it, as plain data.
+
+    moves  (duration [s], length [m]);  load  profile of the other's current [A]
+    limit  of either command [A]
+    """
+    other = "right" if motor == "left" else "left"
     follow = {"kind": "moves", "waypoints": [list(move) for move in moves]}
+    pull = {"blend": 0.2, **load}
     return {
-        "name": f"{name.replace(' ', '_')}_{motor}",
-        "role": "validate",
+        "name": name,
+        "role": role,
         "duration": sum(lasts for lasts, _ in moves),
         "motors": {
-            motor: {"mode": "displacement", "current_limit": LIMIT, "profile": follow},
-            other: {
-                "mode": "current",
-                "current_limit": LIMIT,
-                "profile": {"blend": 0.2, **load},
-            },
+            motor: {"mode": "displacement", "current_limit": limit, "profile": follow},
+            other: {"mode": "current", "current_limit": limit, "profile": pull},
         },
     }
 

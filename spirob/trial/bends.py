@@ -6,6 +6,8 @@ of the antagonist; the antagonist's current is high enough that its tendon stays
 
 from typing import Any
 
+from spirob.diagnose.proposals import bend
+
 # name, role, motor that moves, (duration [s], length [m]) of its moves, current of the other [A];
 # a trial lasts as long as its moves
 BENDS = (
@@ -56,18 +58,9 @@ BENDS = (
 )
 
 
-def bends(current_limit: float = 5.0) -> list[dict[str, Any]]:
+def bends() -> list[dict[str, Any]]:
     """The trials as plain data for `Trial.from_plain`."""
-    found = []
-    for name, role, motor, moves, current in BENDS:
-        other = "right" if motor == "left" else "left"
-        waypoints = [list(move) for move in moves]
-        follow = {"kind": "moves", "waypoints": waypoints}
-        hold = {"kind": "constant", "value": current, "blend": 0.2}
-        motors = {
-            motor: {"mode": "displacement", "current_limit": current_limit, "profile": follow},
-            other: {"mode": "current", "current_limit": current_limit, "profile": hold},
-        }
-        duration = sum(lasts for lasts, _ in moves)
-        found.append({"name": name, "role": role, "duration": duration, "motors": motors})
-    return found
+    return [
+        bend(name, role, motor, moves, {"kind": "constant", "value": current})
+        for name, role, motor, moves, current in BENDS
+    ]
