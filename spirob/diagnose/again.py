@@ -1,28 +1,33 @@
-"""Decide again: the finalists, as they were fitted, foretell a further trial.
+"""Decide again, with trials played where two explanations differ most.
 
-Nothing is fitted again.  The trial joins those that decide, so whoever foretells it worse loses
-there, block by block, as on any other trial that no fit has seen.
+The further trials lie outside of what was fitted, where no model is complete: numbers that hardly
+showed before weigh there.  So one of them, with the one motor in the lead, joins those that are
+fitted, and the contestants are fitted again; the other, with the other motor, joins those that
+decide.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from spirob.diagnose.ladder import counts, simplest, with_probability
+from spirob.diagnose.confirm import refitted
 from spirob.diagnose.proposals import Proposal, propose
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label, rung_of, scores_of
 from spirob.diagnose.verdict import Verdict
+from spirob.diagnose.weighing import counts, simplest, with_probability
 from spirob.effects import Effect
+from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.near import near
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
 
 
-def rivals(search: Search, verdict: Verdict) -> tuple[Confirmed, Confirmed]:
-    """The finalist that was found, and the most probable of those that stand beside it."""
+def contestants(search: Search, verdict: Verdict) -> list[Confirmed]:
+    """The finalist that was found, then those that stand beside it, the most probable first."""
     first, last = search.rounds[0], set(search.rungs[-1].effects)
     best = max((c for c in first if set(c.effects) <= last), key=lambda c: c.probability)
     names = {*verdict.rivals, *verdict.equivalents}
     others = [c for c in first if c is not best and _beside(c, names)]
-    return best, max(others, key=lambda c: c.probability)
+    return [best, *sorted(others, key=lambda c: -c.probability)]
 
 
 def _beside(found: Confirmed, names: set[str]) -> bool:
@@ -34,7 +39,7 @@ def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Propos
     """Experiments that would tell what was found from what else it may be, best first."""
     if not verdict.contested or set(search.rungs[-1].effects) not in _alone(search):
         return []
-    one, other = rivals(search, verdict)
+    one, other = contestants(search, verdict)[:2]
     return propose(problem, one.fit.changes, other.fit.changes)
 
 
@@ -44,30 +49,54 @@ def _alone(search: Search) -> list[set[type[Effect]]]:
 
 
 def decided_again(
-    search: Search, residuals: Mapping[str, Problem], further: Residual, settings: Settings
+    search: Search,
+    residuals: Mapping[str, Problem],
+    further: Mapping[str, Residual],
+    verdict: Verdict,
+    settings: Settings,
 ) -> tuple[Search, dict[str, Problem]]:
-    """The first round judged with further trials among those that decide; and all trials now.
+    """The first round between its contestants with further trials; and all trials now.
 
-    further  residual on the further trials alone
+    further  residuals on the further trials alone, those to fit ("train") and those that decide
+             ("validate").  Who was no contestant stays behind them
     """
-    decide = residuals["validate"]
-    assert isinstance(decide, Residual)
-    joined = replace(decide, trials=[*decide.trials, *further.trials])
-    known = {**residuals, "validate": joined}
-    start = search.rungs[0]
-    base = rung_of(start.label, [], start.fit, known)
-    tried = with_probability(
-        [_foretold(c, known) for c in search.rounds[0]], base, known["train"], settings
-    )
-    passed = [c for c in tried if counts(c, base, joined, settings)]
+    joined = {role: _joined(residuals[role], more) for role, more in further.items()}
+    known = {**residuals, **joined}
+    start, best = search.rungs[0], contestants(search, verdict)
+    train = near(known["train"], start.fit.changes)
+    close = {**known, "train": train}
+    base = rung_of(start.label, [], _again(start.fit, train, settings), close)
+    tried = [refitted(c, _again(c.fit, train, settings), close) for c in best]
+    tried = with_probability(tried, base, train, settings)
+    passed = [c for c in tried if counts(c, base, known["validate"], settings)]
     rungs = [base]
     if passed:
-        best = simplest(passed, settings)
-        effects = list(best.effects)
-        rungs.append(Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors))
-    return Search(base, rungs, [tried], search.screened, search.vague), known
+        won = simplest(passed, settings)
+        effects = list(won.effects)
+        rungs.append(Rung(f"+ {label(effects)}", effects, won.fit, won.scores, won.errors))
+    unfitted = {**known, "train": residuals["train"]}
+    behind = [_foretold(c, unfitted) for c in search.rounds[0] if c not in best]
+    return Search(base, rungs, [[*tried, *behind]], search.screened, search.vague), known
+
+
+def _joined(problem: Problem, further: Residual) -> Problem:
+    assert isinstance(problem, Residual)
+    return replace(problem, trials=[*problem.trials, *further.trials])
+
+
+def _again(found: Fit, train: Problem, settings: Settings) -> Fit:
+    return fit(
+        train,
+        list(found.estimates),
+        found.changes,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[-1:],
+        exact=False,
+    )
 
 
 def _foretold(found: Confirmed, residuals: Mapping[str, Problem]) -> Confirmed:
+    """Another, as it was fitted: it had lost before."""
     scores, missed, errors = scores_of(found.fit, residuals)
-    return replace(found, scores=scores, missed=missed, errors=errors)
+    return replace(found, scores=scores, missed=missed, errors=errors, probability=0.0)

@@ -18,12 +18,12 @@ def noise_floor(problem: Problem) -> float:
     return float(np.sqrt(np.mean(np.square(levels)))) * passed
 
 
-def complete(problem: Problem, rest: float) -> float:
+def complete(problem: Problem, floor: float) -> float:
     """RMS error of a model from which nothing is missing, in the unit of the effort.
 
-    rest  what the build of a machine adds to the noise, over the RMS effort
+    floor  what the build of a machine adds to the noise, over the RMS effort
     """
-    return float(np.hypot(noise_floor(problem), rest * effort_rms(problem)))
+    return float(np.hypot(noise_floor(problem), floor * effort_rms(problem)))
 
 
 def _deviation(values: np.ndarray) -> float:

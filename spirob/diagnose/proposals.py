@@ -66,6 +66,8 @@ TRIALS: tuple[tuple[str, tuple[tuple[float, float], ...], dict[str, Any]], ...] 
     ("deep bend", ((0.1, 0.0), (2.4, 0.07), (0.8, 0.055)), {"kind": "constant", "value": 0.65}),
 )
 
+ROLES = ("train", "validate")  # of the trial in which the left motor moves, and of the other
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -90,8 +92,8 @@ def propose(
     found = []
     for name, moves, load in TRIALS:
         trials = tuple(
-            bend(f"{name.replace(' ', '_')}_{motor}", "validate", motor, moves, load)
-            for motor in MOTORS
+            bend(f"{name.replace(' ', '_')}_{motor}", role, motor, moves, load)
+            for motor, role in zip(MOTORS, ROLES, strict=True)
         )
         try:
             apart = [_difference(problem, trial, one, other) for trial in trials]

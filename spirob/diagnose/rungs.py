@@ -23,9 +23,8 @@ class Settings:
     scale        of the robust loss, in the unit of the effort
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
-    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort
-    rest         error beside the sensor's noise, over the RMS effort, with which a model counts as
-                 complete: as much as the build of a machine differs from its model
+    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort; with an
+                 error no larger beside the sensor's noise a model counts as complete
     further      least size of a second effect, relative to the first: a law of the library is never
                  quite that of the machine, and what is left of its form is no effect of its own
     confidence   an effect is named when no rival wins more than the rest of the resampled errors
@@ -43,11 +42,10 @@ class Settings:
     scale: float = 0.05
     finalists: int = 6
     rounds: int = 2
-    floor: float = 0.004
-    rest: float = 0.006
+    floor: float = 0.003
     further: float = 0.25
     confidence: float = 0.9
-    explained: float = 0.5
+    explained: float = 0.85
     alike: float = 0.3
     iterations: int = 2
     patience: int = 6

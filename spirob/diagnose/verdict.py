@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnose.evidence import alike
-from spirob.diagnose.ladder import counts
 from spirob.diagnose.noise import complete, noise_floor
 from spirob.diagnose.rungs import Confirmed, Search, Settings, label
+from spirob.diagnose.weighing import counts
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
 
@@ -51,8 +51,9 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     effort, size = validate.effort, effort_rms(validate)
     share = base.scores["validate"].rmse / size
     first = search.rounds[0] if search.rounds else []
-    least = complete(validate, settings.rest) / size
-    accounted = explained(search, complete(validate, settings.floor))
+    enough = complete(validate, settings.floor)
+    least = enough / size
+    accounted = explained(search, enough)
     small = share <= least and accounted < settings.explained
     if not last.effects or small:
         return _nothing_or_unknown(share, least, settings, first, effort)

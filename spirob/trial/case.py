@@ -92,8 +92,9 @@ def _asked_again(
     if not proposals:
         return search, problems, ""
     best = proposals[0]
-    logs = recorded(hidden, case.seed, best.trials)["validate"]
-    asked, known = decided_again(search, problems, replace(validate, trials=logs), settings)
+    logs = recorded(hidden, case.seed, best.trials)
+    further = {role: replace(validate, trials=trials) for role, trials in logs.items() if trials}
+    asked, known = decided_again(search, problems, further, contested, settings)
     return asked, known, best.name
 
 
@@ -123,27 +124,37 @@ def _drawn(
 ) -> tuple[HiddenSettings, Mapping[str, Problem], Search]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
-    How a kind shows depends on the robot, so one that shows less or more than is ever drawn is
-    recorded again at the strength that its logs ask for.
+    Of two kinds each is as strong as it would be alone in the same robot.
     """
     kinds = case.kind.split("+")
-    rng = np.random.default_rng([case.seed, *case.kind.encode()])
-    wanted = [drawn_size(rng) for _ in kinds]
-    strengths = [strength_of(k, w) for k, w in zip(kinds, wanted, strict=True)]
+    alone = [_alone(kind, case.seed, plant, settings) for kind in kinds]
+    hidden, problems, rough = alone[0]
+    if len(kinds) > 1:
+        hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
+        problems = problems_of(recorded(hidden, case.seed), plant)
+        rough = _roughly(problems, settings)
+    return hidden, problems, begun(problems, FITTED, rough.fit.changes, settings)
+
+
+def _alone(
+    kind: str, seed: int, plant: Plant, settings: Settings
+) -> tuple[HiddenSettings, Mapping[str, Problem], Rung]:
+    """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
+    ever drawn the robot is recorded again, at the strength that its logs ask for."""
+    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]))
+    strength = strength_of(kind, wanted)
     tries: list[tuple[float, float]] = []
     played = []
     while True:
-        hidden = _settings(kinds, strengths)
-        problems = problems_of(recorded(hidden, case.seed), plant)
+        hidden = HiddenSettings("none" if kind == "none" else f"{kind}:{strength:.6g}")
+        problems = problems_of(recorded(hidden, seed), plant)
         rough = _roughly(problems, settings)
-        tries.append((strengths[0], beside(left(rough, problems), LEFT)))
+        tries.append((strength, beside(left(rough, problems), LEFT)))
         played.append((_beyond(tries[-1][1]), hidden, problems, rough))
-        alone = len(kinds) == 1 and case.kind != "none"
-        if not alone or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
+        if kind == "none" or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
             break
-        strengths = [adjusted(tries, wanted[0])]
-    _, hidden, problems, rough = min(played, key=lambda p: p[0])
-    return hidden, problems, begun(problems, FITTED, rough.fit.changes, settings)
+        strength = adjusted(tries, wanted)
+    return min(played, key=lambda p: p[0])[1:]
 
 
 def _roughly(problems: Mapping[str, Problem], settings: Settings) -> Rung:
@@ -157,11 +168,6 @@ def _beyond(shown: float) -> float:
     """By what factor an effect shows less or more than is near enough, as a logarithm."""
     inside = min(max(shown, SHOWN[0]), SHOWN[1])
     return abs(math.log(max(shown, 1e-3) / inside))
-
-
-def _settings(kinds: Sequence[str], strengths: Sequence[float]) -> HiddenSettings:
-    text = "+".join(f"{k}:{s:.6g}" for k, s in zip(kinds, strengths, strict=True))
-    return HiddenSettings("none" if list(kinds) == ["none"] else text)
 
 
 def _right_names(case: Case) -> set[str]:

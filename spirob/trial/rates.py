@@ -11,6 +11,7 @@ from spirob.trial.answers import ANSWERS
 LEAST_GAIN = 0.02  # where the oracle gains less, there is nothing to name
 RANGE = 0.9  # of the base's error: the trial asks for effects with which the oracle leaves less
 CONFIDENT = 0.9
+REFUSED = ("unknown", "undecided")  # the right answers where the library lacks the effect
 CLAIMS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)  # edges of probability
 LEAVES = (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # edges of oracle over base
 Z = 1.96
@@ -41,8 +42,10 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     wrong_and_confident  of robots with one effect, wrongly named with at least 90 %, those outside
                          the range included
     outside              of robots with one effect
-    undecided, unknown   of robots with one effect in the range
-    left_out             library without the right answer: not named with confidence
+    undecided            of robots with one effect in the range
+    called_unknown       of the same
+    unknown              library without any right answer: called unknown or undecided, as is right
+    left_out             the same, and no other effect named with confidence
     pairs_both           of robots with two effects, both named
     excess_error_closed  share of the oracle's fall of the held-out error that naming achieved, mean
     """
@@ -61,7 +64,8 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "wrong_and_confident": rate(_confidently_wrong(r) for r in every),
         "outside": rate(not asked(r) for r in every),
         "undecided": rate(r["verdict"] == "undecided" for r in single),
-        "unknown": rate(r["verdict"] == "unknown" for r in single),
+        "called_unknown": rate(r["verdict"] == "unknown" for r in single),
+        "unknown": rate(r["verdict"] in REFUSED for r in left if not nothing_to_name(r)),
         "left_out": rate(not _confidently_wrong(r) for r in left),
         "pairs_both": rate(both(r) for r in pairs),
         "excess_error_closed": _closed([*single, *pairs]),

@@ -3,7 +3,7 @@
 The strength is drawn so that knowing the effect would bring the held-out error to between 0.3 and
 0.35 of what it is without, from √(f² + (v s)²) to f: f is left with nothing hidden, and v is what
 the effect leaves at strength 1 after all numbers of the model are fitted.  Weaker effects are no
-fair question: diagnosis calls nothing an effect that carries less than 0.4 % of the current.
+fair question: diagnosis calls nothing an effect that carries less than 0.3 % of the current.
 """
 
 import math

@@ -5,11 +5,11 @@ import pytest
 
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
-from spirob.diagnose.again import decided_again, proposed, rivals
-from spirob.diagnose.ladder import with_probability
+from spirob.diagnose.again import contestants, decided_again, proposed
 from spirob.diagnose.proposals import TRIALS, propose, told
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, rung_of, scores_of
 from spirob.diagnose.verdict import Verdict, judge
+from spirob.diagnose.weighing import with_probability
 from spirob.effects.motor.coulomb_friction import CoulombFriction
 from spirob.effects.motor.load_dependent_friction import LoadDependentFriction
 from spirob.identify.fit import fit
@@ -54,7 +54,7 @@ def undecided(search):
 
 
 def test_the_rivals_are_the_best_and_who_stands_against_it(search):
-    one, other = rivals(search, undecided(search))
+    one, other = contestants(search, undecided(search))
     assert {*one.effects, *other.effects} == {CoulombFriction, LoadDependentFriction}
     assert list(one.effects) == search.rungs[-1].effects
 
@@ -66,7 +66,7 @@ def test_experiments_are_ordered_by_what_they_would_show(search, trials):
     assert apart == sorted(apart, reverse=True)
     assert apart[0] > 2.0 * apart[-1]
     for proposal in found:
-        assert [Trial.from_plain(t).role for t in proposal.trials] == ["validate"] * 2
+        assert [Trial.from_plain(t).role for t in proposal.trials] == ["train", "validate"]
     line = told(found, trials["validate"].effort)
     assert f"'{found[0].name}'" in line
     assert "mA" in line
@@ -85,7 +85,7 @@ def test_nothing_is_proposed_where_a_verdict_stands(search, trials):
 def test_a_name_beside_which_another_says_the_same_is_contested(search, trials):
     other = search.rounds[0][1].effects[0].name()
     named = Verdict("named", 0.99, [], "", "", "", equivalents=(other,))
-    assert rivals(search, named) == rivals(search, undecided(search))
+    assert contestants(search, named) == contestants(search, undecided(search))
     assert proposed(search, named, trials["validate"])
 
 
@@ -110,10 +110,15 @@ def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, righ
         simulate(plant, Trial.from_plain(t), truth or one.fit.changes, 0.002, seed=k)
         for k, t in enumerate(best.trials)
     ]
-    further = Residual(plant, [Measurement.from_trace(trace) for trace in played])
-    again, known = decided_again(search, trials, further, SETTINGS)
+    logs = [Measurement.from_trace(trace) for trace in played]
+    further = {
+        r: Residual(plant, [log]) for r, log in zip(("train", "validate"), logs, strict=True)
+    }
+    again, known = decided_again(search, trials, further, undecided(search), SETTINGS)
     assert again.rungs[-1].effects == [right]
-    assert len(known["validate"].trials) == len(validate.trials) + 2
+    for role in further:
+        assert len(known[role].trials) == len(trials[role].trials) + 1
+    assert known["heldout"] is trials["heldout"]
     assert again.rounds[0][0].effects == (right,)
     verdict = judge(again, known["validate"], SETTINGS)
     assert np.isfinite(verdict.probability)

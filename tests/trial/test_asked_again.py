@@ -12,6 +12,7 @@ from spirob.trial.case import Case, _asked_again
 from tests.identify.known import residual, spirob
 
 CASE, HIDDEN = Case("rotor_friction", 41), HiddenSettings("rotor_friction:0.1")
+ASKED = ("train", "validate")
 UNDECIDED = SimpleNamespace(kind="undecided", rivals=["cogging"])
 
 
@@ -27,10 +28,11 @@ def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch):
 
     def recorded(hidden, seed, trials):
         played.append((hidden, seed, trials))
-        return {"validate": logs}
+        return {"train": logs, "validate": logs, "heldout": []}
 
-    def decided_again(search, known, further, settings):
-        assert further.trials == logs
+    def decided_again(search, known, further, verdict, settings):
+        assert {role: more.trials for role, more in further.items()} == dict.fromkeys(ASKED, logs)
+        assert verdict is UNDECIDED
         return "judged again", known
 
     monkeypatch.setitem(names, "proposed", lambda *_: [best, replace(best, name="deep bend")])

@@ -53,7 +53,7 @@ def test_the_rates_of_four_robots():
     )
     assert found["top1"]["value"] == pytest.approx(1 / 3)
     assert found["wrong_and_confident"]["value"] == pytest.approx(1 / 3)
-    assert found["unknown"]["value"] == pytest.approx(1 / 3)
+    assert found["called_unknown"]["value"] == pytest.approx(1 / 3)
     assert found["false_alarm"]["value"] == 0.5
     assert found["confusion"]["none"] == {"nothing_missing": 1, "creep": 1}
 
@@ -71,10 +71,13 @@ def test_both_of_two_need_a_name_each():
     assert not both(result(kind, named=("current_lag", "feedback_latency")))
 
 
-def test_a_library_without_the_answer_must_not_be_sure():
+def test_a_library_without_the_answer_must_say_so_and_not_be_sure():
     sure = result(named=("cogging",), without=True)
-    found = rates([sure, result(verdict="unknown", without=True)])
-    assert found["left_out"]["value"] == 0.5
+    unsure = result(named=("cogging",), without=True, probability=0.6)
+    blind = [result(verdict=v, without=True) for v in ("unknown", "undecided", "nothing_missing")]
+    found = rates([sure, unsure, *blind])
+    assert found["left_out"]["value"] == pytest.approx(4 / 5)
+    assert found["unknown"]["value"] == pytest.approx(2 / 5)
     assert found["top1"]["n"] == 0
 
 

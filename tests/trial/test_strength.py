@@ -66,7 +66,9 @@ def test_a_try_that_shows_nothing_tells_no_power():
     assert adjusted([(0.5, 3.0), (0.125, 0.0)], 0.7) == pytest.approx(0.125 * FACTOR)
 
 
-def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch):
+@pytest.fixture
+def names(monkeypatch):
+    """What a draw calls, without robots; "played" holds what was hidden in each."""
     played = []
     names = _drawn.__globals__
     monkeypatch.setitem(names, "recorded", lambda hidden, seed: played.append(hidden) or hidden)
@@ -74,6 +76,22 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch):
     rough = SimpleNamespace(fit=SimpleNamespace(changes={}))
     monkeypatch.setitem(names, "_roughly", lambda *_: rough)
     monkeypatch.setitem(names, "begun", lambda *_: None)
+    monkeypatch.setitem(names, "played", played)
+    return names
+
+
+def test_each_of_two_is_as_strong_as_it_would_be_alone(monkeypatch, names):
+    shares = iter([2.7, 0.74, 0.31, 0.74, 9.9])
+    monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
+    hidden, problems, _ = _drawn(Case("cogging+joint_creep", 5), None, Settings())
+    *_, cogging, weak, creep, both = names["played"]
+    assert problems is hidden is both
+    assert both.parts == [*cogging.parts, *creep.parts]
+    assert creep.parts[0][1] > weak.parts[0][1]
+
+
+def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
+    played = names["played"]
     shares = iter([2.7, 0.31, 0.74])
     monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
     hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())

@@ -15,10 +15,11 @@ RATES = {
     "top3": "the right one among the first three fitted in full",
     "outside": "hidden, but showing too little there to be asked for",
     "undecided": "undecided between rivals",
-    "unknown": "said to be none that the library holds",
+    "called_unknown": "said to be none that the library holds",
     "wrong_and_confident": "wrongly named with 90 % or more",
     "false_alarm": "nothing hidden, yet something named",
-    "left_out": "right answer not in the library, and no other named with confidence",
+    "unknown": "right answer not in the library: called unknown or undecided, as is right",
+    "left_out": "the same, and no other named with confidence",
     "pairs_both": "two effects hidden, both named",
     "excess_error_closed": "share of the avoidable held-out error that naming took away",
 }

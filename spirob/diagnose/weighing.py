@@ -1,0 +1,90 @@
+"""What counts as an effect, and which of several is taken.
+
+An effect has to be large enough to matter, and surely better than what stood before it, on trials
+that no fit has seen; of those that do about equally well the simplest is taken.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from spirob.diagnose.evidence import block_errors, foreseen, improvement, win_rates
+from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
+from spirob.identify.fit import INDEPENDENT, Fit
+from spirob.identify.problem import Problem, effort_rms
+
+LEADERS = 2  # candidates fitted until they settle, with their shapes too
+REACH = 4.0  # times the least mean square: who missed more is fitted no further
+
+
+def leading(passed: Sequence[Confirmed]) -> list[Confirmed]:
+    """The best, and the next if it is within reach."""
+    ranked = sorted(passed, key=lambda c: float(c.errors.mean()))
+    return [c for c in ranked[:LEADERS] if c.errors.mean() <= REACH * ranked[0].errors.mean()]
+
+
+def counts(
+    found: Confirmed, rung: Rung, validate: Problem, settings: Settings, least: float | None = None
+) -> bool:
+    """Whether a candidate is large enough to matter and surely better than the rung below it.
+
+    least  size that it has to have, in the unit of the effort; else the floor
+    """
+    return matters(rung.errors, found.errors, validate, settings, least)
+
+
+def matters(
+    before: np.ndarray,
+    after: np.ndarray,
+    validate: Problem,
+    settings: Settings,
+    least: float | None = None,
+) -> bool:
+    """The same of two sets of block errors."""
+    if _size(before, after) < (settings.floor * effort_rms(validate) if least is None else least):
+        return False
+    return improvement(before, after, settings.seed)[1] > 0.0
+
+
+def _size(before: np.ndarray, after: np.ndarray) -> float:
+    """√(MSE before - MSE after)."""
+    return float(np.sqrt(max(0.0, float(before.mean() - after.mean()))))
+
+
+def least_of(search: Search, settings: Settings) -> float | None:
+    """The least size of a further effect; none is said for the first."""
+    if len(search.rungs) == 1:
+        return None
+    return settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
+
+
+def simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
+    """The best, or one with fewer numbers that is not surely worse."""
+    best = min(leaders, key=lambda c: float(c.errors.mean()))
+    equal = [
+        c
+        for c in leaders
+        if c is best or improvement(c.errors, best.errors, settings.seed)[1] <= 0.0
+    ]
+    return min(equal, key=lambda c: (len(c.fit.estimates), float(c.errors.mean())))
+
+
+def with_probability(
+    confirmed: Sequence[Confirmed], rung: Rung, train: Problem, settings: Settings
+) -> list[Confirmed]:
+    """With the share of resampled errors that each wins; the one to add first."""
+    if not confirmed:
+        return []
+    errors = {label(c.effects): _all_errors(c.errors, c.fit, train) for c in confirmed}
+    rates = win_rates(errors | {"": _all_errors(rung.errors, rung.fit, train)}, settings.seed)
+    rated = [replace(c, probability=rates[label(c.effects)]) for c in confirmed]
+    return sorted(rated, key=lambda c: float(c.errors.mean()))
+
+
+def _all_errors(validated: np.ndarray, found: Fit, train: Problem) -> np.ndarray:
+    """Block errors on the validation trials, then on the fitted ones as if they were new."""
+    missed = found.residual / np.sqrt(np.mean(train.rows))
+    errors = block_errors(missed, train.edges, train.block)
+    samples = len(missed) // INDEPENDENT
+    return np.concatenate([validated, foreseen(errors, len(found.estimates), samples)])
