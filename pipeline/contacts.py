@@ -48,7 +48,7 @@ def stage(root: Path) -> None:
     if config.robot.kind == "can":
         raise ConfigError("contacts are played on an emulated or simulated robot, not on hardware")
     hidden = read_yaml(root / HIDDEN, "config") or {}
-    named = read_json(root / "data/diagnosis/model.json", "diagnose")
+    named = read_json(root / "data/diagnosis/model.json", "decide")
     plain = config.model_dump()
     domains = {}
     for domain, pegs, seed in (("simulation", SIMULATED, 1), ("robot", EMULATED, 2)):

@@ -1,21 +1,26 @@
 """Stage `diagnose`: which effect is missing; add it, refit, and watch the error."""
 
+from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 from pipeline.model import fitted_names, plant, residual
 from pipeline.overlay import motion, overlay
+from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnose.again import proposed
 from spirob.diagnose.atlas import atlas
+from spirob.diagnose.contest import contest
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.rungs import Settings
-from spirob.diagnose.verdict import judge
+from spirob.diagnose.proposals import Proposal
+from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
+
+OUT = Path("data/search")
 
 
 def stage(root: Path) -> None:
@@ -27,8 +32,7 @@ def stage(root: Path) -> None:
     candidates = [c for c in candidates if c not in find_effects(config.plant.effects)]
     model = plant(config, candidates)
     residuals = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
-    own = config.diagnose.model_dump(exclude={"candidates"})
-    settings = Settings(scale=config.identify.scale, **own)
+    settings = settings_of(config)
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]
     search = climb(residuals, names, candidates, identified["changes"], settings, tell)
@@ -38,22 +42,38 @@ def stage(root: Path) -> None:
     regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
     further = proposed(search, verdict, residuals["validate"])
     written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort, further)
-    last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
-    write_json(root / "data/diagnosis/diagnosis.json", written)
-    write_json(
-        root / "data/diagnosis/model.json",
-        {"effects": [e.name() for e in last.effects], "changes": _set(last.fit.changes)},
-    )
-    overlay(root, residuals, base.changes, last.fit.changes)
-    motion(root, residuals, last.fit.changes)
-    switches(root, residuals, search, settings.scale)
-    laws(root, residuals, search, verdict.kind == "named")
-    write_json(root / "reports/metrics/diagnose.json", metrics(search, verdict, effort))
+    last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
+    write_json(root / OUT / "diagnosis.json", written)
+    write_json(root / OUT / "contest.json", _contest(search, verdict, further))
+    write_json(root / OUT / "model.json", model_of(search, verdict))
+    write_json(root / OUT / "metrics.json", metrics(search, verdict, effort))
+    overlay(root / OUT, residuals, base.changes, last)
+    motion(root / OUT, residuals, last)
+    switches(root / OUT, residuals, search, settings.scale)
+    laws(root / OUT, residuals, search, verdict.kind == "named")
     tell(verdict.sentence)
 
 
-def _set(changes: dict[str, float]) -> dict[str, float]:
-    return {name: float(np.float64(value)) for name, value in changes.items()}
+def settings_of(config: Config) -> Settings:
+    """How the search decides, from the configuration."""
+    own = config.diagnose.model_dump(exclude={"candidates"})
+    return Settings(scale=config.identify.scale, **own)
+
+
+def model_of(search: Search, verdict: Verdict) -> dict[str, Any]:
+    """The model that stands: with what was named, or the fitted one without."""
+    last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
+    changes = {name: float(value) for name, value in last.fit.changes.items()}
+    return {"effects": [e.name() for e in last.effects], "changes": changes}
+
+
+def _contest(search: Search, verdict: Verdict, further: Sequence[Proposal]) -> dict[str, Any]:
+    """Who stands beside what was found, and the trials that would decide; empty where nobody."""
+    if not further:
+        return {"experiment": "", "trials": [], "models": []}
+    best = further[0]
+    models = [one.as_dict() for one in contest(search, verdict)]
+    return {"experiment": best.name, "trials": list(best.trials), "models": models}
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ def _size(root: Path) -> None:
 
 def _verdict(root: Path) -> None:
     truth = read_json(root / "data/truth/truth.json", "collect")
-    said = read_json(root / "reports/metrics/diagnose.json", "diagnose")
+    said = read_json(root / "reports/metrics/diagnose.json", "decide")
     hidden = str(truth.get("effect", ""))
     content = {
         "hidden": hidden,

@@ -32,7 +32,7 @@ def stage(root: Path) -> None:
     config = public_config(root)
     hidden = read_yaml(root / HIDDEN, "config") or {}
     base = read_json(root / "data/identified/base.json", "identify")
-    named = read_json(root / "data/diagnosis/model.json", "diagnose")
+    named = read_json(root / "data/diagnosis/model.json", "decide")
     models = {"base": {"effects": config.plant.effects, "changes": base["changes"]}, "named": named}
     written, metrics = {}, {}
     for name, settings in config.experiments.items():

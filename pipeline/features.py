@@ -31,7 +31,7 @@ def stage(root: Path) -> None:
     alone.
     """
     config = public_config(root)
-    model = read_json(root / "data/diagnosis/model.json", "diagnose")
+    model = read_json(root / "data/diagnosis/model.json", "decide")
     for name, trials in (("train", train_wraps(config)), ("unseen", unseen_wraps(config))):
         features = wrapped(config, model, trials)
         _write(root / FOLDER / f"{name}.parquet", features)

@@ -18,14 +18,14 @@ CHANNELS = ("current", "displacement", "velocity")
 
 
 def overlay(
-    root: Path,
+    folder: Path,
     residuals: Mapping[str, Residual],
     base: Mapping[str, float],
     named: Mapping[str, float],
 ) -> None:
-    """data/diagnosis/overlay.parquet: trials that no fit has seen, both sides filtered alike."""
+    """overlay.parquet: trials that no fit has seen, both sides filtered alike."""
     table = table_of(residuals, {"base": base, "named": named}, measured=True)
-    write_table(root / "data/diagnosis/overlay.parquet", table)
+    write_table(folder / "overlay.parquet", table)
 
 
 def table_of(
@@ -62,8 +62,8 @@ def table_of(
     return pd.concat(parts, ignore_index=True)
 
 
-def motion(root: Path, residuals: Mapping[str, Residual], changes: Mapping[str, float]) -> None:
-    """data/diagnosis/motion.parquet: hinge angles of the best model in the held-out trials."""
+def motion(folder: Path, residuals: Mapping[str, Residual], changes: Mapping[str, float]) -> None:
+    """motion.parquet: hinge angles of the best model in the held-out trials."""
     parts = []
     residual = residuals["heldout"]
     for k, trial in enumerate(residual.trials):
@@ -71,7 +71,7 @@ def motion(root: Path, residuals: Mapping[str, Residual], changes: Mapping[str, 
         rows = np.arange(0, len(angles), round(1000 / FRAMES_PER_SECOND))
         columns = {f"q{i}": angles[rows, i] for i in range(angles.shape[1])}
         parts.append(pd.DataFrame({"trial": trial.name, "time": rows * 1e-3} | columns))
-    write_table(root / "data/diagnosis/motion.parquet", pd.concat(parts, ignore_index=True))
+    write_table(folder / "motion.parquet", pd.concat(parts, ignore_index=True))
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:

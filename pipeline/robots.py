@@ -24,21 +24,31 @@ from spirob.plant import Plant, Rig
 from spirob.robot import Robot, Scene
 from spirob.safety import Limits
 
+RAW = Path("data/raw")
+
 
 def record_all(
-    root: Path, config: Config, hidden: Mapping[str, Any], trials: Sequence[dict[str, Any]]
+    root: Path,
+    config: Config,
+    hidden: Mapping[str, Any],
+    trials: Sequence[dict[str, Any]],
+    folder: Path = RAW,
 ) -> dict[str, Any]:
-    """Record trials into data/raw, in parallel where no hardware is involved.
+    """Record trials into a folder, in parallel where no hardware is involved.
 
     Returns what an emulated robot really is, for scoring; empty for the others.
     """
-    jobs = [delayed(_record)(root, config.model_dump(), dict(hidden), t) for t in trials]
+    jobs = [delayed(_record)(root, config.model_dump(), dict(hidden), t, folder) for t in trials]
     found = Parallel(n_jobs=1 if config.robot.kind == "can" else workers())(jobs)
     return next((truth for truth in found if truth), {})
 
 
 def _record(
-    root: Path, plain: dict[str, Any], hidden: dict[str, Any], trial_plain: dict[str, Any]
+    root: Path,
+    plain: dict[str, Any],
+    hidden: dict[str, Any],
+    trial_plain: dict[str, Any],
+    folder: Path,
 ) -> dict[str, Any]:
     config = Config.model_validate(plain)
     trial, rig = Trial.from_plain(trial_plain), Rig.from_mapping(config.rig)
@@ -60,7 +70,7 @@ def _record(
         record(
             trial,
             watched or robot,
-            root / "data" / "raw" / f"{trial.name}.mcap",
+            root / folder / f"{trial.name}.mcap",
             transmission=Transmission(
                 gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
             ),

@@ -15,6 +15,7 @@ from spirob.logs.atomic import write_text
 
 PUBLIC = Path("data/config/config.yaml")
 HIDDEN = Path("data/config/hidden.yaml")
+ASKED = Path("data/asked")  # logs of trials that decide between rivals
 FAILED, INTERRUPTED = 2, 130
 
 

@@ -31,8 +31,8 @@ class Model:
     how: str
 
 
-def switches(root: Path, residuals: Mapping[str, Residual], search: Search, scale: float) -> None:
-    """data/diagnosis/combinations.parquet: responses of all combinations; rows are the overlay's.
+def switches(folder: Path, residuals: Mapping[str, Residual], search: Search, scale: float) -> None:
+    """combinations.parquet: responses of all combinations; rows are the overlay's.
 
     Nothing is written where no candidate passed the screening.
     """
@@ -48,7 +48,7 @@ def switches(root: Path, residuals: Mapping[str, Residual], search: Search, scal
         whole = pd.concat(parts, ignore_index=True)
         named = ["effects", "trial", "role", "motor", "how"]
         whole[named] = whole[named].astype("category")
-        write_table(root / "data/diagnosis/combinations.parquet", whole)
+        write_table(folder / "combinations.parquet", whole)
 
 
 def candidates(train: Residual, search: Search) -> list[Alone]:
@@ -78,8 +78,8 @@ def models(train: Residual, search: Search, alone: Sequence[Alone], scale: float
     return found
 
 
-def laws(root: Path, residuals: Mapping[str, Residual], search: Search, named: bool) -> None:
-    """data/diagnosis/laws.parquet: each effect's model with and without it, all else as fitted.
+def laws(folder: Path, residuals: Mapping[str, Residual], search: Search, named: bool) -> None:
+    """laws.parquet: each effect's model with and without it, all else as fitted.
 
     named  the effects of the last rung; otherwise the first candidates, each in its own model
     """
@@ -95,4 +95,4 @@ def laws(root: Path, residuals: Mapping[str, Residual], search: Search, named: b
         rows = table_of(residuals, {"with": changes, "without": off})
         parts.append(rows.assign(effect=effect.name()))
     if parts:
-        write_table(root / "data/diagnosis/laws.parquet", pd.concat(parts, ignore_index=True))
+        write_table(folder / "laws.parquet", pd.concat(parts, ignore_index=True))

@@ -6,33 +6,21 @@ fitted, and the contestants are fitted again; the other, with the other motor, j
 decide.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from spirob.diagnose.confirm import refitted
+from spirob.diagnose.confirm import finished
+from spirob.diagnose.contest import Contestant, contestants
 from spirob.diagnose.proposals import Proposal, propose
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label, rung_of, scores_of
 from spirob.diagnose.verdict import Verdict
 from spirob.diagnose.weighing import counts, simplest, with_probability
 from spirob.effects import Effect
 from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.measurement import Measurement
 from spirob.identify.near import near
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
-
-
-def contestants(search: Search, verdict: Verdict) -> list[Confirmed]:
-    """The finalist that was found, then those that stand beside it, the most probable first."""
-    first, last = search.rounds[0], set(search.rungs[-1].effects)
-    best = max((c for c in first if set(c.effects) <= last), key=lambda c: c.probability)
-    names = {*verdict.rivals, *verdict.equivalents}
-    others = [c for c in first if c is not best and _beside(c, names)]
-    return [best, *sorted(others, key=lambda c: -c.probability)]
-
-
-def _beside(found: Confirmed, names: set[str]) -> bool:
-    """Whether these names, of single effects or of pairs, hold this candidate."""
-    return label(found.effects) in names or {e.name() for e in found.effects} <= names
 
 
 def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Proposal]:
@@ -48,55 +36,47 @@ def _alone(search: Search) -> list[set[type[Effect]]]:
     return [set(c.effects) for c in search.rounds[0]]
 
 
-def decided_again(
-    search: Search,
-    residuals: Mapping[str, Problem],
-    further: Mapping[str, Residual],
-    verdict: Verdict,
-    settings: Settings,
-) -> tuple[Search, dict[str, Problem]]:
-    """The first round between its contestants with further trials; and all trials now.
+def joined(
+    residuals: Mapping[str, Problem], further: Mapping[str, Sequence[Measurement]]
+) -> dict[str, Problem]:
+    """The same with further trials, by role."""
+    found = dict(residuals)
+    for role, trials in further.items():
+        problem = residuals[role]
+        assert isinstance(problem, Residual)
+        found[role] = replace(problem, trials=[*problem.trials, *trials])
+    return found
 
-    further  residuals on the further trials alone, those to fit ("train") and those that decide
-             ("validate").  Who was no contestant stays behind them
-    """
-    joined = {role: _joined(residuals[role], more) for role, more in further.items()}
-    known = {**residuals, **joined}
-    start, best = search.rungs[0], contestants(search, verdict)
-    train = near(known["train"], start.fit.changes)
-    close = {**known, "train": train}
-    base = rung_of(start.label, [], _again(start.fit, train, settings), close)
-    tried = [refitted(c, _again(c.fit, train, settings), close) for c in best]
+
+def decided_again(
+    models: Sequence[Contestant], residuals: Mapping[str, Problem], settings: Settings
+) -> Search:
+    """A contest fitted again to trials that hold the further ones, as a search of one round."""
+    start, *others = models
+    train = near(residuals["train"], start.changes)
+    close = {**residuals, "train": train}
+    base = rung_of("fitted parameters", [], _fitted(start, train, settings), close)
+    tried = []
+    for one in others:
+        found = _fitted(one, train, settings)
+        scores, missed, errors = scores_of(found, close)
+        tried.append(Confirmed(one.effects, one.gain, found, missed, errors, scores))
     tried = with_probability(tried, base, train, settings)
-    passed = [c for c in tried if counts(c, base, known["validate"], settings)]
     rungs = [base]
-    if passed:
-        won = simplest(passed, settings)
+    if passed := [c for c in tried if counts(c, base, residuals["validate"], settings)]:
+        won = finished(simplest(passed, settings), residuals, settings)
         effects = list(won.effects)
         rungs.append(Rung(f"+ {label(effects)}", effects, won.fit, won.scores, won.errors))
-    unfitted = {**known, "train": residuals["train"]}
-    behind = [_foretold(c, unfitted) for c in search.rounds[0] if c not in best]
-    return Search(base, rungs, [[*tried, *behind]], search.screened, search.vague), known
+    return Search(base, rungs, [tried])
 
 
-def _joined(problem: Problem, further: Residual) -> Problem:
-    assert isinstance(problem, Residual)
-    return replace(problem, trials=[*problem.trials, *further.trials])
-
-
-def _again(found: Fit, train: Problem, settings: Settings) -> Fit:
+def _fitted(one: Contestant, train: Problem, settings: Settings) -> Fit:
     return fit(
         train,
-        list(found.estimates),
-        found.changes,
+        one.names,
+        one.changes,
         settings.scale,
         settings.patience,
         steps=STEPS[-1:],
         exact=False,
     )
-
-
-def _foretold(found: Confirmed, residuals: Mapping[str, Problem]) -> Confirmed:
-    """Another, as it was fitted: it had lost before."""
-    scores, missed, errors = scores_of(found.fit, residuals)
-    return replace(found, scores=scores, missed=missed, errors=errors, probability=0.0)

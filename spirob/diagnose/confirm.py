@@ -64,7 +64,7 @@ def shaped(
         exact=False,
         slopes=slopes,
     )
-    better = refitted(found, changed, residuals)
+    better = _refitted(found, changed, residuals)
     progress(f"{label(found.effects)} to the end: {line(better.scores, train.effort)}")
     return better
 
@@ -109,10 +109,9 @@ def finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Setti
     final = fit(
         train, names, found.fit.changes, settings.scale, settings.patience, steps=STEPS[-1:]
     )
-    return refitted(found, final, residuals)
+    return _refitted(found, final, residuals)
 
 
-def refitted(found: Confirmed, better: Fit, residuals: Mapping[str, Problem]) -> Confirmed:
-    """The same candidates with the numbers, scores and errors of another fit."""
+def _refitted(found: Confirmed, better: Fit, residuals: Mapping[str, Problem]) -> Confirmed:
     scores, missed, errors = scores_of(better, residuals)
     return replace(found, fit=better, scores=scores, missed=missed, errors=errors)

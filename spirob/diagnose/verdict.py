@@ -58,7 +58,8 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     if not last.effects or small:
         return _nothing_or_unknown(share, least, settings, first, effort)
     if accounted < settings.explained:
-        return _poorly_explained(share, accounted, last.effects, effort)
+        told = f"accounts for {accounted:.0%} of the squared error, too little to be its cause"
+        return _poorly_explained(share, told, last.effects, effort)
     best = _brought(search)
     passed = [c for c in first if c is not best and counts(c, base, validate, settings)]
     size = float(np.sqrt(max(base.errors.mean() - best.errors.mean(), 1e-300)))
@@ -69,6 +70,9 @@ def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
     if rivals and len(last.effects) == 1 and _brought(search) in first:
         return _undecided(best, rivals, share, effort)
     whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
+    if (chance := best.probability * whole) < settings.sure:
+        told = f"is right with a probability of {chance:.0%} only"
+        return _poorly_explained(share, told, last.effects, effort)
     return _named(search, best, whole, same, share, effort)
 
 
@@ -117,7 +121,7 @@ def _nothing_or_unknown(
 
 
 def _poorly_explained(
-    share: float, accounted: float, effects: Sequence[type[Effect]], effort: Effort
+    share: float, told: str, effects: Sequence[type[Effect]], effort: Effort
 ) -> Verdict:
     best = " and ".join(e.title for e in effects)
     return Verdict(
@@ -126,8 +130,7 @@ def _poorly_explained(
         [],
         f"Something is missing that the library does not hold: {share:.1%} of the {effort.name}.",
         f"The model misses {share:.1%} of the {effort.name}'s RMS on trials that it was not "
-        f"fitted to. The best explanation, {best}, accounts for {accounted:.0%} of the squared "
-        f"error, too little to be its cause. {ATLAS}",
+        f"fitted to. The best explanation, {best}, {told}. {ATLAS}",
         AGAIN,
     )
 

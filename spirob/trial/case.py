@@ -5,12 +5,13 @@ What is hidden stays on this side of the logs: the diagnosis is handed decoded l
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from spirob.diagnose.again import decided_again, proposed
+from spirob.diagnose.again import decided_again, joined, proposed
+from spirob.diagnose.contest import contest
 from spirob.diagnose.ladder import begun, climb
 from spirob.diagnose.rungs import Rung, Search, Settings, rung_of
 from spirob.diagnose.verdict import Verdict, judge
@@ -70,6 +71,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     }
     told = {"first_verdict": first.kind, "experiment": experiment}
     found = [{**about, "without": False, **told, **_outcome(asked, known, best, settings)}]
+    found[0]["first"] = list(dict.fromkeys([*found[0]["first"], *_first(search)]))
     if case.without:
         kept = [e for e in library if e.name() not in _right_names(case)]
         blind = climb(problems, FITTED, kept, {}, settings, known=search)
@@ -92,9 +94,8 @@ def _asked_again(
     if not proposals:
         return search, problems, ""
     best = proposals[0]
-    logs = recorded(hidden, case.seed, best.trials)
-    further = {role: replace(validate, trials=trials) for role, trials in logs.items() if trials}
-    asked, known = decided_again(search, problems, further, contested, settings)
+    known = joined(problems, recorded(hidden, case.seed, best.trials))
+    asked = decided_again(contest(search, contested), known, settings)
     return asked, known, best.name
 
 

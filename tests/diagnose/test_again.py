@@ -1,11 +1,14 @@
 """Two explanations that the logs do not tell apart: the right one foretells a further trial."""
 
+import json
+
 import numpy as np
 import pytest
 
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
-from spirob.diagnose.again import contestants, decided_again, proposed
+from spirob.diagnose.again import decided_again, joined, proposed
+from spirob.diagnose.contest import Contestant, contest, contestants
 from spirob.diagnose.proposals import TRIALS, propose, told
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, rung_of, scores_of
 from spirob.diagnose.verdict import Verdict, judge
@@ -14,7 +17,6 @@ from spirob.effects.motor.coulomb_friction import CoulombFriction
 from spirob.effects.motor.load_dependent_friction import LoadDependentFriction
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement
-from spirob.identify.residual import Residual
 from tests.identify.known import residual, spirob
 
 TRUE = {"coulomb_friction.coulomb_torque": 5e-4}
@@ -103,20 +105,18 @@ def test_with_more_added_since_the_first_round_is_not_in_question(search, trials
 )
 def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, right):
     """Once the machine is the one rival, once the other: the further trial says which."""
-    validate = trials["validate"]
     one = next(c for c in search.rounds[0] if c.effects == (right,))
-    best = proposed(search, undecided(search), validate)[0]
+    best = proposed(search, undecided(search), trials["validate"])[0]
     played = [
         simulate(plant, Trial.from_plain(t), truth or one.fit.changes, 0.002, seed=k)
         for k, t in enumerate(best.trials)
     ]
     logs = [Measurement.from_trace(trace) for trace in played]
-    further = {
-        r: Residual(plant, [log]) for r, log in zip(("train", "validate"), logs, strict=True)
-    }
-    again, known = decided_again(search, trials, further, undecided(search), SETTINGS)
+    known = joined(trials, {r: [log] for r, log in zip(("train", "validate"), logs, strict=True)})
+    plain = json.loads(json.dumps([c.as_dict() for c in contest(search, undecided(search))]))
+    again = decided_again([Contestant.from_dict(one) for one in plain], known, SETTINGS)
     assert again.rungs[-1].effects == [right]
-    for role in further:
+    for role in ("train", "validate"):
         assert len(known[role].trials) == len(trials[role].trials) + 1
     assert known["heldout"] is trials["heldout"]
     assert again.rounds[0][0].effects == (right,)

@@ -22,7 +22,7 @@ SHORT = [
 ]
 READMES = ("data/sweep/README.md", "data/recorded/README.md")
 TRIES = 3  # of a run that DVC refuses
-DECIDING = ("identify", "compare", "diagnose")  # stages that must not know the truth
+DECIDING = ("identify", "compare", "diagnose", "decide")  # stages that must not know the truth
 
 
 class Project:

@@ -66,8 +66,8 @@ def machines(monkeypatch):
 def test_every_combination_has_every_sample_of_the_overlay(tmp_path, machines):
     overlay(tmp_path, machines, {"level": 0.0}, {"level": 1.0})
     switches(tmp_path, machines, search(), 0.05)
-    drawn = pd.read_parquet(tmp_path / "data/diagnosis/overlay.parquet")
-    found = pd.read_parquet(tmp_path / "data/diagnosis/combinations.parquet")
+    drawn = pd.read_parquet(tmp_path / "overlay.parquet")
+    found = pd.read_parquet(tmp_path / "combinations.parquet")
     expected = {
         "creep": ("refitted", 0.5),
         "cogging": ("refitted", 0.25),
@@ -104,12 +104,12 @@ def test_without_candidates_there_is_no_file(tmp_path, machines):
     empty = search(confirmed=())
     switches(tmp_path, machines, empty, 0.05)
     laws(tmp_path, machines, empty, named=False)
-    assert not (tmp_path / "data/diagnosis").exists()
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_law_is_the_named_model_with_and_without_the_effect(tmp_path, machines):
     laws(tmp_path, machines, search(), named=True)
-    rows = pd.read_parquet(tmp_path / "data/diagnosis/laws.parquet")
+    rows = pd.read_parquet(tmp_path / "laws.parquet")
     assert set(rows["effect"]) == {"creep"}
     assert np.allclose(rows["with_current"], 0.7)
     assert np.allclose(rows["without_current"], 0.0)
@@ -117,6 +117,6 @@ def test_a_law_is_the_named_model_with_and_without_the_effect(tmp_path, machines
 
 def test_where_none_is_named_the_leading_candidates_show_theirs(tmp_path, machines):
     laws(tmp_path, machines, search(), named=False)
-    rows = pd.read_parquet(tmp_path / "data/diagnosis/laws.parquet")
+    rows = pd.read_parquet(tmp_path / "laws.parquet")
     assert list(rows["effect"].unique()) == ["creep", "cogging"]
     assert np.allclose(rows.groupby("effect")["with_current"].first(), [0.25, 0.5])

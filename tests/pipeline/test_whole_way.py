@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from spirob.diagnose.proposals import ROLES, TRIALS, bend
+from spirob.robot import MOTORS
 from tests.pipeline.project import DECIDING, SHORT, Project
 
 STAGES = {  # in the order in which they run: about how long each takes [s]
@@ -16,6 +18,8 @@ STAGES = {  # in the order in which they run: about how long each takes [s]
     "identify": 8,
     "compare": 4,
     "diagnose": 15,
+    "ask": 3,
+    "decide": 4,
     "experiments": 6,
     "features": 5,
     "train": 4,
@@ -70,6 +74,43 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
         decided.stage(stage)
     for file in ("data/identified/base.json", "data/diagnosis/diagnosis.json"):
         assert (blind / file).read_bytes() == (finished.root / file).read_bytes()
+
+
+def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp_path):
+    """As if dry friction had stood beside the right name: the trials are played, then judged
+    without the truth."""
+    asking = Project.__new__(Project)
+    asking.root = tmp_path / "asking"
+    shutil.copytree(finished.root, asking.root, ignore=shutil.ignore_patterns(".dvc", ".git"))
+    for folder in ("data/asked", "data/diagnosis"):
+        shutil.rmtree(asking.root / folder)
+    search = asking.root / "data/search"
+    found = json.loads((search / "model.json").read_text())
+    assert found["effects"] == ["capstan_friction"]
+    own = [n for n in found["changes"] if not n.startswith("capstan_friction")]
+    plain = {n: found["changes"][n] for n in own}
+    friction = {**plain, "coulomb_friction.coulomb_torque": 1e-4}
+    models = [
+        {"effects": [], "names": own, "changes": plain, "gain": 0.0},
+        {"effects": ["coulomb_friction"], "names": [*friction], "changes": friction, "gain": 0.1},
+        {**found, "names": [*found["changes"]], "gain": 0.1},
+    ]
+    name, moves, load = TRIALS[0]
+    trials = [bend(f"{m}_leads", r, m, moves, load) for m, r in zip(MOTORS, ROLES, strict=True)]
+    contest = {"experiment": name, "trials": trials, "models": models}
+    (search / "contest.json").write_text(json.dumps(contest))
+    asking.stage("ask")
+    played = sorted(p.name for p in (asking.root / "data/asked").iterdir())
+    assert played == ["left_leads.mcap", "right_leads.mcap"]
+    shutil.rmtree(asking.root / "data/truth")
+    (asking.root / "data/config/hidden.yaml").unlink()
+    asking.stage("decide")
+    decided = json.loads((asking.root / "data/diagnosis/diagnosis.json").read_text())
+    assert decided["asked"]["experiment"] == name
+    assert decided["candidates"][0]["name"] == "capstan_friction"
+    assert json.loads(asking.metrics()["diagnose.json"])["effect"] == "capstan_friction"
+    for file in ("overlay.parquet", "combinations.parquet", "motion.parquet", "laws.parquet"):
+        assert (asking.root / "data/diagnosis" / file).exists()
 
 
 def test_a_run_that_is_killed_in_every_stage_ends_with_the_same_metrics(finished, tmp_path):

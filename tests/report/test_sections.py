@@ -50,6 +50,14 @@ def test_every_template_belongs_to_a_section_or_the_page():
     assert files == used | {"page.html.j2", "parts.html.j2", "effect.html.j2"}
 
 
+def test_the_first_screen_says_with_what_it_was_decided(data):
+    asked = {"experiment": "fast moves", "before": "Undecided: play or a soft tendon."}
+    shown = text("verdict", replace(data, diagnosis={**data.diagnosis, "asked": asked}))
+    assert "Decided with &#39;fast moves&#39;" in shown
+    assert asked["before"] in shown
+    assert "Decided with" not in text("verdict", data)
+
+
 @BY_NAME
 def test_sections_render_with_and_without_optional_files(name, data, sparse):
     assert text(name, data)

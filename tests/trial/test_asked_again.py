@@ -18,7 +18,7 @@ UNDECIDED = SimpleNamespace(kind="undecided", rivals=["cogging"])
 
 @pytest.fixture(scope="module")
 def problems():
-    return {"validate": residual(spirob(), {}, "validate")}
+    return {role: residual(spirob(), {}, role) for role in ("train", "validate", "heldout")}
 
 
 def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch):
@@ -30,11 +30,13 @@ def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch):
         played.append((hidden, seed, trials))
         return {"train": logs, "validate": logs, "heldout": []}
 
-    def decided_again(search, known, further, verdict, settings):
-        assert {role: more.trials for role, more in further.items()} == dict.fromkeys(ASKED, logs)
-        assert verdict is UNDECIDED
-        return "judged again", known
+    def decided_again(models, known, settings):
+        assert models == "contest"
+        for role in ASKED:
+            assert known[role].trials == [*problems[role].trials, *logs]
+        return "judged again"
 
+    monkeypatch.setitem(names, "contest", lambda search, verdict: "contest")
     monkeypatch.setitem(names, "proposed", lambda *_: [best, replace(best, name="deep bend")])
     monkeypatch.setitem(names, "recorded", recorded)
     monkeypatch.setitem(names, "decided_again", decided_again)

@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     code, project = advance(arguments, arguments.until)
-    if code == 0 and arguments.until in (None, "diagnose", "report"):
+    if code == 0 and arguments.until in (None, "decide", "report"):
         found = json.loads((project / "data/diagnosis/diagnosis.json").read_text(encoding="utf-8"))
         print(found["sentence"])
     if code == 0 and arguments.until in (None, "report"):

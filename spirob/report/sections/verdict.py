@@ -35,6 +35,7 @@ class Verdict(Section):
         return {
             "kind": kind(diagnosis),
             "sentence": diagnosis["sentence"],
+            "asked": asked_sentence(diagnosis),
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": figures.Plot(
@@ -59,6 +60,16 @@ def kind(diagnosis: dict[str, Any]) -> str:
     if diagnosis["verdict"] != "named" or not is_number(sure := effects[0].get("probability")):
         return found
     return f"{found}; {percent(sure)} sure"
+
+
+def asked_sentence(diagnosis: dict[str, Any]) -> str:
+    """Which further trials were played to decide, and what was said before them; or empty."""
+    asked = diagnosis.get("asked")
+    if not asked:
+        return ""
+    return (
+        f"Decided with '{asked['experiment']}', played on either side. Before it: {asked['before']}"
+    )
 
 
 def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: str) -> str:

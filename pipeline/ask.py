@@ -1,0 +1,33 @@
+"""Stage `ask`: play the trials that separate rival explanations, on the robot itself.
+
+It knows the robot and nothing of the models; the stage `decide` sees the logs and nothing of the
+robot.  Real hardware is never driven from here: what to record is said.
+"""
+
+from pathlib import Path
+
+from pipeline.robots import record_all
+from pipeline.stage import ASKED, HIDDEN, public_config, read_json, read_yaml, run, tell
+
+
+def stage(root: Path) -> None:
+    """Record what the diagnosis asks for; data/asked stays empty where it asks for nothing."""
+    config = public_config(root)
+    contest = read_json(root / "data/search/contest.json", "diagnose")
+    (root / ASKED).mkdir(parents=True, exist_ok=True)
+    trials = contest["trials"]
+    if not trials:
+        tell("nothing to ask: no explanation rivals what was found")
+    elif config.robot.kind == "can":
+        names = ", ".join(t["name"] for t in trials)
+        tell(
+            f"to decide, record '{contest['experiment']}' ({names}): next_trials in "
+            "data/diagnosis/diagnosis.json, to add to the experiment's trials"
+        )
+    else:
+        hidden = read_yaml(root / HIDDEN, "config") or {}
+        record_all(root, config, hidden, trials, ASKED)
+
+
+if __name__ == "__main__":
+    run("ask", stage)
