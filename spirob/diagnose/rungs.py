@@ -30,8 +30,7 @@ class Settings:
     confidence   an effect is named when no rival wins more than the rest of the resampled errors
     explained    least share of the squared error above the floor that named effects account for;
                  with less, something else is missing
-    sure         least probability of a name; with less the verdict is unknown, and says what came next
-                 to it
+    sure         least probability of a name; with less the verdict is unknown
     alike        two candidates whose residuals differ by less than this share of the effect's size
                  say the same of the data, and count as one
     iterations   sets of differences in the fit of a finalist
