@@ -6,7 +6,7 @@ none where NO_COLOR is set.
 
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, TextIO
 
@@ -35,7 +35,7 @@ class Progress:
 
     def __enter__(self) -> "Progress":
         if self._stream.isatty():
-            self._bar = _bar(self._stream, self.left)
+            self._bar = bar_of(self._stream, self.left)
             self._bar.start()
             self._task = self._bar.add_task("", total=len(self._units))
         return self
@@ -84,7 +84,8 @@ class Progress:
         return clock(self._left.seconds(time.monotonic() - self._begun))
 
 
-def _bar(stream: TextIO, left: Any) -> Any:
+def bar_of(stream: TextIO, left: Callable[[], str]) -> Any:
+    """A bar with count and time left, as `left` tells it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, Task, TextColumn
     from rich.progress import Progress as Bar
@@ -92,7 +93,7 @@ def _bar(stream: TextIO, left: Any) -> Any:
 
     class Left(ProgressColumn):
         def render(self, task: Task) -> Text:
-            return Text(f"{left()} left")
+            return Text(f"{left()} left", no_wrap=True)
 
     columns = (TextColumn("{task.description:12}"), BarColumn(), MofNCompleteColumn(), Left())
     return Bar(*columns, console=Console(file=stream), refresh_per_second=4)

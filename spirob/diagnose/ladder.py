@@ -14,11 +14,12 @@ from spirob.diagnose.confirm import confirm, finished, shaped
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Rung, Search, Settings, label, line, rung_of
 from spirob.diagnose.screen import amplitudes, screen
-from spirob.diagnose.weighing import counts, leading, least_of, simplest, with_probability
+from spirob.diagnose.weighing import LEADERS, counts, leading, least_of, simplest, with_probability
 from spirob.effects import Effect
 from spirob.identify.fit import STEPS, fit, fit_identifiable
 from spirob.identify.near import near
 from spirob.identify.problem import Problem, effort_rms
+from spirob.told import Steps
 
 MOST = 6  # rounds, if backward steps take out what was added
 PAIRED = 3  # candidates of which pairs are tried
@@ -42,6 +43,8 @@ def climb(
            parameters alone and its first screening are taken over, less who does not take part now
     """
     validate = residuals["validate"]
+    # a line for each round's screening, finalist and leader, and for what is questioned after it
+    progress = Steps(progress, 1 + settings.rounds * (settings.finalists + LEADERS + 2))
     search = _known(known) if known else begun(residuals, names, start, settings)
     progress(f"parameters only: {line(search.rungs[0].scores, validate.effort)}")
     enough = complete(validate, settings.floor)

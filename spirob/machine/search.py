@@ -18,6 +18,7 @@ from spirob.machine.models import Model, Models
 from spirob.machine.motion_noise import noise_in_effort
 from spirob.machine.screening import ABSORBED, Offer, Screening
 from spirob.machine.worth import Settings, Worth
+from spirob.told import Steps
 
 SINGLES, PAIRS, EXCHANGES = 4, 3, 3  # finalists of a round, fitted in full
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
@@ -57,8 +58,9 @@ class Search:
         progress: Callable[[str], None] = lambda text: None,
     ):
         self.train, self.heldout = train, heldout
-        self.models = Models(train, heldout, names, progress)
-        self.candidates, self.settings, self.progress = list(candidates), settings, progress
+        self.progress = Steps(progress, _fits(0, settings.most))
+        self.models = Models(train, heldout, names, self.progress)
+        self.candidates, self.settings = list(candidates), settings
         self.worth = Worth(settings, self._least())
         self.vetoed: set[str] = set()
 
@@ -82,7 +84,9 @@ class Search:
                 break
             seen.add(current.names)
             self.progress(f"chosen so far: {', '.join(sorted(current.names))}")
+            self.progress.expect(_fits(len(current.effects), self.settings.most))
             offers = self._screen(current, self._absent(current))
+        self.progress.expect(_rivals(len(current.effects)))
         return self._found(self._pruned(current), first)
 
     def without_imitations(self, found: Found, share: float) -> Found | None:
@@ -236,3 +240,14 @@ class Search:
             rungs.append(tried[effect])
             left.remove(effect)
         return rungs
+
+
+def _fits(effects: int, most: int) -> int:
+    """Models to fit at most from a set of so many effects to the end of the search."""
+    grown = range(effects + 1, most + 1)
+    return sum(SINGLES + PAIRS + n * (1 + EXCHANGES) for n in grown) + _rivals(most)
+
+
+def _rivals(effects: int) -> int:
+    """Models to fit at most to prune the last set, and for its rivals."""
+    return effects * (1 + EXCHANGES)

@@ -28,18 +28,16 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     from pathlib import Path
 
+    from spirob.cli.search_progress import SearchProgress
     from spirob.logs.atomic import write_text
     from spirob.machine.diagnosis import diagnose
     from spirob.report.rig import build_rig_page
 
-    def tell(text: str) -> None:
-        if not arguments.quiet:
-            print(text, file=sys.stderr)
-
     out = Path(arguments.out)
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(20, "is a file, not a folder", str(out))
-    found = diagnose(arguments.rig, arguments.train, arguments.test, progress=tell)
+    with SearchProgress(sys.stderr, arguments.quiet) as progress:
+        found = diagnose(arguments.rig, arguments.train, arguments.test, progress=progress)
     out.mkdir(parents=True, exist_ok=True)
     text = json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
     write_text(out / "diagnosis.json", text + "\n")
@@ -56,7 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
         out / "index.html",
     )
     for repair in found.document["repairs"]:
-        tell(f"note: {repair}")
+        if not arguments.quiet:
+            print(f"note: {repair}", file=sys.stderr)
     print(found.document["sentence"])
     return 0
 
