@@ -76,7 +76,7 @@ def _fitted(one: Contestant, train: Problem, settings: Settings) -> Fit:
         one.names,
         one.changes,
         settings.scale,
-        settings.patience,
+        settings.iterations,
         steps=STEPS[-1:],
         exact=False,
     )

@@ -40,7 +40,8 @@ def climb(
            tell without an effect stays at its place on the first rung only: with the effect that
            is missing it may well be told
     known  an earlier search of the same trials, begun or among more candidates: its fit of the
-           parameters alone and its first screening are taken over, less who does not take part now
+           parameters alone, its first screening and what it fitted there are taken over, less who
+           does not take part now
     """
     validate = residuals["validate"]
     # a line for each round's screening, finalist and leader, and for what is questioned after it
@@ -60,14 +61,20 @@ def climb(
             break
         if not settings.always and error < settings.floor * effort_rms(validate):
             break
-        if known and _screened_here(known) and not (search.screened or again_from_better):
-            ranked = [s for s in known.screened[0] if s.effect in absent]
+        seen = known if known and not (search.screened or again_from_better) else None
+        if seen and _screened_here(seen):
+            ranked = [s for s in seen.screened[0] if s.effect in absent]
+            done = {c.effects: c for c in seen.rounds[0]}
         else:
+            done = {}
             ranked = screen(train, rung.fit, _names(rung, names, train), absent, settings.scale)
         progress("screened: " + ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5]))
         keep = max(1, settings.finalists - len(rung.effects))
         finalists = [s for s in ranked[:keep] if s.gain > 0.0]
-        tried = [confirm([s], rung, close, settings, progress) for s in finalists]
+        tried = [
+            done.get((s.effect,)) or confirm([s], rung, close, settings, progress)
+            for s in finalists
+        ]
         least = least_of(search, settings)
         passed = [c for c in tried if counts(c, rung, validate, settings, least)]
         if not passed and not rung.effects and error > enough:
@@ -104,11 +111,15 @@ def begun(
     names: Sequence[str],
     start: Mapping[str, float],
     settings: Settings,
+    steps: Sequence[float] = STEPS,
 ) -> Search:
-    """A search that has not looked for anything yet: the fit of the parameters alone."""
+    """A search that has not looked for anything yet: the fit of the parameters alone.
+
+    steps  of its differences; the last alone where `start` is a fit with the wide ones
+    """
     train = residuals["train"]
     cheap = near(train, start)
-    first = fit(cheap, names, start, settings.scale, settings.patience, exact=False)
+    first = fit(cheap, names, start, settings.scale, settings.patience, steps=steps, exact=False)
     found, vague = fit_identifiable(
         train,
         names,
@@ -124,8 +135,8 @@ def begun(
 
 
 def _screened_here(known: Search) -> bool:
-    """Whether the first screening began at the fit with which the search began."""
-    return bool(known.screened) and known.rungs[0] is known.base
+    """Whether the first round began at the fit with which the search began."""
+    return bool(known.screened and known.rounds) and known.rungs[0] is known.base
 
 
 def _known(earlier: Search) -> Search:

@@ -134,7 +134,7 @@ def _drawn(
         hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
         problems = problems_of(recorded(hidden, case.seed), plant)
         rough = _roughly(problems, settings)
-    return hidden, problems, begun(problems, FITTED, rough.fit.changes, settings)
+    return hidden, problems, begun(problems, FITTED, rough.fit.changes, settings, STEPS[-1:])
 
 
 def _alone(

@@ -85,15 +85,13 @@ def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp
     for folder in ("data/asked", "data/diagnosis"):
         shutil.rmtree(asking.root / folder)
     search = asking.root / "data/search"
-    found = json.loads((search / "model.json").read_text())
-    assert found["effects"] == ["capstan_friction"]
-    own = [n for n in found["changes"] if not n.startswith("capstan_friction")]
-    plain = {n: found["changes"][n] for n in own}
-    friction = {**plain, "coulomb_friction.coulomb_torque": 1e-4}
+    plain = json.loads((asking.root / "data/identified/base.json").read_text())["changes"]
+    dry = {**plain, "coulomb_friction.coulomb_torque": 1e-4}
+    right = {**plain, "capstan_friction.friction": 0.03}
+    sides = {"": plain, "coulomb_friction": dry, "capstan_friction": right}
     models = [
-        {"effects": [], "names": own, "changes": plain, "gain": 0.0},
-        {"effects": ["coulomb_friction"], "names": [*friction], "changes": friction, "gain": 0.1},
-        {**found, "names": [*found["changes"]], "gain": 0.1},
+        {"effects": [e for e in [name] if e], "names": [*numbers], "changes": numbers, "gain": 0.1}
+        for name, numbers in sides.items()
     ]
     name, moves, load = TRIALS[0]
     trials = [bend(f"{m}_leads", r, m, moves, load) for m, r in zip(MOTORS, ROLES, strict=True)]
@@ -108,8 +106,8 @@ def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp
     decided = json.loads((asking.root / "data/diagnosis/diagnosis.json").read_text())
     assert decided["asked"]["experiment"] == name
     assert decided["candidates"][0]["name"] == "capstan_friction"
-    assert json.loads(asking.metrics()["diagnose.json"])["effect"] == "capstan_friction"
-    for file in ("overlay.parquet", "combinations.parquet", "motion.parquet", "laws.parquet"):
+    assert json.loads(asking.metrics()["diagnose.json"])["verdict"] == decided["verdict"]
+    for file in ("overlay.parquet", "combinations.parquet", "motion.parquet", "model.json"):
         assert (asking.root / "data/diagnosis" / file).exists()
 
 
