@@ -1,4 +1,6 @@
-"""How well contacts are told, over 200 simulated and 50 emulated uncurlings; minutes, not a stage.
+"""How well contacts are told: 200 simulated and 50 emulated ones, each with a free twin.
+
+It takes minutes, and is not a stage.
 
     python -m pipeline.contacts
 
@@ -53,9 +55,7 @@ def stage(root: Path) -> None:
     domains = {}
     for domain, pegs, seed in (("simulation", SIMULATED, 1), ("robot", EMULATED, 2)):
         trials = uncurlings(pegs, seed)
-        jobs = [
-            delayed(_play)(root, plain, hidden, named, domain, k, t) for k, t in enumerate(trials)
-        ]
+        jobs = [delayed(_play)(root, plain, hidden, named, domain, t) for t in trials]
         domains[domain] = (trials, Parallel(n_jobs=workers())(jobs))
         tell(f"{domain}: {len(trials)} uncurlings")
     write_json(root / "reports/metrics/contacts.json", judged(domains))
@@ -84,13 +84,12 @@ def _play(
     hidden: dict[str, Any],
     named: dict[str, Any],
     domain: str,
-    number: int,
     trial: Uncurling,
 ) -> Side:
     config = Config.model_validate(plain)
     if domain == "robot":
         return robot_side(config, hidden, trial.play, root / LOGS / f"{trial.play.name}.mcap")
-    return model_side(config, trial.play, named, SENSOR_NOISE, number)
+    return model_side(config, trial.play, named, SENSOR_NOISE, trial.number)
 
 
 if __name__ == "__main__":

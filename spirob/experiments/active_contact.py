@@ -30,6 +30,7 @@ RIGHT = 1
 RESTS = 0.3  # s before and after the motion
 DEPARTS = 0.025  # A: five times the sensor's noise
 PARTED = 50  # samples
+AWAY = 2.0  # m, beyond the arm's reach: where the peg of a free motion stands
 RAW = "current"
 SIGNALS = (RAW, "filtered")
 
@@ -114,11 +115,13 @@ class ActiveContact(Experiment):
         pulls = [[RESTS, self.low], [self.curl, self.high], [away, self.low], [1.0, self.high]]
         right = plan("velocity", {"kind": "steps", "plateaus": [*speeds, [1, -v]], "blend": 0.2})
         left = plan("current", {"kind": "steps", "plateaus": pulls, "blend": 0.2})
-        scene = None
+        # without a peg the arm's touching itself is solved with other rounding, and slips come at
+        # other times; out of reach, all is alike until the contact
+        x, y = ARM_LENGTH, -AWAY
         if place is not None:
             x = place * ARM_LENGTH
             y = -beside(spiral_arm(), x, self.diameter / 2 + self.gap)
-            scene = {"cylinder": {"diameter": self.diameter, "x": float(x), "y": float(y)}}
+        scene = {"cylinder": {"diameter": self.diameter, "x": float(x), "y": float(y)}}
         duration = self.begins + self.uncurl + self.recoil
         return trial(self._name(place, signal), duration, left, right, scene)
 

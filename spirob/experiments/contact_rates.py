@@ -1,9 +1,10 @@
 """How often, how soon and how wrongly contacts are declared, over many uncurlings.
 
 Trials differ in the tendon's speed, the load of the other tendon (the baseline of the current), the
-place of the peg and its gap.  A contact begins when the current parts from that of the same motion
-without a peg.  What a detector says before is a false alarm; what it says while the
-tendon is pressed on by no more than a given travel is a hit, so travel stands for strength.
+place of the peg and its gap.  Each has a twin with the peg out of reach and with the same noise,
+since noise alone moves the slips of the tendon in time; a contact begins when their currents part.
+What a detector says before, or of a twin, is a false alarm; what it says while the tendon is
+pressed on by no more than a given travel is a hit, so travel stands for strength.
 """
 
 from collections.abc import Iterable, Sequence
@@ -34,9 +35,11 @@ class Uncurling:
     """One drawn trial.
 
     motion  which of `MOTIONS`;  place along the arm, None without a peg
+    number  of the noise, shared by two twins
     """
 
     motion: int
+    number: int
     place: float | None
     play: Play
     about: ActiveContact
@@ -57,33 +60,35 @@ class Outcome:
 
 
 def uncurlings(pegs: int, seed: int) -> list[Uncurling]:
-    """For every motion one free trial and that many with a peg; places and gaps are drawn."""
+    """For every motion that many trials with a peg, drawn, each after its twin without."""
     rng = np.random.default_rng(seed)
     out = []
     for motion, (speed, low) in enumerate(MOTIONS):
         whole = ActiveContact(
             speed=speed, low=low, curl=CURLED / speed, uncurl=UNCURLED / speed, recoil=0.1
         )
-        for k in range(pegs + 1):
-            place, gap = rng.uniform(*PLACES), rng.uniform(*GAPS)
-            about = replace(whole, places=(float(place),), gap=float(gap))
-            play = about.plays()[1 if k else 0]
-            name = f"contact_{motion}_{k}"
-            plain = {**play.trial, "name": name}
-            out.append(Uncurling(motion, float(place) if k else None, Play(name, plain), about))
+        for k in range(pegs):
+            place, gap = float(rng.uniform(*PLACES)), float(rng.uniform(*GAPS))
+            about = replace(whole, places=(place,), gap=gap)
+            number = motion * pegs + k
+            for where, play in zip((None, place), about.plays()[:2], strict=True):
+                # an emulated robot draws its noise by the trial's name
+                plain = {**play.trial, "name": f"contact_{motion}_{k}"}
+                name = f"{plain['name']}{'_free' if where is None else ''}"
+                out.append(Uncurling(motion, number, where, Play(name, plain), about))
     return out
 
 
 def outcomes(trials: Sequence[Uncurling], sides: Sequence[Side], signal: str) -> list[Outcome]:
     """What every trial offers on one signal; sides in the order of the trials."""
-    free = {t.motion: s for t, s in zip(trials, sides, strict=True) if t.place is None}
+    free = {t.number: s for t, s in zip(trials, sides, strict=True) if t.place is None}
     out = []
     for trial, side in zip(trials, sides, strict=True):
         first, last = trial.about.window()
         seen = levels(side.driven(signal, RIGHT)[first:last], ContactSettings())
         begins = float("nan")
         if trial.place is not None:
-            alone = free[trial.motion].driven("current", RIGHT)[:last]
+            alone = free[trial.number].driven("current", RIGHT)[:last]
             begins = onset(side.driven("current", RIGHT)[:last], alone, first) - first * PERIOD
         out.append(Outcome(seen, begins, trial.about.speed, trial.place))
     return out

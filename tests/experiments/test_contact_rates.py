@@ -74,12 +74,19 @@ def test_places_are_counted_once():
 
 def test_trials_are_drawn_alike_and_can_be_played():
     drawn = uncurlings(2, seed=3)
-    assert len(drawn) == 3 * len(MOTIONS)
+    assert len(drawn) == 4 * len(MOTIONS)
     assert [t.place for t in drawn] == [t.place for t in uncurlings(2, seed=3)]
-    assert sum(t.place is None for t in drawn) == len(MOTIONS)
+    assert sum(t.place is None for t in drawn) == 2 * len(MOTIONS)
+    for free, peg in zip(drawn[::2], drawn[1::2], strict=True):
+        assert (free.place, free.number) == (None, peg.number)
+        assert free.play.trial["name"] == peg.play.trial["name"]
+        assert "scene" in peg.play.trial
+        assert free.play.name != peg.play.name
+    assert len({t.number for t in drawn}) == len(drawn) / 2
     for trial in drawn:
         played = Trial.from_plain(trial.play.trial)
-        assert (played.scene.cylinder is None) == (trial.place is None)
+        # the same scene but for the peg's place: out of the arm's reach, which is below 1 m
+        assert (played.scene.cylinder.y < -1.0) == (trial.place is None)
         first, last = trial.about.window()
         assert 0 < first < last < played.cycles
 
