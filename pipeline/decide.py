@@ -55,8 +55,9 @@ def _again(root: Path, config: Config, contest: dict[str, Any], logs: list[Path]
     kept = {key: before[key] for key in ("atlas", "atlas_sentences", "vague")}
     asked = {"experiment": contest["experiment"], "before": before["sentence"]}
     write_json(root / OUT / "diagnosis.json", {**written, **kept, "asked": asked})
-    write_json(root / OUT / "model.json", model_of(search, verdict))
-    changes = search.rungs[-1].fit.changes
+    stands = model_of(search, verdict)
+    write_json(root / OUT / "model.json", stands)
+    changes = stands["changes"]
     overlay(root / OUT, own, search.rungs[0].fit.changes, changes)
     motion(root / OUT, own, changes)
     if named:
