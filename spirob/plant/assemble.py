@@ -22,10 +22,14 @@ from spirob.control import law
 from spirob.effects import Effect
 from spirob.effects.individual import SUFFIX, differences
 from spirob.errors import EffectError
-from spirob.plant import electrics, loop, outline, tendon, weight, winch
+from spirob.plant import chain, electrics, loop, outline, tendon, weight, winch
 from spirob.ports import PORTS
 
 COMPONENTS: tuple[Callable[..., object], ...] = (
+    chain.is_free,
+    chain.chain_factor,
+    chain.chain_solve,
+    chain.chain_step,
     law.current_command,
     electrics.current_loop_gains,
     electrics.drive_current,
@@ -70,6 +74,7 @@ import numba
 import numpy as np
 from numba import njit
 
+from spirob.plant.chain import SKIPPED
 from spirob.plant.native import functions
 
 _native = functions()

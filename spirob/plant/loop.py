@@ -42,6 +42,9 @@ def run(
     heights,
     outline,
     positions,
+    chain,
+    post,
+    gravity,
     stiffness,
     substeps,
     step,
@@ -60,6 +63,8 @@ def run(
     guides (N, 5) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n, n of each hinge (`plant.tendon`);
     units (N + 1, 2) mass [kg] and length [m] of each unit, and the mass at the tip;
     bows, heights, outline, positions move the unit's edges (`plant.outline`);
+    chain holds the units' numbers for steps in which nothing is touched (`plant.chain`), no row
+    where something else moves; post (3,) a fixed cylinder; gravity (2,) [m/s²];
     pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension
     ratio, solved (2, N) what `mj_solveM` makes of it; C wants their addresses too.
     """
@@ -101,6 +106,8 @@ def run(
     give = np.zeros(motors)
     tendon_damping = max(p[P_tendon_damping], step * p[P_tendon_stiffness])
     hinge_weight = np.zeros((hinges, 2))  # N·m, by direction of gravity
+    place, factor, work = np.zeros((hinges, 6)), np.zeros((hinges, 4)), np.zeros((2, hinges))
+    alone = chain.shape[0] > 0
     mean_current = np.zeros(motors)
     last_command = np.zeros(motors)
     if begun[0] == 0.0:
@@ -164,9 +171,13 @@ def run(
         rate_before = rate.copy()
         arm_rate_before = shortening_rate.copy()
         for substep in range(substeps):
-            if bows[0] > 0.0:
-                bend_outline(qpos, bows, heights, outline, positions)
-            mj_step1(model, data)
+            untouched = alone and is_free(qpos, chain, post, place)
+            if untouched:
+                chain_factor(chain, place, 0.0, factor)
+            else:
+                if bows[0] > 0.0:
+                    bend_outline(qpos, bows, heights, outline, positions)
+                mj_step1(model, data)
             for i in range(hinges):
                 sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])
             for m in range(motors):
@@ -194,7 +205,11 @@ def run(
                     # @ port tendon.tension_ratio -> ratio
                     pull[m, i] = ratio * arm[m, i]
                     slide -= arm[m, i] * qvel[i]
-            mj_solveM(model, data, solved_address, pull_address, motors)
+            if untouched:
+                for m in range(motors):
+                    chain_solve(place, factor, pull[m], solved[m])
+            else:
+                mj_solveM(model, data, solved_address, pull_address, motors)
             for m in range(motors):
                 for n in range(motors):
                     total = 0.0
@@ -290,7 +305,10 @@ def run(
                 hinge_torque = 0.0
                 # @ port body.hinge_torque -> hinge_torque
                 applied[i] = hinge_torque + tension[0] * pull[0, i] + tension[1] * pull[1, i]
-            mj_step2(model, data)
+            if untouched:
+                chain_step(qpos, qvel, applied, chain, place, gravity, step, factor, work)
+            else:
+                mj_step2(model, data)
         for i in range(hinges):
             sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])
         for m in range(motors):

@@ -16,6 +16,7 @@ from spirob.geometry import spiral_arm
 from spirob.parameter import Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
+from spirob.plant.chain import chain_of
 from spirob.plant.nominal import Arm
 from spirob.plant.objects import launch
 from spirob.plant.outline import bow, edges
@@ -163,6 +164,10 @@ class Session:
             self._bows = bow(plant.geometry, bends)
         self._model, self._data = model, mujoco.MjData(model)
         launch(self._data, scene, hinges)
+        chain = chain_of(model, hinges, self._outline, self._bows)
+        self._chain = chain[:0] if scene.ball or scene.peg else chain  # MuJoCo has to move them
+        post = scene.cylinder
+        self._post = np.array([post.x, post.y, post.diameter / 2] if post else [0.0, 0.0, 0.0])
         springs = model.jnt_stiffness.reshape(model.njnt, -1)[:hinges, 0]
         self._stiffness = np.ascontiguousarray(springs)
         mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
@@ -220,6 +225,9 @@ class Session:
             self._heights,
             self._outline,
             model.geom_pos,
+            self._chain,
+            self._post,
+            model.opt.gravity,
             self._stiffness,
             self._plant.substeps,
             self._step,
