@@ -36,6 +36,7 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     outline.bend_outline,
     tendon.half_angle,
     tendon.guide_length,
+    tendon.pose_tendons,
     weight.hinge_weights,
     winch.free_rate,
     winch.demanded_tension,

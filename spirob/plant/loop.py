@@ -60,7 +60,7 @@ def run(
 ):
     """Simulate all cycles; returns the cycle where a state became non-finite, or -1.
 
-    guides (N, 5) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n, n of each hinge (`plant.tendon`);
+    guides (5, N) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n, n of each hinge (`plant.tendon`);
     units (N + 1, 2) mass [kg] and length [m] of each unit, and the mass at the tip;
     bows, heights, outline, positions move the unit's edges (`plant.outline`);
     chain holds the units' numbers for steps in which nothing is touched (`plant.chain`), no row
@@ -70,7 +70,7 @@ def run(
     """
     cycles = reference.shape[0]
     motors = 2
-    hinges = guides.shape[0]
+    hinges = guides.shape[1]
     dt = step
     cycle_time = substeps * step
     gear = p[P_winch_gear_ratio]
@@ -79,13 +79,7 @@ def run(
         p[P_motor_resistance], p[P_motor_inductance], p[P_drive_bandwidth]
     )
     side = np.array([1.0, -1.0])
-    rest = np.zeros(hinges)
-    for i in range(hinges):
-        rest[i], _ = guide_length(
-            1.0, 0.0, 1.0, guides[i, 0], guides[i, 1], guides[i, 2], guides[i, 3], guides[i, 4]
-        )
-    sine = np.zeros(hinges)
-    cosine = np.zeros(hinges)
+    rest, tendon_work = np.zeros(hinges), np.zeros((3, hinges))
     arm = np.zeros((motors, hinges))  # shortening of each tendon per hinge angle
     # what a motor remembers from cycle to cycle, one row each
     current, integral, velocity_integral = state[0], state[1], state[2]
@@ -112,6 +106,11 @@ def run(
     last_command = np.zeros(motors)
     if begun[0] == 0.0:
         radius_now[:] = p[P_winch_radius]
+    for i in range(hinges):
+        rest[i], _ = guide_length(
+            1.0, 0.0, 1.0, guides[0, i], guides[1, i], guides[2, i], guides[3, i], guides[4, i]
+        )
+    pose_tendons(qpos, qvel, guides, rest, arm, shortening, shortening_rate, tendon_work)
     for cycle in range(cycles + 1):
         time = begun[0] * cycle_time
         for m in range(motors):
@@ -178,27 +177,8 @@ def run(
                 if bows[0] > 0.0:
                     bend_outline(qpos, bows, heights, outline, positions)
                 mj_step1(model, data)
-            for i in range(hinges):
-                sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])
             for m in range(motors):
-                total = 0.0
-                slide = 0.0
-                for i in range(hinges):
-                    length, lever = guide_length(
-                        side[m],
-                        sine[i],
-                        cosine[i],
-                        guides[i, 0],
-                        guides[i, 1],
-                        guides[i, 2],
-                        guides[i, 3],
-                        guides[i, 4],
-                    )
-                    total += rest[i] - length
-                    arm[m, i] = side[m] * lever
-                    slide += arm[m, i] * qvel[i]
-                shortening[m] = total
-                shortening_rate[m] = slide
+                slide = shortening_rate[m]
                 ratio = 1.0
                 for i in range(hinges):
                     # the tendon ahead of guide i has already taken up what lies nearer the base
@@ -309,26 +289,8 @@ def run(
                 chain_step(qpos, qvel, applied, chain, place, gravity, step, factor, work)
             else:
                 mj_step2(model, data)
-        for i in range(hinges):
-            sine[i], cosine[i] = half_angle(qpos[i], guides[i, 4])
+            pose_tendons(qpos, qvel, guides, rest, arm, shortening, shortening_rate, tendon_work)
         for m in range(motors):
-            total = 0.0
-            slide = 0.0
-            for i in range(hinges):
-                length, lever = guide_length(
-                    side[m],
-                    sine[i],
-                    cosine[i],
-                    guides[i, 0],
-                    guides[i, 1],
-                    guides[i, 2],
-                    guides[i, 3],
-                    guides[i, 4],
-                )
-                total += rest[i] - length
-                slide += side[m] * lever * qvel[i]
-            shortening[m] = total
-            shortening_rate[m] = slide
             arm_current[m] = current[m]
             if tension[m] > 0.0:
                 efficiency = p[P_winch_efficiency]

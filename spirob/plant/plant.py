@@ -173,6 +173,7 @@ class Session:
         mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
         self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
         self._guides = guides(plant.geometry, bends)
+        self._columns = np.ascontiguousarray(self._guides.T)
         self._state = np.zeros((STATE_ROWS, 2))
         self._hang(tip_mass)
         weights = scene.weights or Weights()
@@ -219,7 +220,7 @@ class Session:
             np.ascontiguousarray(schedule.reference_rate, dtype=float),
             np.asarray(schedule.current_limit, dtype=float),
             self._plant._gains(),
-            self._guides,
+            self._columns,
             self._units,
             self._bows,
             self._heights,

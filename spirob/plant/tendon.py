@@ -45,6 +45,40 @@ def guide_length(side, sine, cosine, product, gap_squared, sine_open, cosine_ope
     return bends * length, 2.0 * product * sine_half * cosine_half / length
 
 
+def pose_tendons(qpos, qvel, columns, rest, arm, shortening, shortening_rate, work):
+    """Both tendons, left then right, in this pose of the arm.
+
+    columns     (5, N) rows of `guides`, turned;  rest  lengths in the straight arm [m], (N,)
+    arm         (2, N) filled with the shortening per hinge angle [m/rad]
+    shortening  (2,) filled [m];  shortening_rate  (2,) filled [m/s];  work  (3, N) is scratch
+    """
+    hinges = columns.shape[1]
+    sine, cosine, shorter = work[0], work[1], work[2]
+    for i in range(hinges):
+        sine[i], cosine[i] = half_angle(qpos[i], columns[4, i])
+    for m in range(2):
+        side = 1.0 - 2.0 * m
+        # apart from the sums, so that the compiler takes four hinges at a time
+        for i in range(hinges):
+            length, lever = guide_length(
+                side,
+                sine[i],
+                cosine[i],
+                columns[0, i],
+                columns[1, i],
+                columns[2, i],
+                columns[3, i],
+                columns[4, i],
+            )
+            shorter[i] = rest[i] - length
+            arm[m, i] = side * lever
+        total, slide = 0.0, 0.0
+        for i in range(hinges):
+            total += shorter[i]
+            slide += arm[m, i] * qvel[i]
+        shortening[m], shortening_rate[m] = total, slide
+
+
 def guides(geometry: SpiralArm, bends: float = 1.0) -> np.ndarray:
     """ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n and n of each hinge, (N, 5), in metres.
 
