@@ -34,6 +34,7 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     electrics.current_loop_gains,
     electrics.drive_current,
     outline.bend_outline,
+    tendon.small_angle,
     tendon.half_angle,
     tendon.guide_length,
     tendon.pose_tendons,

@@ -21,13 +21,13 @@ With I the inertia of all that hangs on hinge i, its own hinges free to give,
 (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7), which solves in 2N steps.
 """
 
-import math
-
 import mujoco
 import numpy as np
 
+from spirob.plant.tendon import small_angle
+
 SKIPPED = 2  # neighbours on either side that the end stops keep from meeting
-COLUMNS = (
+ROWS = (
     "length",  # from each hinge to the next [m]
     "mass",  # [kg]
     "centre",  # of mass, from the hinge along the unit [m]
@@ -42,13 +42,13 @@ COLUMNS = (
 
 
 def chain_of(model: mujoco.MjModel, hinges: int, edges: np.ndarray, bows: np.ndarray) -> np.ndarray:
-    """The numbers of each unit, (N, len(COLUMNS)), from the model's first `hinges` bodies.
+    """The numbers of each unit, (len(ROWS), N), from the model's first `hinges` bodies.
 
     edges  (N, 2) numbers of the two geoms that are a unit's outline;  bows  (N,) how far a bend
     carries them out [m/rad].  Bodies that are fixed to the last unit are part of it.
     """
     units = slice(1, hinges + 1)
-    rows = np.zeros((hinges, len(COLUMNS)))
+    rows = np.zeros((hinges, len(ROWS)))
     rows[:-1, 0] = model.body_pos[2 : hinges + 1, 0]
     rows[:, 1] = model.body_mass[units]
     rows[:, 2] = model.body_ipos[units, 0]
@@ -65,7 +65,7 @@ def chain_of(model: mujoco.MjModel, hinges: int, edges: np.ndarray, bows: np.nda
     radius, half = model.geom_size[outline, 0], model.geom_size[outline, 1]
     rows[:, 9] = np.hypot(half + radius, np.abs(model.geom_pos[outline, 1]) + radius)
     rows[:, 9] += bows * rows[:, 7]
-    return rows
+    return np.ascontiguousarray(rows.T)
 
 
 def _weld(row: np.ndarray, model: mujoco.MjModel, body: int) -> None:
@@ -83,53 +83,57 @@ def is_free(qpos, chain, post, place):
     """Whether no end stop is reached, and no unit is near another's or the post's circle.
 
     post   x, y, radius of a fixed cylinder [m]; none where that is 0
-    place  (N, 6) filled with each hinge's x, y, the unit's direction, and its circle's middle
+    place  (8, N) filled with each hinge's x, y, the unit's direction, its circle's middle,
+           and sine and cosine of each hinge's angle
     """
-    hinges = chain.shape[0]
-    angle, x, y = 0.0, 0.0, 0.0
+    hinges = chain.shape[1]
+    beyond = 0
     for i in range(hinges):
-        if abs(qpos[i]) >= chain[i, 7]:
-            return False
-        angle += qpos[i]
-        c, s = math.cos(angle), math.sin(angle)
-        place[i, 0], place[i, 1], place[i, 2], place[i, 3] = x, y, c, s
-        place[i, 4], place[i, 5] = x + chain[i, 8] * c, y + chain[i, 8] * s
-        x += chain[i, 0] * c
-        y += chain[i, 0] * s
+        beyond += abs(qpos[i]) >= chain[7, i]
+        place[6, i], place[7, i] = small_angle(qpos[i])
+    if beyond > 0:
+        return False
+    c, s, x, y = 1.0, 0.0, 0.0, 0.0
+    for i in range(hinges):
+        c, s = c * place[7, i] - s * place[6, i], s * place[7, i] + c * place[6, i]
+        place[0, i], place[1, i], place[2, i], place[3, i] = x, y, c, s
+        place[4, i], place[5, i] = x + chain[8, i] * c, y + chain[8, i] * s
+        x += chain[0, i] * c
+        y += chain[0, i] * s
     if post[2] > 0.0:
         for i in range(hinges):
-            dx, dy = place[i, 4] - post[0], place[i, 5] - post[1]
-            reach = chain[i, 9] + post[2]
+            dx, dy = place[4, i] - post[0], place[5, i] - post[1]
+            reach = chain[9, i] + post[2]
             if dx * dx + dy * dy <= reach * reach:
                 return False
-    for i in range(hinges):
+    meeting = 0  # counted, not left at the first, so that the compiler takes four at a time
+    for i in range(hinges - SKIPPED - 1):
         for j in range(i + SKIPPED + 1, hinges):
-            dx, dy = place[i, 4] - place[j, 4], place[i, 5] - place[j, 5]
-            reach = chain[i, 9] + chain[j, 9]
-            if dx * dx + dy * dy <= reach * reach:
-                return False
-    return True
+            dx, dy = place[4, i] - place[4, j], place[5, i] - place[5, j]
+            reach = chain[9, i] + chain[9, j]
+            meeting += dx * dx + dy * dy <= reach * reach
+    return meeting == 0
 
 
 def chain_factor(chain, place, damping_step, factor):
-    """Factor M + h D: U in the first three columns of factor (N, 4), 1/d in the last.
+    """Factor M + h D: U in the first three rows of factor (4, N), 1/d in the last.
 
     damping_step  h [s]; 0 for M alone
     """
     zz, zx, zy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(chain.shape[0]):
-        i = chain.shape[0] - 1 - k
-        mass = chain[i, 1]
-        x, y = place[i, 0], place[i, 1]
-        cx, cy = x + chain[i, 2] * place[i, 2], y + chain[i, 2] * place[i, 3]
-        zz += chain[i, 3] + mass * (cx * cx + cy * cy)
+    for k in range(chain.shape[1]):
+        i = chain.shape[1] - 1 - k
+        mass = chain[1, i]
+        x, y = place[0, i], place[1, i]
+        cx, cy = x + chain[2, i] * place[2, i], y + chain[2, i] * place[3, i]
+        zz += chain[3, i] + mass * (cx * cx + cy * cy)
         zx -= mass * cy
         zy += mass * cx
         xx += mass
         yy += mass
         uz, ux, uy = zz + zx * y - zy * x, zx + xx * y - xy * x, zy + xy * y - yy * x
-        inverse = 1.0 / (uz + y * ux - x * uy + chain[i, 4] + damping_step * chain[i, 6])
-        factor[i, 0], factor[i, 1], factor[i, 2], factor[i, 3] = uz, ux, uy, inverse
+        inverse = 1.0 / (uz + y * ux - x * uy + chain[4, i] + damping_step * chain[6, i])
+        factor[0, i], factor[1, i], factor[2, i], factor[3, i] = uz, ux, uy, inverse
         zz -= uz * uz * inverse
         zx -= uz * ux * inverse
         zy -= uz * uy * inverse
@@ -140,48 +144,48 @@ def chain_factor(chain, place, damping_step, factor):
 
 def chain_solve(place, factor, right, found):
     """Solve with what `chain_factor` left: right, found (N,) [N·m], [rad/s²]."""
-    hinges = factor.shape[0]
+    hinges = factor.shape[1]
     pz, px, py = 0.0, 0.0, 0.0
     for k in range(hinges):
         i = hinges - 1 - k
-        left = right[i] - pz - place[i, 1] * px + place[i, 0] * py
+        left = right[i] - pz - place[1, i] * px + place[0, i] * py
         found[i] = left
-        share = left * factor[i, 3]
-        pz += factor[i, 0] * share
-        px += factor[i, 1] * share
-        py += factor[i, 2] * share
+        share = left * factor[3, i]
+        pz += factor[0, i] * share
+        px += factor[1, i] * share
+        py += factor[2, i] * share
     az, ax, ay = 0.0, 0.0, 0.0
     for i in range(hinges):
-        moved = factor[i, 0] * az + factor[i, 1] * ax + factor[i, 2] * ay
-        found[i] = (found[i] - moved) * factor[i, 3]
+        moved = factor[0, i] * az + factor[1, i] * ax + factor[2, i] * ay
+        found[i] = (found[i] - moved) * factor[3, i]
         az += found[i]
-        ax += found[i] * place[i, 1]
-        ay -= found[i] * place[i, 0]
+        ax += found[i] * place[1, i]
+        ay -= found[i] * place[0, i]
 
 
 def chain_step(qpos, qvel, applied, chain, place, gravity, step, factor, work):
     """One step from the present pose under `applied` [N·m]; work (2, N) is scratch."""
-    hinges = chain.shape[0]
+    hinges = chain.shape[1]
     force, found = work[0], work[1]
     # accelerations of the centres while all hinges turn evenly, times the mass
     rate, ax, ay = 0.0, -gravity[0], -gravity[1]
     for i in range(hinges):
         rate += qvel[i]
         square = rate * rate
-        pull = square * chain[i, 2]
-        found[i] = ax - pull * place[i, 2]
-        force[i] = ay - pull * place[i, 3]
-        ax -= square * chain[i, 0] * place[i, 2]
-        ay -= square * chain[i, 0] * place[i, 3]
+        pull = square * chain[2, i]
+        found[i] = ax - pull * place[2, i]
+        force[i] = ay - pull * place[3, i]
+        ax -= square * chain[0, i] * place[2, i]
+        ay -= square * chain[0, i] * place[3, i]
     moment, fx, fy = 0.0, 0.0, 0.0
     for k in range(hinges):
         i = hinges - 1 - k
-        c, s = place[i, 2], place[i, 3]
-        own_x, own_y = chain[i, 1] * found[i], chain[i, 1] * force[i]
-        moment += chain[i, 0] * (c * fy - s * fx) + chain[i, 2] * (c * own_y - s * own_x)
+        c, s = place[2, i], place[3, i]
+        own_x, own_y = chain[1, i] * found[i], chain[1, i] * force[i]
+        moment += chain[0, i] * (c * fy - s * fx) + chain[2, i] * (c * own_y - s * own_x)
         fx += own_x
         fy += own_y
-        force[i] = applied[i] - chain[i, 5] * qpos[i] - chain[i, 6] * qvel[i] - moment
+        force[i] = applied[i] - chain[5, i] * qpos[i] - chain[6, i] * qvel[i] - moment
     chain_factor(chain, place, step, factor)
     chain_solve(place, factor, force, found)
     for i in range(hinges):

@@ -100,8 +100,8 @@ def run(
     give = np.zeros(motors)
     tendon_damping = max(p[P_tendon_damping], step * p[P_tendon_stiffness])
     hinge_weight = np.zeros((hinges, 2))  # N·m, by direction of gravity
-    place, factor, work = np.zeros((hinges, 6)), np.zeros((hinges, 4)), np.zeros((2, hinges))
-    alone = chain.shape[0] > 0
+    place, factor, work = np.zeros((8, hinges)), np.zeros((4, hinges)), np.zeros((2, hinges))
+    alone = chain.shape[1] > 0
     mean_current = np.zeros(motors)
     last_command = np.zeros(motors)
     if begun[0] == 0.0:

@@ -165,7 +165,7 @@ class Session:
         self._model, self._data = model, mujoco.MjData(model)
         launch(self._data, scene, hinges)
         chain = chain_of(model, hinges, self._outline, self._bows)
-        self._chain = chain[:0] if scene.ball or scene.peg else chain  # MuJoCo has to move them
+        self._chain = chain[:, :0] if scene.ball or scene.peg else chain  # MuJoCo has to move them
         post = scene.cylinder
         self._post = np.array([post.x, post.y, post.diameter / 2] if post else [0.0, 0.0, 0.0])
         springs = model.jnt_stiffness.reshape(model.njnt, -1)[:hinges, 0]

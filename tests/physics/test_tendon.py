@@ -7,7 +7,7 @@ import pytest
 from spirob.geometry import spiral_arm
 from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
-from spirob.plant.tendon import guide_length, guides, half_angle
+from spirob.plant.tendon import guide_length, guides, half_angle, small_angle
 from spirob.robot import MOTORS, Scene
 
 UNITS = 24
@@ -29,6 +29,12 @@ def lengths(side, angles, bends=1.0):
 def configurations(count=20):
     random = np.random.default_rng(1)
     return random.uniform(-LIMIT, LIMIT, (count, UNITS))
+
+
+@pytest.mark.parametrize(("reach", "digits"), [(1.0, 3e-16), (2.0, 1e-11)])
+def test_a_small_angles_sine_and_cosine(reach, digits):
+    for x in np.linspace(-reach, reach, 2001):
+        assert small_angle(x) == pytest.approx((np.sin(x), np.cos(x)), abs=digits)
 
 
 @pytest.mark.parametrize("bends", [0.5, 1.0, 2.7, 16.0])

@@ -33,7 +33,7 @@ def pose(seed, chain, spread):
     """Hinge angles within the end stops: an even bend and something of each hinge's own."""
     rng = np.random.default_rng(seed)
     bend = rng.uniform(-1, 1) + spread * rng.uniform(-1, 1, UNITS)
-    return np.clip(bend, -0.999, 0.999) * chain[:, 7]
+    return np.clip(bend, -0.999, 0.999) * chain[7]
 
 
 @given(seed=st.integers(0, 10**6), tip=st.sampled_from([0.0, 0.02]), turn=st.floats(0.0, 6.3))
@@ -45,9 +45,9 @@ def test_a_step_is_the_step_of_mujoco(seed, tip, turn):
     data = mujoco.MjData(model)
     data.qpos[:] = 0.3 * pose(seed, chain, 0.5)
     data.qvel[:] = rng.normal(0.0, 2.0, UNITS)
-    data.qfrc_applied[:] = rng.normal(0.0, 0.3, UNITS) * chain[:, 1] / chain[0, 1]
+    data.qfrc_applied[:] = rng.normal(0.0, 0.3, UNITS) * chain[1] / chain[1, 0]
     q, v = data.qpos.copy(), data.qvel.copy()
-    place, factor, work = np.zeros((UNITS, 6)), np.zeros((UNITS, 4)), np.zeros((2, UNITS))
+    place, factor, work = np.zeros((8, UNITS)), np.zeros((4, UNITS)), np.zeros((2, UNITS))
     assert is_free(q, chain, NOWHERE, place)
     mujoco.mj_step1(model, data)
     expected, found = np.zeros((1, UNITS)), np.zeros(UNITS)
@@ -68,7 +68,7 @@ def test_what_counts_as_free_touches_nothing(spread, post):
     model, chain = arm(scene)
     data = mujoco.MjData(model)
     circle = NOWHERE if post is None else np.array([post.x, post.y, post.diameter / 2])
-    place = np.zeros((UNITS, 6))
+    place = np.zeros((8, UNITS))
     free = touched = 0
     for seed in range(1000):
         data.qpos[:] = pose(seed, chain, spread)
@@ -90,7 +90,7 @@ def test_neighbours_but_one_do_not_meet_before_the_end_stops():
     for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
         for i in range(UNITS - 2):
             data.qpos[:] = 0.0
-            data.qpos[i + 1 : i + 3] = np.array(signs) * 0.9999 * chain[i + 1 : i + 3, 7]
+            data.qpos[i + 1 : i + 3] = np.array(signs) * 0.9999 * chain[7, i + 1 : i + 3]
             mujoco.mj_fwdPosition(model, data)
             for own in outline[i]:
                 for other in outline[i + 2]:
@@ -99,10 +99,10 @@ def test_neighbours_but_one_do_not_meet_before_the_end_stops():
 
 def test_an_end_stop_is_no_free_pose():
     _, chain = arm()
-    place = np.zeros((UNITS, 6))
+    place = np.zeros((8, UNITS))
     q = np.zeros(UNITS)
     assert is_free(q, chain, NOWHERE, place)
-    q[5] = -chain[5, 7]
+    q[5] = -chain[7, 5]
     assert not is_free(q, chain, NOWHERE, place)
 
 
@@ -112,7 +112,7 @@ def wound(scene, own):
     current = np.column_stack([2.5 * np.arange(cycles) / cycles, np.full(cycles, 0.2)])
     session = Plant(RIG).start(scene, {"arm.bends_per_hinge": 2.0})
     if not own:
-        session._chain = session._chain[:0]
+        session._chain = session._chain[:, :0]
     schedule = Schedule(np.full(2, CURRENT), current, 0.0 * current, np.full(2, 5.0))
     return session.play(schedule)
 
@@ -128,7 +128,7 @@ def test_a_trial_is_that_of_mujoco_alone(scene):
 def test_what_moves_beside_the_arm_is_left_to_mujoco():
     ball = Ball(0.02, 0.005, 0.3, 0.2, 0.0, -1.0)
     session = Plant(RIG).start(Scene(ball=ball))
-    assert len(session._chain) == 0
+    assert session._chain.size == 0
     before = session._data.qpos[UNITS + 1]
     still = np.zeros((100, 2))
     session.play(Schedule(np.full(2, CURRENT), still, still, np.full(2, 5.0)))
