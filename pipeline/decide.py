@@ -48,7 +48,7 @@ def _again(root: Path, config: Config, contest: dict[str, Any], logs: list[Path]
     known = joined(own, further)
     settings = settings_of(config)
     search = decided_again(models, known, settings)
-    verdict = judge(search, known["validate"], settings)
+    verdict = judge(search, known, settings)
     named, effort = verdict.kind == "named", own["train"].effort
     before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
     written = document(search, verdict, [], noise_floor(own["train"]), effort)

@@ -36,7 +36,7 @@ def stage(root: Path) -> None:
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]
     search = climb(residuals, names, candidates, identified["changes"], settings, tell)
-    verdict = judge(search, residuals["validate"], settings)
+    verdict = judge(search, residuals, settings)
     base = search.rungs[0].fit
     effort = residuals["train"].effort
     regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])

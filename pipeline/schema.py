@@ -94,7 +94,7 @@ class Diagnose(Strict):
     floor: float = Field(0.003, gt=0, lt=1)
     further: float = Field(0.25, ge=0, le=1)
     confidence: float = Field(0.9, gt=0.5, le=1)
-    explained: float = Field(0.85, ge=0, le=1)
+    explained: float = Field(0.9, ge=0, le=1)
     sure: float = Field(0.7, ge=0, le=1)
     alike: float = Field(0.3, ge=0, le=1)
     iterations: int = Field(2, ge=1, le=1000)

@@ -46,7 +46,7 @@ class Settings:
     floor: float = 0.003
     further: float = 0.25
     confidence: float = 0.9
-    explained: float = 0.85
+    explained: float = 0.9
     sure: float = 0.7
     alike: float = 0.3
     iterations: int = 2

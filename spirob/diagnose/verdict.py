@@ -45,15 +45,18 @@ class Verdict:
         return self.kind == "undecided" or bool(self.equivalents)
 
 
-def judge(search: Search, validate: Problem, settings: Settings) -> Verdict:
-    """Judge the first round; later rounds are further rungs of the same answer."""
-    base, last = search.rungs[0], search.rungs[-1]
+def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) -> Verdict:
+    """Judge the first round; later rounds are further rungs of the same answer.
+
+    residuals  by role; the held-out trials can only take a name away
+    """
+    base, last, validate = search.rungs[0], search.rungs[-1], residuals["validate"]
     effort, size = validate.effort, effort_rms(validate)
     share = base.scores["validate"].rmse / size
     first = search.rounds[0] if search.rounds else []
     enough = complete(validate, settings.floor)
     least = enough / size
-    accounted = explained(search, enough)
+    accounted = min(explained(search, enough), foretold(search, residuals["heldout"], settings))
     small = share <= least and accounted < settings.explained
     if not last.effects or small:
         return _nothing_or_unknown(share, least, settings, first, effort)
@@ -90,6 +93,19 @@ def explained(search: Search, floor: float) -> float:
     """
     before, after = (float(r.errors.mean()) for r in (search.rungs[0], search.rungs[-1]))
     return (before - after) / max(before - floor**2, 1e-300)
+
+
+def foretold(search: Search, heldout: Problem, settings: Settings) -> float:
+    """The same share on the held-out trials; all of it where the last rung is complete there.
+
+    What was chosen for the validation trials may be what imitates the missing effect on them: a
+    wave of free length passes for much, until it meets a stroke that it was not chosen for.
+    """
+    before, after = (r.scores["heldout"].rmse for r in (search.rungs[0], search.rungs[-1]))
+    enough = complete(heldout, settings.floor)
+    if after <= enough:
+        return 1.0
+    return (before**2 - after**2) / max(before**2 - enough**2, 1e-300)
 
 
 def _nothing_or_unknown(

@@ -13,8 +13,9 @@ import numpy as np
 from spirob.diagnose.again import decided_again, joined, proposed
 from spirob.diagnose.contest import contest
 from spirob.diagnose.ladder import begun, climb
+from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Rung, Search, Settings, rung_of
-from spirob.diagnose.verdict import Verdict, judge
+from spirob.diagnose.verdict import Verdict, explained, foretold, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.fit import STEPS, fit
@@ -59,7 +60,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     library = list(all_effects().values())
     hidden, problems, base = _drawn(case, Plant(Rig(), library), settings)
     search = climb(problems, FITTED, library, {}, settings, known=base)
-    first, experiment = judge(search, problems["validate"], settings), ""
+    first, experiment = judge(search, problems, settings), ""
     asked, known = search, problems
     if first.contested:
         asked, known, experiment = _asked_again(search, problems, first, hidden, case, settings)
@@ -103,7 +104,7 @@ def _outcome(
     search: Search, problems: Mapping[str, Problem], best: float, settings: Settings
 ) -> dict[str, Any]:
     """What was said of one robot, and how large the errors are; `best` is the oracle's."""
-    verdict = judge(search, problems["validate"], settings)
+    verdict = judge(search, problems, settings)
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
     return {
@@ -112,6 +113,10 @@ def _outcome(
         "rivals": list(verdict.rivals),
         "probability": float(verdict.probability),
         "first": _first(search),
+        "accounted": {
+            "validate": explained(search, complete(problems["validate"], settings.floor)),
+            "heldout": foretold(search, problems["heldout"], settings),
+        },
         "heldout": {
             "base": search.rungs[0].scores["heldout"].rmse / size,
             "named": (search.rungs[-1] if named else search.rungs[0]).scores["heldout"].rmse / size,

@@ -120,5 +120,5 @@ def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, righ
         assert len(known[role].trials) == len(trials[role].trials) + 1
     assert known["heldout"] is trials["heldout"]
     assert again.rounds[0][0].effects == (right,)
-    verdict = judge(again, known["validate"], SETTINGS)
+    verdict = judge(again, known, SETTINGS)
     assert np.isfinite(verdict.probability)

@@ -22,7 +22,7 @@ def diagnose(true):
     plant = spirob(find_effects(CANDIDATES))
     residuals = {role: residual(plant, {**OTHERS, **true}, role) for role in ROLES}
     search = climb(residuals, NAMES, find_effects(CANDIDATES), {}, SETTINGS)
-    return search, judge(search, residuals["validate"], SETTINGS), residuals
+    return search, judge(search, residuals, SETTINGS), residuals
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_an_effect_outside_the_candidates_is_unknown():
     true = {**OTHERS, "cogging.sine": 0.006, "cogging.order": 2.0}
     residuals = {role: residual(plant, true, role) for role in ROLES}
     search = climb(residuals, NAMES, find_effects(["current_offset"]), {}, SETTINGS)
-    assert judge(search, residuals["validate"], SETTINGS).kind == "unknown"
+    assert judge(search, residuals, SETTINGS).kind == "unknown"
 
 
 def test_the_noise_floor_is_the_sensors():

@@ -71,7 +71,7 @@ def written(
     said: list[str],
 ) -> dict[str, Any]:
     """What `diagnosis.json` holds, with the keys of any rig's."""
-    verdict = judge(search, residuals["validate"], settings)
+    verdict = judge(search, residuals, settings)
     train, base = residuals["train"], search.rungs[0]
     regimes = atlas(train, base.fit.residual[train.rows])
     further = proposed(search, verdict, residuals["validate"])
