@@ -1,7 +1,8 @@
 """Stage `transfer`: size learned from three models, tested on the robot; and what intervals hold.
 
 The models are the one before any measurement, the identified one, and the one with the named
-effect.  If diagnosis is worth anything, the error on the robot falls from one to the next.
+effect; each gives the same wraps, the first of the training, to a stack with the shipped settings.
+If diagnosis is worth anything, the error on the robot falls from one to the next.
 """
 
 from collections.abc import Mapping
@@ -28,11 +29,15 @@ def stage(root: Path) -> None:
     config = public_config(root)
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
     shipped = load_model(root / "data/models/size.joblib")
-    learnt = {name: _learn(config, model) for name, model in _before(root, config).items()}
-    learnt["named"] = shipped
+    count = config.perceive.transfer
+    wraps = {
+        n: wrapped(config, m, train_wraps(config)[:count]) for n, m in _before(root, config).items()
+    }
+    wraps["named"] = features_of(root, "train")[:count]
+    learnt = {n: train(w, stack(config), config.perceive.predictor) for n, w in wraps.items()}
     sizes = {name: predict(model, robot) for name, model in learnt.items()}
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
-    metrics: dict[str, Any] = {"robot": steps}
+    metrics: dict[str, Any] = {"robot": steps, "samples": len(wraps["named"])}
     if supported(shipped):
         metrics["interval"] = _intervals(shipped, {"simulation": unseen, "robot": robot})
     write_json(root / "reports/metrics/transfer.json", metrics)
@@ -49,11 +54,6 @@ def _before(root: Path, config: Config) -> dict[str, dict[str, Any]]:
         "nominal": {"effects": own, "changes": {}},
         "identified": {"effects": own, "changes": changes},
     }
-
-
-def _learn(config: Config, model: Mapping[str, Any]) -> SizeModel:
-    known = wrapped(config, model, train_wraps(config))
-    return train(known, stack(config), config.perceive.predictor)
 
 
 def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 ridge, svr          each base model alone, on the same samples as the shipped predictor
 paper               the paper's stack on the paper's samples
-few                 the shipped predictor on the paper's samples
+few                 the shipped kind of predictor on the paper's samples
 gaussian_process    on the same samples as the shipped predictor, hyperparameters by likelihood
 mean                the mean diameter of the training, whatever was wrapped
 """
@@ -31,7 +31,8 @@ def rivals(
 
     known   features that the shipped model was trained on;  listed  those of the paper's samples
     """
-    few = train(listed, shipped.settings, "remainder")
+    # the shipped settings are those of many samples
+    few = train(listed, SizeSettings(seed=shipped.settings.seed), "remainder")
     return {
         **{name: predict(shipped, wraps, name) for name in BASES},
         "paper": predict(few, wraps, "paper"),

@@ -221,6 +221,7 @@ def _transfer() -> dict:
     gained = {**step, "mae": 1.97, "gain": 0.13, "gain_low": -0.17, "gain_high": 0.39}
     held = {"covered": 0.92, "refused": 0.0, "width": 0.0087, "samples": 26.0}
     return {
+        "samples": 60,
         "robot": {"nominal": step, "identified": gained, "named": {**gained, "mae": 1.58}},
         "interval": {"confidence": 0.9, "simulation": held, "robot": held},
     }

@@ -34,6 +34,7 @@ class Transfer(Section):
                 "confidence": "",
                 "honest": "",
                 "falls": False,
+                "samples": "",
             }
             return {**empty, "reason": data.absent["transfer"]}
         steps = {name: data.transfer["robot"][name] for name in STEPS}
@@ -48,6 +49,7 @@ class Transfer(Section):
             "confidence": percent(interval.get("confidence")),
             "honest": held(interval),
             "falls": errors == sorted(errors, reverse=True),
+            "samples": fixed(data.transfer["samples"], 0),
             "reason": "",
         }
 
