@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -61,29 +62,31 @@ class Project:
         """`dvc repro` to the end."""
         return self.run(sys.executable, "-m", "dvc", "repro")
 
-    def kill_repro_at(self, stage: str, after: float) -> bool:
+    def kill_repro_at(self, stage: str, after: float, later: Sequence[str] = ()) -> bool:
         """Start `dvc repro`, wait until a stage runs, kill everything `after` seconds later.
 
-        False where the stage had nothing to do any more.  A kill may hit DVC while it writes its
-        own files; what `spirob run` does about that is done here, too.  A run that DVC refuses is
-        tried again, as a user would, and its words are the failure where it goes on refusing.
+        False where the stage had nothing to do any more, with everything killed as soon as one of
+        the `later` ones runs, so that they still have something to do.  A kill may hit DVC while it
+        writes its own files; what `spirob run` does about that is done here, too.  A run that DVC
+        refuses is tried again, as a user would, and its words are the failure where it goes on.
         """
         for _ in range(TRIES):
-            process, said = self._until(stage)
+            process, said = self._until([stage, *later])
             if process.poll() is None:
-                time.sleep(after)
+                found = f"pipeline.{stage}" in said
+                time.sleep(after if found else 0.0)
                 with suppress(ProcessLookupError):  # it may have come to its end
                     os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
                 discard_torn(self.root)
-                return True
+                return found
             if process.returncode == 0:
                 return False
             time.sleep(5.0)
         raise AssertionError(f"before '{stage}' DVC went on refusing:\n{said}")
 
-    def _until(self, stage: str) -> tuple[subprocess.Popen[str], str]:
-        """`dvc repro`, still running at a stage or at its end, and what it said so far."""
+    def _until(self, stages: Sequence[str]) -> tuple[subprocess.Popen[str], str]:
+        """`dvc repro`, still running at one of the stages or at its end, and what it said."""
         process = subprocess.Popen(
             [sys.executable, "-m", "dvc", "repro"],
             cwd=self.root,
@@ -97,7 +100,7 @@ class Project:
         said = []
         for line in process.stdout:
             said.append(line)
-            if f"pipeline.{stage}" in line:
+            if any(f"pipeline.{stage}" in line for stage in stages):
                 return process, "".join(said)
         process.wait()
         return process, "".join(said)
