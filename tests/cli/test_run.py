@@ -108,7 +108,7 @@ def test_stopping_by_hand_is_130_and_the_next_run_goes_on(project, capfd):
     while not (project / "asleep").exists() and time.monotonic() < deadline:
         time.sleep(0.05)
     os.killpg(started.pid, signal.SIGINT)
-    assert started.wait(60) == 130  # DVC puts its files in order first
+    assert started.wait(60) == 130  # 20 s were once too few on a busy machine
     assert "Traceback" not in started.stderr.read()
     assert run(project, "--defaults", "--until", "report") == 0
     assert read_overrides(project) == []

@@ -121,6 +121,7 @@ def wound(scene, own):
 def test_a_trial_is_that_of_mujoco_alone(scene):
     own, alone = wound(scene, own=True), wound(scene, own=False)
     assert np.abs(own.angles).max() > 0.3
+    assert not np.array_equal(own.angles, alone.angles)  # rounding: the chain did take part
     assert np.abs(own.angles - alone.angles).max() < 1e-9
     assert np.abs(own.current - alone.current).max() < 1e-9
 
