@@ -1,7 +1,8 @@
 """The arm as a MuJoCo chain of hinges, generated from the spiral's law.
 
 Each unit is a trapezoid mirrored about the elastic axis, of thickness h·width; its two outer edges
-are thin capsules.  Self-contact of neighbouring faces is the joints' end stop at 0.96·Δθ.  The
+and its four slanted faces are thin capsules, for objects and for other turns of the arm.
+Neighbouring faces never meet: the joints' end stop is at 0.96·Δθ.  The
 tendons are not MuJoCo's: their lengths are known in closed form (`plant.tendon`), which halves the
 cost of a step.  `tendons=True` adds them for export, so that other tools see the same machine.
 """
@@ -104,22 +105,34 @@ def _add_hinge(body, i: int, arm: Arm, geometry: SpiralArm, stiffness: float) ->
 
 
 def _add_outline(body, i: int, arm: Arm, geometry: SpiralArm) -> None:
+    """Both edges and the four slanted faces; without these a tip enters the base from behind."""
     w, length = geometry.half_width[i], geometry.unit_length[i]
-    radius = OUTLINE_RADIUS * w
+    slope, radius = np.tan(geometry.unit_angle / 2), OUTLINE_RADIUS * w
     height = w - radius
-    inset = height * np.tan(geometry.unit_angle / 2) + radius
+    inset = height * slope + radius
+    far = max(length - inset, inset + 1e-4)
+    lower = height - radius  # where a face ends, so that the corner is the edge's alone
+    near_end, far_end = inset - radius * slope, far + radius * slope
     for name, side in zip(MOTORS, (1, -1), strict=True):
-        body.add_geom(
-            name=f"{name}_edge_{i}",
-            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            size=[radius, 0, 0],
-            fromto=[inset, side * height, 0, max(length - inset, inset + 1e-4), side * height, 0],
-            contype=ARM_BIT,
-            conaffinity=ARM_BIT | OBJECT_BIT,
-            friction=[arm.contact_friction, 0.005, 0.0001],
-            solref=[0.004, 1.0],
-            mass=0.0,
-        )
+        y, end = side * height, side * lower
+        edge = _line(body, f"{name}_edge_{i}", radius, (inset, y), (far, y), arm)
+        edge.contype = ARM_BIT  # faces meet edges and objects, not each other
+        _line(body, f"{name}_near_face_{i}", radius, (radius, 0), (near_end, end), arm)
+        _line(body, f"{name}_far_face_{i}", radius, (length - radius, 0), (far_end, end), arm)
+
+
+def _line(body, name: str, radius: float, start, end, arm: Arm):
+    return body.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        size=[radius, 0, 0],
+        fromto=[*start, 0, *end, 0],
+        contype=0,
+        conaffinity=ARM_BIT | OBJECT_BIT,
+        friction=[arm.contact_friction, 0.005, 0.0001],
+        solref=[0.004, 1.0],
+        mass=0.0,
+    )
 
 
 def _add_tip(parent, length: float, mass: float) -> None:

@@ -41,11 +41,11 @@ ROWS = (
 )
 
 
-def chain_of(model: mujoco.MjModel, hinges: int, edges: np.ndarray, bows: np.ndarray) -> np.ndarray:
+def chain_of(model: mujoco.MjModel, hinges: int, lines: np.ndarray, bows: np.ndarray) -> np.ndarray:
     """The numbers of each unit, (len(ROWS), N), from the model's first `hinges` bodies.
 
-    edges  (N, 2) numbers of the two geoms that are a unit's outline;  bows  (N,) how far a bend
-    carries them out [m/rad].  Bodies that are fixed to the last unit are part of it.
+    lines  (N, 6) numbers of the geoms of each unit's outline, an edge first;  bows  (N,) how far a
+    bend carries them out [m/rad].  Bodies that are fixed to the last unit are part of it.
     """
     units = slice(1, hinges + 1)
     rows = np.zeros((hinges, len(ROWS)))
@@ -60,11 +60,11 @@ def chain_of(model: mujoco.MjModel, hinges: int, edges: np.ndarray, bows: np.nda
     for body in range(hinges + 1, model.nbody):
         if model.body_weldid[body] == hinges:
             _weld(rows[-1], model, body)
-    outline = edges[:, 0]
-    rows[:, 8] = model.geom_pos[outline, 0]
-    radius, half = model.geom_size[outline, 0], model.geom_size[outline, 1]
-    rows[:, 9] = np.hypot(half + radius, np.abs(model.geom_pos[outline, 1]) + radius)
-    rows[:, 9] += bows * rows[:, 7]
+    edge = lines[:, 0]
+    rows[:, 8] = model.geom_pos[edge, 0]
+    radius, half = model.geom_size[edge, 0], model.geom_size[edge, 1]
+    corner = np.hypot(half + radius, np.abs(model.geom_pos[edge, 1]) + radius)
+    rows[:, 9] = np.maximum(corner, rows[:, 8]) + bows * rows[:, 7]  # faces end on the hinges
     return np.ascontiguousarray(rows.T)
 
 

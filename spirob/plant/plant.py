@@ -19,7 +19,7 @@ from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_of
 from spirob.plant.nominal import Arm
 from spirob.plant.objects import launch
-from spirob.plant.outline import bow, edges
+from spirob.plant.outline import bow, outlines
 from spirob.plant.rest import Torque, rest_pose
 from spirob.plant.rig import Rig
 from spirob.plant.tendon import guides, shortenings
@@ -155,7 +155,7 @@ class Session:
         tip_mass = plant._at_tip(p)
         model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass)
         bends = float(p[plant.table.position("arm.bends_per_hinge")])
-        self._outline = edges(model, hinges)
+        self._outline = outlines(model, hinges)
         self._heights = model.geom_pos[self._outline, 1]
         self._bows = np.zeros(hinges)
         if scene.touchable and bends > 1.0:

@@ -13,7 +13,7 @@ from spirob.control.schedule import Schedule
 from spirob.plant import Plant, Rig
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_factor, chain_of, chain_solve, chain_step, is_free
-from spirob.plant.outline import edges
+from spirob.plant.outline import outlines
 from spirob.robot import Ball, Cylinder, Scene
 
 RIG = Rig()
@@ -26,7 +26,7 @@ def arm(scene=None, tip_mass=0.0, **changes):
     """A compiled arm and its chain."""
     body = replace(RIG.arm, **changes)
     model = build_spec(body, scene or Scene(), UNITS, STEP, tip_mass=tip_mass).compile()
-    return model, chain_of(model, UNITS, edges(model, UNITS), np.zeros(UNITS))
+    return model, chain_of(model, UNITS, outlines(model, UNITS), np.zeros(UNITS))
 
 
 def pose(seed, chain, spread):
@@ -86,7 +86,7 @@ def test_what_counts_as_free_touches_nothing(spread, post):
 def test_neighbours_but_one_do_not_meet_before_the_end_stops():
     model, chain = arm()
     data = mujoco.MjData(model)
-    outline = edges(model, UNITS)
+    outline = outlines(model, UNITS)
     for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
         for i in range(UNITS - 2):
             data.qpos[:] = 0.0
