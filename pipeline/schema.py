@@ -123,7 +123,6 @@ class Perceive(Strict):
     seed: int = Field(0, ge=0)
     wrap: dict[str, Any] = {}
     drawn: Drawn = Drawn()
-    transfer: int = Field(60, ge=3)  # first training wraps that the three models are compared by
     size: dict[str, float] = {}  # numbers of the stack, checked by `spirob.perceive.size`
 
 

@@ -1,10 +1,12 @@
 """Stage `transfer`: size learned from three models, tested on the robot; and what intervals hold.
 
 The models are the one before any measurement, the identified one, and the one with the named
-effect; each gives the same wraps, the first of the training, to a stack with the shipped settings.
-If diagnosis is worth anything, the error on the robot falls from one to the next.
+effect, which is the shipped one; each gives the same wraps to a stack with the same settings.  If
+diagnosis is worth anything, the error on the robot falls from one to the next.  Where it does not,
+the numbers tell why that stood in for the missing effect in the identified model.
 """
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,15 +15,19 @@ import numpy as np
 import pandas as pd
 
 from pipeline.features import features_of, wrapped
+from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.train import stack
 from pipeline.trials import train_wraps
+from spirob.parameter import Table
 from spirob.perceive.bootstrap import mean_error, mean_gain
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
 from spirob.perceive.size import SizeModel, predict, train
+
+MOVED = 1.2  # ratio from which on a fitted number stood in for the effect
 
 
 def stage(root: Path) -> None:
@@ -29,15 +35,21 @@ def stage(root: Path) -> None:
     config = public_config(root)
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
     shipped = load_model(root / "data/models/size.joblib")
-    count = config.perceive.transfer
-    wraps = {
-        n: wrapped(config, m, train_wraps(config)[:count]) for n, m in _before(root, config).items()
-    }
-    wraps["named"] = features_of(root, "train")[:count]
-    learnt = {n: train(w, stack(config), config.perceive.predictor) for n, w in wraps.items()}
+    before, wraps = _before(root, config), train_wraps(config)
+    learnt = {}
+    for name, model in before.items():
+        features = wrapped(config, model, wraps)
+        learnt[name] = train(features, stack(config), config.perceive.predictor)
+        tell(f"learned from {len(wraps)} wraps of the {name} model")
+    learnt["named"] = shipped
     sizes = {name: predict(model, robot) for name, model in learnt.items()}
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
-    metrics: dict[str, Any] = {"robot": steps, "samples": len(wraps["named"])}
+    named = read_json(root / "data/diagnosis/model.json", "decide")["changes"]
+    metrics: dict[str, Any] = {
+        "robot": steps,
+        "samples": len(wraps),
+        "stood_in": stood_in(before["identified"]["changes"], named, plant(config).table),
+    }
     if supported(shipped):
         metrics["interval"] = _intervals(shipped, {"simulation": unseen, "robot": robot})
     write_json(root / "reports/metrics/transfer.json", metrics)
@@ -54,6 +66,25 @@ def _before(root: Path, config: Config) -> dict[str, dict[str, Any]]:
         "nominal": {"effects": own, "changes": {}},
         "identified": {"effects": own, "changes": changes},
     }
+
+
+def stood_in(
+    identified: Mapping[str, float], named: Mapping[str, float], table: Table
+) -> list[dict[str, Any]]:
+    """Fitted numbers that the named effect moved by a fifth and more, at most three, most first."""
+    both = [n for n in identified if n in named and min(identified[n], named[n]) > 0.0]
+    moved = {n: abs(math.log(identified[n] / named[n])) for n in both}
+    most = sorted((n for n in both if moved[n] > math.log(MOVED)), key=lambda n: -moved[n])[:3]
+    return [
+        {
+            "name": n,
+            "meaning": table.about[n].meaning,
+            "identified": float(f"{identified[n]:.6g}"),
+            "named": float(f"{named[n]:.6g}"),
+            "unit": table.about[n].unit,
+        }
+        for n in most
+    ]
 
 
 def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict[str, Any]:

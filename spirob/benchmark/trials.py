@@ -17,9 +17,12 @@ def winding(seconds: float) -> Schedule:
     return Schedule(mode, reference, np.zeros_like(reference), np.full(2, 5.0))
 
 
-def moving(name: str, pulling: str, seconds: float) -> Trial:
-    """Out, back and out again, slow enough that the other tendon stays taut."""
-    stroke = 0.007 * seconds  # the same speeds however short the trial
+def moving(name: str, pulling: str, seconds: float, depth: float = 1.0) -> Trial:
+    """Out, back and out again, slow enough that the other tendon stays taut.
+
+    depth  how far, and so how fast, relative to 7 mm/s
+    """
+    stroke = 0.007 * depth * seconds  # the same speeds however short the trial
     shares = ((0.4, 1.0), (0.1, 1.0), (0.35, 0.3), (0.15, 0.6))
     waypoints = [[time * seconds, share * stroke] for time, share in shares]
     moves = {

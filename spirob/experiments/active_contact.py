@@ -149,6 +149,7 @@ class ActiveContact(Experiment):
         if not sensed:
             raise DataError("active_contact: no side has a current")
         rows = [self._error(sides[self._name(place)], place) for place in (None, *self.places)]
+        rows += [self._error_before(sides, place) for place in self.places]
         for signal in SIGNALS:
             rows += self._contacts(sides, signal, sensed)
         return rows
@@ -186,6 +187,23 @@ class ActiveContact(Experiment):
         met = bool(errors["named"] <= AIM_RMSE) if "named" in errors else None
         paper = None if place is None else PAPER_RMSE
         return row(what, "A", errors, paper=paper, aim=f"at most {AIM_RMSE} A", met=met)
+
+    def _error_before(self, sides: Sides, place: float) -> dict[str, Any]:
+        """The same up to the first recoil: to decide later than the other is another error."""
+        played, free = sides[self._name(place)], sides[self._name(None)]
+        what = f"current RMSE until one recoils, contact at {place:.0%}"
+        sensed = [s for s in played if played[s].current is not None]
+        if "robot" not in sensed:
+            return row(what, "A", {})
+        found = {s: self.judge(played[s], free[s], RAW)["detected"] for s in sensed}
+        ends = {s: self.window()[1] if np.isnan(t) else round(t / PERIOD) for s, t in found.items()}
+        robot = played["robot"].driven("current", RIGHT)
+        errors = {
+            s: rmse(played[s].driven("current", RIGHT)[:end], robot[: ends["robot"]])
+            for s, end in ends.items()
+            if s != "robot"
+        }
+        return row(what, "A", errors, note="of that model and the robot, whichever is first")
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []

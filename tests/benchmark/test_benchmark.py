@@ -16,6 +16,7 @@ KEYS = {
         "identify_error",
         "mujoco_sysid_error",
     ],
+    "screening": ["screen_seconds", "screened_effects", "screened_place"],
 }
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.experiments.active_contact import detected, onset, rmse
+from spirob.experiments.active_contact import ActiveContact, detected, onset, rmse
 from spirob.experiments.extreme_curl import knee
 from spirob.experiments.hysteresis import loop_area
 from spirob.experiments.periodic_contact import seen
@@ -134,3 +134,18 @@ def test_onset_and_detection_of_a_contact():
     assert np.isnan(detected(contact, 500, 1900, ContactSettings()))
     assert rmse(contact, contact) == 0.0
     assert rmse(free, free + 0.3) == pytest.approx(0.3)
+
+
+def test_until_one_recoils_a_later_decision_does_not_count():
+    experiment = ActiveContact(places=(0.5,))
+    time = np.arange(9000) * 1e-3
+    free = np.full(9000, 0.6)
+    robot = free + 10 * np.maximum(time - 8.0, 0)
+    model = np.where(time < 8.06, robot + 0.02, 9.0)
+    sides = {"uncurl_free": {"robot": side(free), "named": side(free)}}
+    sides["uncurl_50"] = {"robot": side(robot), "named": side(model)}
+    sides |= {name.replace("_", "_filtered_", 1): both for name, both in sides.items()}
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    assert rows["current RMSE against the robot, contact at 50%"]["named"] > 1.0
+    until = rows["current RMSE until one recoils, contact at 50%"]
+    assert until["named"] == pytest.approx(0.02, abs=1e-9)

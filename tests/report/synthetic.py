@@ -222,6 +222,15 @@ def _transfer() -> dict:
     held = {"covered": 0.92, "refused": 0.0, "width": 0.0087, "samples": 26.0}
     return {
         "samples": 60,
+        "stood_in": [
+            {
+                "name": "arm.base_stiffness",
+                "meaning": "stiffness of the base hinge",
+                "identified": 0.401429,
+                "named": 0.146,
+                "unit": "N·m/rad",
+            }
+        ],
         "robot": {"nominal": step, "identified": gained, "named": {**gained, "mae": 1.58}},
         "interval": {"confidence": 0.9, "simulation": held, "robot": held},
     }

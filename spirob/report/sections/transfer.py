@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
 from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
-from spirob.report.numbers import fixed, is_number, percent
+from spirob.report.numbers import fixed, is_number, number, percent, unit_text
 from spirob.report.sections.section import Section
 
 STEPS = {
@@ -35,6 +35,7 @@ class Transfer(Section):
                 "honest": "",
                 "falls": False,
                 "samples": "",
+                "stood_in": "",
             }
             return {**empty, "reason": data.absent["transfer"]}
         steps = {name: data.transfer["robot"][name] for name in STEPS}
@@ -50,8 +51,14 @@ class Transfer(Section):
             "honest": held(interval),
             "falls": errors == sorted(errors, reverse=True),
             "samples": fixed(data.transfer["samples"], 0),
+            "stood_in": "; ".join(_moved(one) for one in data.transfer.get("stood_in", [])),
             "reason": "",
         }
+
+
+def _moved(one: dict[str, Any]) -> str:
+    stood, stands, unit = number(one["identified"]), number(one["named"]), unit_text(one["unit"])
+    return f"{one['meaning']} {stood} for {stands} {unit}".rstrip()
 
 
 def held(interval: dict[str, Any]) -> str:
