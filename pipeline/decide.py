@@ -1,6 +1,7 @@
 """Stage `decide`: judge again with the trials that were asked for; the diagnosis that stands.
 
-Where nothing was asked, or nothing could be played, the diagnosis stands as it is.
+Where nothing was asked, nothing could be played, or what was played tells nothing of those in
+question, the diagnosis stands as it is.
 """
 
 import shutil
@@ -33,11 +34,13 @@ def stage(root: Path) -> None:
     found = read_json(root / SEARCH / "metrics.json", "diagnose")
     logs = [root / ASKED / f"{t['name']}.mcap" for t in contest["trials"]]
     if logs and all(log.exists() for log in logs):
-        found = _again(root, config, contest, logs)
+        found = _again(root, config, contest, logs) or found
     write_json(root / "reports/metrics/diagnose.json", found)
 
 
-def _again(root: Path, config: Config, contest: dict[str, Any], logs: list[Path]) -> dict[str, Any]:
+def _again(
+    root: Path, config: Config, contest: dict[str, Any], logs: list[Path]
+) -> dict[str, Any] | None:
     models = [Contestant.from_dict(one) for one in contest["models"]]
     candidates = dict.fromkeys(e for one in models for e in one.effects)
     model = plant(config, list(candidates))
@@ -47,13 +50,17 @@ def _again(root: Path, config: Config, contest: dict[str, Any], logs: list[Path]
         further.setdefault(trial["role"], []).append(Measurement.from_trace(read_log(log)))
     known = joined(own, further)
     settings = settings_of(config)
-    search = decided_again(models, known, settings)
-    verdict = judge(search, known, settings)
-    named, effort = verdict.kind == "named", own["train"].effort
+    search = decided_again(models, own, known, settings)
     before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
+    asked = {"experiment": contest["experiment"], "before": before["sentence"]}
+    if search is None:
+        write_json(root / OUT / "diagnosis.json", {**before, "asked": {**asked, "aside": True}})
+        tell(f"'{contest['experiment']}' shows what no contestant explains; the verdict stands")
+        return None
+    verdict = judge(search, own, settings)
+    named, effort = verdict.kind == "named", own["train"].effort
     written = document(search, verdict, [], noise_floor(own["train"]), effort)
     kept = {key: before[key] for key in ("atlas", "atlas_sentences", "vague")}
-    asked = {"experiment": contest["experiment"], "before": before["sentence"]}
     write_json(root / OUT / "diagnosis.json", {**written, **kept, "asked": asked})
     stands = model_of(search, verdict)
     write_json(root / OUT / "model.json", stands)

@@ -1,26 +1,34 @@
 """Decide again, with trials played where two explanations differ most.
 
 The further trials lie outside of what was fitted, where no model is complete: numbers that hardly
-showed before weigh there.  So one of them, with the one motor in the lead, joins those that are
-fitted, and the contestants are fitted again; the other, with the other motor, joins those that
-decide.
+showed before weigh there, other currents flow, and things happen that no effect in question is the
+cause of.  So they only say *which* of the contestants it is.  One of them, with the one motor in
+the lead, joins those that are fitted, and the contestants are fitted again; the other, with the
+other motor, joins those on which they are compared.  How much is explained, and whether that is
+enough, is judged where the effect was found.  A further trial that no contestant explains says
+nothing of them and is set aside.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from spirob.diagnose.confirm import finished
 from spirob.diagnose.contest import Contestant, contestants
+from spirob.diagnose.noise import complete
 from spirob.diagnose.proposals import Proposal, propose
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label, rung_of, scores_of
 from spirob.diagnose.verdict import Verdict
-from spirob.diagnose.weighing import counts, simplest, with_probability
+from spirob.diagnose.weighing import simplest, with_probability
 from spirob.effects import Effect
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.near import near
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
+
+TELLING = 0.5  # of a further trial's squared error above the floor that one contestant explains
 
 
 def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Proposal]:
@@ -37,21 +45,44 @@ def _alone(search: Search) -> list[set[type[Effect]]]:
 
 
 def joined(
-    residuals: Mapping[str, Problem], further: Mapping[str, Sequence[Measurement]]
-) -> dict[str, Problem]:
+    residuals: Mapping[str, Residual], further: Mapping[str, Sequence[Measurement]]
+) -> dict[str, Residual]:
     """The same with further trials, by role."""
     found = dict(residuals)
     for role, trials in further.items():
-        problem = residuals[role]
-        assert isinstance(problem, Residual)
-        found[role] = replace(problem, trials=[*problem.trials, *trials])
+        found[role] = replace(found[role], trials=[*found[role].trials, *trials])
     return found
 
 
 def decided_again(
+    models: Sequence[Contestant],
+    own: Mapping[str, Residual],
+    known: Mapping[str, Residual],
+    settings: Settings,
+) -> Search | None:
+    """A contest settled by further trials, as a search of one round to be judged on the first ones.
+
+    own    the trials in which the effect was found;  known  the same with the further ones
+    None where the further trials show what no contestant explains.
+    """
+    wide_base, wide = _compared(models, known, settings)
+    played = known["validate"]
+    further = replace(played, trials=played.trials[len(own["validate"].trials) :])
+    if not _explained(wide_base.fit, [c.fit for c in wide], further, settings):
+        return None
+    base, near_by = _compared(models, own, settings)
+    found = {c.effects: c for c in near_by}
+    winner = simplest(wide, settings).effects
+    won = finished(found[winner], own, settings)
+    rung = Rung(f"+ {label(winner)}", list(winner), won.fit, won.scores, won.errors)
+    tried = [replace(found[c.effects], missed=c.missed, probability=c.probability) for c in wide]
+    return Search(base, [base, rung], [tried])
+
+
+def _compared(
     models: Sequence[Contestant], residuals: Mapping[str, Problem], settings: Settings
-) -> Search:
-    """A contest fitted again to trials that hold the further ones, as a search of one round."""
+) -> tuple[Rung, list[Confirmed]]:
+    """All fitted again to these trials, the model without an effect first; how often each wins."""
     start, *others = models
     train = near(residuals["train"], start.changes)
     close = {**residuals, "train": train}
@@ -61,13 +92,16 @@ def decided_again(
         found = _fitted(one, train, settings)
         scores, missed, errors = scores_of(found, close)
         tried.append(Confirmed(one.effects, one.gain, found, missed, errors, scores))
-    tried = with_probability(tried, base, train, settings)
-    rungs = [base]
-    if passed := [c for c in tried if counts(c, base, residuals["validate"], settings)]:
-        won = finished(simplest(passed, settings), residuals, settings)
-        effects = list(won.effects)
-        rungs.append(Rung(f"+ {label(effects)}", effects, won.fit, won.scores, won.errors))
-    return Search(base, rungs, [tried])
+    return base, with_probability(tried, base, train, settings)
+
+
+def _explained(base: Fit, found: Sequence[Fit], further: Problem, settings: Settings) -> bool:
+    """Whether one of the contestants explains enough of a further trial to be judged by it."""
+    before, *after = (
+        float(np.sqrt(np.mean(further(fit.changes)[further.rows] ** 2))) for fit in (base, *found)
+    )
+    enough, least = complete(further, settings.floor), min(after)
+    return least <= enough or before**2 - least**2 >= TELLING * (before**2 - enough**2)
 
 
 def _fitted(one: Contestant, train: Problem, settings: Settings) -> Fit:

@@ -1,7 +1,8 @@
 """Which trial would tell two explanations apart?
 
 Both models play every trial of a short list, each on either side, and the one on which their
-signals differ most is proposed.  What it is worth is then for the robot to say.
+signals differ most, relative to the effort there, is proposed: what other differences between
+machine and model leave grows with the effort.  What it is worth is then for the robot to say.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +15,7 @@ from spirob.bench.simulate import simulate
 from spirob.bench.trial import Trial
 from spirob.errors import SimulationError
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import Effort
+from spirob.identify.problem import Effort, effort_rms
 from spirob.identify.residual import Residual
 from spirob.robot import MOTORS
 
@@ -74,18 +75,19 @@ class Proposal:
     """An experiment, and by how much two explanations differ on it.
 
     trials      one for each side, as plain data
-    difference  RMS of what the residual compares, in its unit
+    difference  RMS of what the residual compares, in its unit;  share  of the effort's RMS there
     """
 
     name: str
     trials: tuple[dict[str, Any], ...]
     difference: float
+    share: float
 
 
 def propose(
     problem: Residual, one: Mapping[str, float], other: Mapping[str, float]
 ) -> list[Proposal]:
-    """All experiments, that on which the models with these numbers differ most first.
+    """All experiments, that in whose effort the models with these numbers differ most first.
 
     An experiment that one of the models cannot play to its end is left out.
     """
@@ -99,8 +101,9 @@ def propose(
             apart = [_difference(problem, trial, one, other) for trial in trials]
         except SimulationError:
             continue
-        found.append(Proposal(name, trials, float(np.sqrt(np.mean(np.square(apart))))))
-    return sorted(found, key=lambda p: -p.difference)
+        difference, effort = np.sqrt(np.mean(np.square(apart), axis=0))
+        found.append(Proposal(name, trials, float(difference), float(difference / effort)))
+    return sorted(found, key=lambda p: -p.share)
 
 
 def told(proposals: Sequence[Proposal], effort: Effort) -> str:
@@ -146,7 +149,8 @@ def bend(
 
 def _difference(
     problem: Residual, plain: dict[str, Any], one: Mapping[str, float], other: Mapping[str, float]
-) -> float:
+) -> tuple[float, float]:
+    """RMS of what the models differ by, and of the effort."""
     played = Measurement.from_trace(simulate(problem.plant, Trial.from_plain(plain), one))
-    apart = replace(problem, trials=[played])(other)
-    return float(np.sqrt(np.mean(apart**2)))
+    there = replace(problem, trials=[played])
+    return float(np.sqrt(np.mean(there(other) ** 2))), effort_rms(there)

@@ -60,10 +60,9 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     library = list(all_effects().values())
     hidden, problems, base = _drawn(case, Plant(Rig(), library), settings)
     search = climb(problems, FITTED, library, {}, settings, known=base)
-    first, experiment = judge(search, problems, settings), ""
-    asked, known = search, problems
+    first, asked, experiment = judge(search, problems, settings), search, ""
     if first.contested:
-        asked, known, experiment = _asked_again(search, problems, first, hidden, case, settings)
+        asked, experiment = _asked_again(search, problems, first, hidden, case, settings)
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
         "kind": case.kind,
@@ -71,7 +70,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
     told = {"first_verdict": first.kind, "experiment": experiment}
-    found = [{**about, "without": False, **told, **_outcome(asked, known, best, settings)}]
+    found = [{**about, "without": False, **told, **_outcome(asked, problems, best, settings)}]
     found[0]["first"] = list(dict.fromkeys([*found[0]["first"], *_first(search)]))
     if case.without:
         kept = [e for e in library if e.name() not in _right_names(case)]
@@ -82,22 +81,20 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
 
 def _asked_again(
     search: Search,
-    problems: Mapping[str, Problem],
+    problems: Mapping[str, Residual],
     contested: Verdict,
     hidden: HiddenSettings,
     case: Case,
     settings: Settings,
-) -> tuple[Search, Mapping[str, Problem], str]:
-    """The experiment that separates the rivals best, played on the same robot, and judged."""
-    validate = problems["validate"]
-    assert isinstance(validate, Residual)
-    proposals = proposed(search, contested, validate)
+) -> tuple[Search, str]:
+    """The experiment that separates the rivals best, played on the same robot, and what it says."""
+    proposals = proposed(search, contested, problems["validate"])
     if not proposals:
-        return search, problems, ""
+        return search, ""
     best = proposals[0]
     known = joined(problems, recorded(hidden, case.seed, best.trials))
-    asked = decided_again(contest(search, contested), known, settings)
-    return asked, known, best.name
+    asked = decided_again(contest(search, contested), problems, known, settings)
+    return (search, f"{best.name}, set aside") if asked is None else (asked, best.name)
 
 
 def _outcome(
@@ -127,7 +124,7 @@ def _outcome(
 
 def _drawn(
     case: Case, plant: Plant, settings: Settings
-) -> tuple[HiddenSettings, Mapping[str, Problem], Search]:
+) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
     Of two kinds each is as strong as it would be alone in the same robot.
@@ -144,7 +141,7 @@ def _drawn(
 
 def _alone(
     kind: str, seed: int, plant: Plant, settings: Settings
-) -> tuple[HiddenSettings, Mapping[str, Problem], Rung]:
+) -> tuple[HiddenSettings, Mapping[str, Residual], Rung]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
     wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]))

@@ -1,6 +1,7 @@
 """Two explanations that the logs do not tell apart: the right one foretells a further trial."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,7 +64,7 @@ def test_the_rivals_are_the_best_and_who_stands_against_it(search):
 
 def test_experiments_are_ordered_by_what_they_would_show(search, trials):
     found = proposed(search, undecided(search), trials["validate"])
-    apart = [p.difference for p in found]
+    apart = [p.share for p in found]
     assert len(found) == len(TRIALS)
     assert apart == sorted(apart, reverse=True)
     assert apart[0] > 2.0 * apart[-1]
@@ -114,7 +115,7 @@ def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, righ
     logs = [Measurement.from_trace(trace) for trace in played]
     known = joined(trials, {r: [log] for r, log in zip(("train", "validate"), logs, strict=True)})
     plain = json.loads(json.dumps([c.as_dict() for c in contest(search, undecided(search))]))
-    again = decided_again([Contestant.from_dict(one) for one in plain], known, SETTINGS)
+    again = decided_again([Contestant.from_dict(one) for one in plain], trials, known, SETTINGS)
     assert again.rungs[-1].effects == [right]
     for role in ("train", "validate"):
         assert len(known[role].trials) == len(trials[role].trials) + 1
@@ -122,3 +123,15 @@ def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, righ
     assert again.rounds[0][0].effects == (right,)
     verdict = judge(again, known, SETTINGS)
     assert np.isfinite(verdict.probability)
+
+
+def test_a_trial_that_nobody_explains_is_set_aside(search, trials, plant):
+    """Something else happens there, ten times as large as what is in question."""
+    best = proposed(search, undecided(search), trials["validate"])[0]
+    rng, further = np.random.default_rng(1), {}
+    for role, plain in zip(("train", "validate"), best.trials, strict=True):
+        log = Measurement.from_trace(simulate(plant, Trial.from_plain(plain), TRUE, 0.002))
+        slow = np.cumsum(rng.standard_normal((len(log.current), 1)), axis=0) * 0.05
+        further[role] = [replace(log, current=log.current + slow)]
+    known = joined(trials, further)
+    assert decided_again(contest(search, undecided(search)), trials, known, SETTINGS) is None

@@ -21,31 +21,34 @@ def problems():
     return {role: residual(spirob(), {}, role) for role in ("train", "validate", "heldout")}
 
 
-def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch):
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [("judged again", ("judged again", "hold")), (None, ("search", "hold, set aside"))],
+)
+def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch, answer, told):
     names, played = _asked_again.__globals__, []
-    best = Proposal("hold", ({"name": "hold_left"},), 0.01)
+    best = Proposal("hold", ({"name": "hold_left"},), 0.01, 0.1)
     logs = [replace(problems["validate"].trials[0], name="hold_left")]
 
     def recorded(hidden, seed, trials):
         played.append((hidden, seed, trials))
         return {"train": logs, "validate": logs, "heldout": []}
 
-    def decided_again(models, known, settings):
-        assert models == "contest"
+    def decided_again(models, own, known, settings):
+        assert (models, own) == ("contest", problems)
         for role in ASKED:
             assert known[role].trials == [*problems[role].trials, *logs]
-        return "judged again"
+        return answer
 
     monkeypatch.setitem(names, "contest", lambda search, verdict: "contest")
     monkeypatch.setitem(names, "proposed", lambda *_: [best, replace(best, name="deep bend")])
     monkeypatch.setitem(names, "recorded", recorded)
     monkeypatch.setitem(names, "decided_again", decided_again)
-    search, _, name = _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings())
-    assert (search, name) == ("judged again", "hold")
+    assert _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings()) == told
     assert played == [(HIDDEN, 41, best.trials)]
 
 
 def test_where_nothing_can_be_played_it_stays_undecided(problems, monkeypatch):
     monkeypatch.setitem(_asked_again.__globals__, "proposed", lambda *_: [])
     found = _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings())
-    assert found == ("search", problems, "")
+    assert found == ("search", "")

@@ -67,6 +67,11 @@ def asked_sentence(diagnosis: dict[str, Any]) -> str:
     asked = diagnosis.get("asked")
     if not asked:
         return ""
+    if asked.get("aside"):
+        return (
+            f"To decide, '{asked['experiment']}' was played on either side. It shows what none of "
+            "those in question explains, so it says nothing of them, and the verdict stands."
+        )
     return (
         f"Decided with '{asked['experiment']}', played on either side. Before it: {asked['before']}"
     )
