@@ -57,8 +57,9 @@ class Transfer(Section):
 
 
 def _moved(one: dict[str, Any]) -> str:
-    stood, stands, unit = number(one["identified"]), number(one["named"]), unit_text(one["unit"])
-    return f"{one['meaning']} {stood} for {stands} {unit}".rstrip()
+    stood, stands = number(one["identified"]), number(one["named"])
+    unit = "" if one["unit"] == "1" else f" {unit_text(one['unit'])}"
+    return f"{one['meaning'].split(';')[0]} {stood} for {stands}{unit}"
 
 
 def held(interval: dict[str, Any]) -> str:
