@@ -23,6 +23,7 @@ from spirob.told import Steps
 
 MOST = 6  # rounds, if backward steps take out what was added
 PAIRED = 3  # candidates of which pairs are tried
+POOR = 0.25  # of a rung's squared error, if a fit from elsewhere leaves less: another valley
 
 
 def climb(
@@ -84,10 +85,11 @@ def climb(
             tried += passed
         again = fitted_again(passed, rung, close, residuals["train"], settings, progress)
         if again is not None:
+            poor = again.errors.mean() < POOR * rung.errors.mean()
             search.rungs[-1] = rung = again
             least = least_of(search, settings)
             passed = [c for c in passed if counts(c, rung, validate, settings, least)]
-            if not passed and not again_from_better:
+            if (poor or not passed) and not again_from_better:
                 again_from_better = True  # the candidates were ranked in a poor valley
                 continue
         leaders = [shaped(c, close, settings, progress) for c in leading(passed)]
