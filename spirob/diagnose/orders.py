@@ -7,6 +7,7 @@ of the fitted numbers.  Of several orders each is found beside the waves of the 
 """
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -63,7 +64,10 @@ def _apart(order: float, others: Sequence[float], way: float) -> bool:
 
 def _columns(trials: Sequence[Waves], orders: Sequence[float] | np.ndarray) -> np.ndarray:
     """The waves of some orders in the whole residual, (orders, N, 2·motors)."""
-    return np.concatenate([t.columns(np.asarray(orders)) for t in trials], axis=1)
+    with ThreadPoolExecutor(trials[0].problem.workers) as pool:
+        return np.concatenate(
+            list(pool.map(lambda t: t.columns(np.asarray(orders)), trials)), axis=1
+        )
 
 
 def _strongest(residual: np.ndarray, known: np.ndarray, waves: np.ndarray) -> int:

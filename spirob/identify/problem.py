@@ -84,10 +84,12 @@ class Problem(Protocol):
              to its unit: they help to decide, and do not count in a score
     block    samples over which the residual is correlated at most: the block of resampling
     effort   name and unit of the residual
+    workers  threads that work on it may use
     """
 
     edges: np.ndarray
     rows: np.ndarray
+    workers: int
 
     @property
     def table(self) -> Table:

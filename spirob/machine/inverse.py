@@ -28,6 +28,8 @@ class InverseProblem:
     asked  the equations of the inverse model over these trials
     """
 
+    workers = 1
+
     def __init__(
         self,
         rig: RigFile,

@@ -27,6 +27,8 @@ def rotor(seed):
 class Machine:
     """Two trials of two motors, one signal, to which waves of torque pass through slow loops."""
 
+    workers = 2
+
     def __init__(self):
         self.trials = [[rotor(1), rotor(2)], [rotor(3), rotor(4)]]
         self.edges = np.arange(3) * (SAMPLES // EVERY)
