@@ -19,11 +19,9 @@ def discard_torn(project: Path) -> list[str]:
     """
     import time
 
-    import yaml
-
     readers: dict[str, Callable[[str], object]] = {
         ".dvc/tmp/rwlock": json.loads,
-        "dvc.lock": yaml.safe_load,
+        "dvc.lock": _lock,
     }
     torn = []
     for name, read in readers.items():
@@ -33,6 +31,20 @@ def discard_torn(project: Path) -> list[str]:
                 (project / name).unlink(missing_ok=True)
                 torn.append(name)
     return torn
+
+
+def _lock(text: str) -> object:
+    """The content of a `dvc.lock` that DVC would take: a cut one can still be valid YAML.
+
+    Raises ValueError where its last line is cut ("hash: md" is valid, and DVC fails on it), and
+    voluptuous.Invalid where a value is missing.
+    """
+    import yaml
+    from dvc.schema import COMPILED_LOCKFILE_SCHEMA
+
+    if not text.endswith("\n"):
+        raise ValueError("the last line is cut")
+    return COMPILED_LOCKFILE_SCHEMA(yaml.safe_load(text))
 
 
 def _torn(path: Path, read: Callable[[str], object]) -> bool:

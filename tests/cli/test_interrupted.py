@@ -1,8 +1,11 @@
 """A kill in the moment in which DVC writes its own files stops no further run."""
 
 import json
+from contextlib import suppress
 
 import pytest
+from dvc.exceptions import DvcException
+from dvc.repo import Repo
 
 from spirob.cli.interrupted import discard_torn
 
@@ -26,6 +29,28 @@ def test_a_torn_file_goes_and_the_other_stays(project, name, cuts):
         assert not (project / name).exists()
     kept = {".dvc/tmp/rwlock", "dvc.lock"} - {name}
     assert all((project / other).exists() for other in kept)
+
+
+def test_wherever_its_lock_is_cut_dvc_runs_again(tmp_path):
+    """Cut after `size:` it is still YAML, which DVC refuses; what is left must be what it takes."""
+    Repo.init(str(tmp_path), no_scm=True).close()
+    (tmp_path / "a").write_text("a")
+    (tmp_path / "dvc.yaml").write_text(
+        "stages:\n  b:\n    cmd: echo b > b\n    deps: [a]\n    outs: [b]\n"
+    )
+    whole = "schema: '2.0'\nstages:\n  b:\n    cmd: echo b > b\n    deps:\n    - path: a\n"
+    whole += "      hash: md5\n      md5: 0cc175b9c0f1b6a831c399e269772661\n      size: 1\n"
+    refused = 0
+    for cut in range(len(whole)):
+        (tmp_path / "dvc.lock").write_text(whole[:cut])
+        with Repo(str(tmp_path)) as repo, suppress(DvcException, NotImplementedError):
+            repo.status()
+            continue
+        refused += 1
+        discard_torn(tmp_path)
+        with Repo(str(tmp_path)) as repo:
+            repo.status()
+    assert refused > 20
 
 
 def test_whole_files_and_missing_ones_are_left_alone(project, tmp_path_factory):
