@@ -74,7 +74,15 @@ PORTS = {
         span=(-0.4, 0.4),
     ),
     "sensing.current": Port(
-        "A", "pipe", "motor", "motor current as the drive reports it", "cycle", span=(-20.0, 20.0)
+        "A",
+        "pipe",
+        "motor",
+        "motor current as the drive's sensor reads it; the drive regulates this reading",
+        "cycle",
+        span=(-20.0, 20.0),
+    ),
+    "sensing.report": Port(
+        "A", "pipe", "motor", "current reading as the drive reports it", "cycle", span=(-20.0, 20.0)
     ),
     "sensing.frame": Port(
         "reading",

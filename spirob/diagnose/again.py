@@ -32,11 +32,15 @@ TELLING = 0.5  # of a further trial's squared error above the floor that one con
 
 
 def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Proposal]:
-    """Experiments that would tell what was found from what else it may be, best first."""
+    """Experiments that would tell what was found from what else it may be, best first.
+
+    None where the two differ by less than counts as an effect on all of them: two names of one law.
+    """
     if not verdict.contested or set(search.rungs[-1].effects) not in _alone(search):
         return []
     one, other = contestants(search, verdict)[:2]
-    return propose(problem, one.fit.changes, other.fit.changes)
+    every = propose(problem, one.fit.changes, other.fit.changes)
+    return [p for p in every if p.share > Settings.floor]
 
 
 def _alone(search: Search) -> list[set[type[Effect]]]:

@@ -22,6 +22,7 @@ from spirob.parameter import Table
 
 PASSES = 10  # of the solution for the effort before the drive's pipes
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
+READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
@@ -64,7 +65,7 @@ class AskedEffort:
             for effect in self.present(port, p):
                 needed = needed - self._torque(effect, p, motion, signals, tip)
         effort = self.solved(needed / own["scale"], p, motion, signals)
-        for effect in self.present("sensing.current", p):
+        for effect in (e for port in READ for e in self.present(port, p)):
             effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
         for effect in self.present("sensing.frame", p):
             # the motion in the frame is late: compare with the command of that time

@@ -9,7 +9,8 @@ from spirob.machine.rig import RigFile
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
     "motor.drive_torque": "the motor's torque per ampere",
     "winch.efficiency": "the gear's efficiency",
-    "sensing.current": "the drive's current reading",
+    "sensing.current": "the drive's current sensor",
+    "sensing.report": "the drive's report of its current",
 }
 ALWAYS = {"motor.torque", "tendon.force", "sensing.displacement"}
 SIGNALS = {

@@ -114,10 +114,10 @@ class _Axis:
         self._values = {e: problem.asked.values(e, self._p) for e in problem.effects}
 
     def behind_sensor(self, piece: Piece) -> np.ndarray:
-        """The effort itself, from its reading."""
+        """The effort itself, from its reading; a lag of milliseconds moves nothing to be seen."""
         effort = piece.effort
         for effect in self.problem.asked.present("sensing.current", self._p):
-            if not effect.state:  # a lag of milliseconds moves no position that can be seen
+            if not effect.state:
                 values = self._values[effect]
                 effort = np.array([2 * e - effect.kernel(upstream=e, **values) for e in effort])
         return effort

@@ -103,6 +103,7 @@ def run(
     place, factor, work = np.zeros((8, hinges)), np.zeros((4, hinges)), np.zeros((2, hinges))
     alone = chain.shape[1] > 0
     mean_current = np.zeros(motors)
+    misread = np.zeros(motors)  # what the current sensor says less the current [A]
     last_command = np.zeros(motors)
     if begun[0] == 0.0:
         radius_now[:] = p[P_winch_radius]
@@ -129,9 +130,12 @@ def run(
                 reading_error[m] = error
             sensed_current = current[m]
             # @ port sensing.current -> sensed_current
+            misread[m] = sensed_current - current[m]
+            # @ port sensing.report -> sensed_current
             # @ repeat sensing.frame -> sensed_current
             sensed_arm_current = arm_current[m]
             # @ repeat sensing.current -> sensed_arm_current
+            # @ repeat sensing.report -> sensed_arm_current
             # @ repeat sensing.frame -> sensed_arm_current
             out[cycle, m, 0] = sensed_current
             out[cycle, m, 1] = sensed_arm_current
@@ -212,6 +216,7 @@ def run(
                     integral[m],
                     command[m],
                     (command[m] - last_command[m]) / cycle_time,
+                    misread[m],
                     p[P_motor_emf_constant] * rotor_speed,
                     disturbance,
                     drive_steps,

@@ -134,6 +134,7 @@ def electrical_account(rig, command, rotor):
                     integral_state,
                     command[k, m],
                     slope,
+                    0.0,
                     emf,
                     0.0,
                     1,

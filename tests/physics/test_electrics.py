@@ -19,6 +19,7 @@ def drive(current, integral, command, steps, period, **changes):
     """The drive's loop with nominal numbers unless changed."""
     settings = {
         "command_rate": 0.0,
+        "misread": 0.0,
         "emf": 0.0,
         "disturbance": 0.0,
         "gain_p": K_P,
@@ -30,6 +31,7 @@ def drive(current, integral, command, steps, period, **changes):
         integral,
         command,
         settings["command_rate"],
+        settings["misread"],
         settings["emf"],
         settings["disturbance"],
         steps,

@@ -78,6 +78,27 @@ def test_latency_delays_every_reading_alike(plant, latency):
     np.testing.assert_allclose(late.velocity[11:, 0], rate[10:], atol=5e-3)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "carried"),
+    [
+        ({"current_offset.offset": 0.05}, (1.0, -0.05)),
+        ({"current_gain.gain_error": 0.1}, (1 / 1.1, 0.0)),
+    ],
+)
+def test_a_drive_regulates_what_its_sensor_reads(plant, wrong, carried):
+    # the reading follows the command; the arm moves as with the current that the winding carries
+    misread = plant.simulate(squeeze(), Scene(), wrong)
+    factor, added = carried
+    told = squeeze()
+    winding = schedule(CURRENT, *(told.reference.T * factor + added))
+    plain = plant.simulate(winding, Scene())
+    np.testing.assert_allclose(misread.current[21:], told.reference[20:-1], atol=1e-3)
+    np.testing.assert_allclose(misread.displacement, plain.displacement, atol=5e-5)
+    np.testing.assert_allclose(misread.tension[100:], plain.tension[100:], rtol=5e-3)
+    unaware = plant.simulate(told, Scene())
+    assert unaware.tension[100:].mean() > 1.03 * misread.tension[100:].mean()
+
+
 def test_smoothing_is_that_of_the_cycle_not_of_the_step(plant):
     prompt = plant.simulate(squeeze(), Scene())
     late = plant.simulate(squeeze(), Scene(), nominal("current_lag", time=0.01))

@@ -19,9 +19,9 @@ class DriverDeadBand(Effect):
         "command."
     )
     tell_apart = {
-        "current_offset": "commands of both signs: a dead band flips its sign with the command",
+        "current_offset": "current against command: a dead band leaves them apart, an offset not",
         "coulomb_friction": "current against command at standstill: friction leaves them equal",
-        "current_gain": "two levels of command: a dead band is the same at both",
+        "current_gain": "current against command: a dead band leaves them apart, a gain not",
     }
     needs = "the commanded current beside the measured one, at small commands"
     references = ("Leggate, Kerkman, IEEE Trans. Industrial Electronics 44 (1997)",)

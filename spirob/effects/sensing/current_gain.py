@@ -7,6 +7,7 @@ from spirob.parameter import bounded
 class CurrentGain(Effect):
     """i_measured = (1 + g)·i.
 
+    A drive regulates what its sensor reads: the reading follows the command, the current does not.
     Where effort is known only as current, one rig cannot tell it from the efficiency or the torque
     constant: fit one of them.
     """
@@ -19,10 +20,10 @@ class CurrentGain(Effect):
     explanation = "The shunt or the amplifier of the current sensor is off its rating."
     tell_apart = {
         "current_offset": "two loads: a gain grows with the load",
-        "driver_dead_band": "two levels of command: a gain grows with the command",
+        "driver_dead_band": "current against command: a gain leaves them alike",
         "torque_constant_saturation": "small and large currents: a gain is the same share of both",
     }
-    needs = "the commanded current beside the measured one, or a known weight"
+    needs = "a known weight"
     references = ("Ziegler, Woodward, Iu, Borle, IEEE Sensors Journal 9 (2009)",)
 
     gain_error: float = bounded(0.05, -0.5, 0.5, "1", "g", "relative error of the reading")

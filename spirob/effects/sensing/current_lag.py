@@ -9,7 +9,7 @@ from spirob.parameter import bounded
 class CurrentLag(Effect):
     """T·dy/dt = i - y: a first-order filter, exact for a current constant within the cycle."""
 
-    port = "sensing.current"
+    port = "sensing.report"
     state = {"filtered": 0.0}
     neutral = {"time": 0.0}
     equation = "filtered"

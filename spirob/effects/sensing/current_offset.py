@@ -5,7 +5,10 @@ from spirob.parameter import bounded
 
 
 class CurrentOffset(Effect):
-    """i_measured = i + i_0."""
+    """i_measured = i + i_0.
+
+    A drive regulates what its sensor reads: the reading follows the command, the current does not.
+    """
 
     port = "sensing.current"
     neutral = {"offset": 0.0}
@@ -18,6 +21,7 @@ class CurrentOffset(Effect):
         "constant_force": "swap or free the load: an offset stays",
         "rest_curvature": "swap the pulling tendon: an offset is the same, a bend changes sign",
         "current_gain": "two loads: an offset is the same at both",
+        "driver_dead_band": "current against command: an offset leaves them alike",
     }
     needs = "rest with the motor off, or both directions of load"
     references = ("Analog Devices, MT-037: input offset voltage",)
