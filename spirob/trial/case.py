@@ -30,7 +30,7 @@ from spirob.trial.played import problems_of, recorded
 from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, strength_of
 from spirob.trial.visibility import left
 
-TRIES = 3  # recordings of one robot, until its effect shows about as much as is wanted
+TRIES = 5  # recordings of one robot, until its effect shows about as much as is wanted
 SHOWN = (0.9 * SIZES[0], 1.25 * SIZES[1])  # % of the current's RMS: near enough
 
 

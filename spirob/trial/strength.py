@@ -17,6 +17,7 @@ LEFT = 0.23  # % of the current's RMS with nothing hidden: 0.17 to 0.26 held out
 RATIOS = (0.3, 0.35)  # of the errors with and without knowing
 LARGEST = 3.0  # strength
 FACTOR = 4.0  # of one adjustment, at most
+NOTHING = 0.1  # of what is wanted, what is left is nearly nothing
 POWERS = (0.5, 3.0)  # of the strength, with which what it leaves may grow
 
 # % of the current's RMS that strength 1 leaves after the model's numbers are fitted, as measured on
@@ -83,8 +84,13 @@ def adjusted(tries: Sequence[tuple[float, float]], wanted: float) -> float:
     """The strength to try next where earlier ones showed more or less than `wanted`.
 
     tries  (strength, % of the current's RMS that it left), the latest last.  What is left grows as
-           a power of the strength: 1 at first, then as the last two tries tell
+           a power of the strength: 1 at first, then as the last two tries tell, or between the
+           nearest on either side, once there are
     """
+    below = max((t for t in tries if t[1] <= wanted), default=(0.0, 0.0))
+    above = min((t for t in tries if t[1] > wanted and t[0] > below[0]), default=None)
+    if above and below[0] > 0.0:
+        return _between(below, above, wanted)
     strength, shown = tries[-1]
     power = 1.0
     if len(tries) > 1 and min(shown, tries[-2][1]) > 0.0 and strength != tries[-2][0]:
@@ -93,3 +99,15 @@ def adjusted(tries: Sequence[tuple[float, float]], wanted: float) -> float:
     ratio = wanted / max(shown, 1e-3 * wanted)
     factor = min(FACTOR, max(1.0 / FACTOR, ratio ** (1.0 / power)))
     return min(LARGEST, strength * factor)
+
+
+def _between(below: tuple[float, float], above: tuple[float, float], wanted: float) -> float:
+    """The strength between two tries where a power of it shows what is wanted.
+
+    Halfway where the weaker try showed as good as nothing: play in a gear sets in all at once.
+    """
+    least = NOTHING * wanted
+    share = 0.5
+    if below[1] > least:
+        share = math.log(wanted / below[1]) / math.log(above[1] / below[1])
+    return float(below[0] * (above[0] / below[0]) ** share)

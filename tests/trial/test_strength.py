@@ -1,5 +1,6 @@
 """Strengths are drawn for every kind, and so that the oracle's gain is as asked."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from spirob.diagnose.rungs import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
-from spirob.trial.case import TRIES, Case, _drawn
+from spirob.trial.case import SHOWN, TRIES, Case, _drawn
 from spirob.trial.strength import (
     FACTOR,
     LARGEST,
@@ -63,7 +64,22 @@ def test_two_tries_tell_how_what_is_left_grows(power):
 
 
 def test_a_try_that_shows_nothing_tells_no_power():
-    assert adjusted([(0.5, 3.0), (0.125, 0.0)], 0.7) == pytest.approx(0.125 * FACTOR)
+    assert adjusted([(0.5, 0.0), (0.125, 0.0)], 0.7) == pytest.approx(0.125 * FACTOR)
+
+
+@pytest.mark.parametrize("edge", [0.13, 0.2, 0.31, 0.45])
+@pytest.mark.parametrize("steep", [4.0, 8.0])
+def test_a_kind_that_sets_in_all_at_once_is_met_within_the_tries(edge, steep):
+    """It shows what is wanted at `edge`, nearly nothing below, and far too much above."""
+
+    def shown(strength):
+        return 0.7 * (strength / edge) ** steep
+
+    tries = [(0.155, shown(0.155))]
+    while not SHOWN[0] < tries[-1][1] < SHOWN[1] and len(tries) < TRIES:
+        tries.append((adjusted(tries, 0.7), shown(adjusted(tries, 0.7))))
+    nearest = min(abs(math.log(s / 0.7)) for _, s in tries)
+    assert nearest <= math.log(2.0)
 
 
 @pytest.fixture
@@ -98,11 +114,11 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     first, second, third = (h.parts[0][1] for h in played)
     assert problems is hidden is played[2]
     assert second < third < first
-    shares = iter([3.0, 0.5, 5.0])
+    shares = iter([3.0, 0.5, 5.0, 0.4, 6.0])
     hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
-    assert problems is hidden is played[4], "the nearest of three tries"
+    assert problems is hidden is played[4], "the nearest of all tries"
     monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
     _drawn(Case("cogging", 5), None, Settings())
-    assert len(played) == 6 + TRIES
+    assert len(played) == 3 + 2 * TRIES
     _drawn(Case("none", 5), None, Settings())
-    assert len(played) == 7 + TRIES
+    assert len(played) == 4 + 2 * TRIES
