@@ -56,7 +56,7 @@ def climb(
         # a round stays near its rung; what it ends with is scored, and finished, on the trials
         train = near(residuals["train"], rung.fit.changes)
         close = {**residuals, "train": train}
-        absent = [c for c in candidates if c not in rung.effects]
+        absent = [c for c in candidates if c not in rung.effects and c.stands_for not in names]
         error = rung.scores["validate"].rmse
         if not absent or (rung.effects and error < enough):
             break

@@ -54,7 +54,9 @@ class Winch(Numbers):
 
     gear_ratio: float = bounded(3591 / 187, 1.0, 200.0, "1", "G", "rotor turns per drum turn")
     radius: float = bounded(0.02, 1e-3, 0.2, "m", "r", "radius of the drum")
-    efficiency: float = bounded(0.77, 0.6, 1.0, "1", "η", "torque transmitted by the gear", PAPER)
+    efficiency: float = bounded(
+        0.77, 0.6, 1.0, "1", "η", "torque transmitted by the gear", PAPER, tolerance=0.15
+    )
     efficiency_difference: float = bounded(
         0.0, -0.2, 0.2, "1", "δη", "half of left minus right gear's efficiency, over their mean"
     )

@@ -75,14 +75,16 @@ def test_all_at_once_leave_two_unknown_and_hold_two():
 
 
 def test_silent_numbers_and_starts_on_a_bound_are_named():
-    gate = probe(Motor(), [PULL[0], "arm.density"], {PULL[0]: 1.0})
+    about = Motor().table.about[PULL[0]]
+    most = about.reach(about.nominal)[1]
+    gate = probe(Motor(), [PULL[0], "arm.density"], {PULL[0]: most})
     assert gate.silent == ["arm.density"]
     assert gate.at_bound == [PULL[0]]
     assert "move no signal" in gate.sentence
     assert "On a bound from the start: winch.efficiency" in gate.sentence
     assert gate.moves["arm.density"] == 0.0
     # a tenth more pull, a tenth less current
-    size = np.sqrt(np.mean(Motor().current({PULL[0]: 1.0}) ** 2))
+    size = np.sqrt(np.mean(Motor().current({PULL[0]: most}) ** 2))
     assert gate.moves[PULL[0]] == pytest.approx(0.1 * size, rel=0.01)
 
 

@@ -29,7 +29,8 @@ def test_there_and_back(table, names, shares):
     values = {}
     for name, share in zip(names, shares, strict=False):
         about = table.about[name]
-        values[name] = about.low + share * (about.high - about.low)
+        low, high = about.reach(about.nominal)
+        values[name] = low + share * (high - low)
     u = scaling.scaled(values)
     assert np.all(u >= scaling.low - 1e-9)
     assert np.all(u <= scaling.high + 1e-9)

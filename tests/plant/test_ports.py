@@ -99,6 +99,20 @@ def test_a_drive_regulates_what_its_sensor_reads(plant, wrong, carried):
     assert unaware.tension[100:].mean() > 1.03 * misread.tension[100:].mean()
 
 
+def test_a_wrong_gain_stands_for_another_efficiency(plant):
+    gain, factor = LIBRARY["current_gain"], 1.1
+    mixed = schedule(CURRENT, squeeze().reference[:, 0], np.full(CYCLES, 0.6))
+    mixed.mode[0] = VELOCITY
+    mixed.reference[:, 0] = strokes().reference[:, 0]
+    wrong = plant.simulate(mixed, Scene(), {"current_gain.gain_error": factor - 1.0})
+    weaker = {gain.stands_for: plant.table.about[gain.stands_for].nominal / factor}
+    same = plant.simulate(mixed, Scene(), weaker)
+    plain = plant.simulate(mixed, Scene())
+    moved = np.abs(plain.current - same.current)[50:].max()
+    assert moved > 0.02
+    assert np.abs(wrong.current - same.current)[50:].max() < 0.03 * moved
+
+
 def test_smoothing_is_that_of_the_cycle_not_of_the_step(plant):
     prompt = plant.simulate(squeeze(), Scene())
     late = plant.simulate(squeeze(), Scene(), nominal("current_lag", time=0.01))

@@ -23,6 +23,7 @@ class CurrentGain(Effect):
         "driver_dead_band": "current against command: a gain leaves them alike",
         "torque_constant_saturation": "small and large currents: a gain is the same share of both",
     }
+    stands_for = "winch.efficiency"
     needs = "a known weight"
     references = ("Ziegler, Woodward, Iu, Borle, IEEE Sensors Journal 9 (2009)",)
 
