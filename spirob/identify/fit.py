@@ -35,6 +35,7 @@ FLOOR = 0.01  # of the effort's RMS: how well a model of a real machine may be e
 INDEPENDENT = 10  # samples of the residual that say the same thing
 WALKERS = 2  # of the spread starts, that walk down beside the given one
 DECADE = 10.0  # an interval that wide says nothing
+WORSE = 1.5  # times the cost with them: parameters that are left out were told after all
 
 
 @dataclass(frozen=True)
@@ -196,7 +197,9 @@ def fit_identifiable(
     """Fit, then fit again without the parameters that the data cannot tell.
 
     A parameter whose interval spans a decade goes back to what the table says of it: left free it
-    would drift to a bound and take the others along.  Returns the fit and the names left out.
+    would drift to a bound and take the others along.  Where the fit without them is far worse the
+    data tell them after all, or it lost its way (an arm that buckles): the first one stands.
+    Returns the fit and the names left out.
     """
     first = fit(residual, names, start, scale, iterations, progress, steps, exact, slopes=slopes)
     vague = [
@@ -211,4 +214,4 @@ def fit_identifiable(
     back = {n: float(values.values[values.position(n)]) for n in vague}
     begin = {**first.changes, **back}
     second = fit(residual, kept, begin, scale, iterations, progress, STEPS[-1:], exact)
-    return second, vague
+    return (first, []) if second.cost > WORSE * first.cost else (second, vague)

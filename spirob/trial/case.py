@@ -14,7 +14,7 @@ from spirob.diagnose.again import decided_again, joined, proposed
 from spirob.diagnose.contest import contest
 from spirob.diagnose.ladder import begun, climb
 from spirob.diagnose.noise import complete
-from spirob.diagnose.rungs import Rung, Search, Settings, rung_of
+from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, explained, foretold, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.rig import HiddenSettings
@@ -131,17 +131,16 @@ def _drawn(
     """
     kinds = case.kind.split("+")
     alone = [_alone(kind, case.seed, plant, settings) for kind in kinds]
-    hidden, problems, rough = alone[0]
-    if len(kinds) > 1:
-        hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
-        problems = problems_of(recorded(hidden, case.seed), plant)
-        rough = _roughly(problems, settings)
-    return hidden, problems, begun(problems, FITTED, rough.fit.changes, settings, STEPS[-1:])
+    if len(kinds) == 1:
+        return alone[0]
+    hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
+    problems = problems_of(recorded(hidden, case.seed), plant)
+    return hidden, problems, _without_any(problems, settings)
 
 
 def _alone(
     kind: str, seed: int, plant: Plant, settings: Settings
-) -> tuple[HiddenSettings, Mapping[str, Residual], Rung]:
+) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
     wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]))
@@ -151,20 +150,20 @@ def _alone(
     while True:
         hidden = HiddenSettings("none" if kind == "none" else f"{kind}:{strength:.6g}")
         problems = problems_of(recorded(hidden, seed), plant)
-        rough = _roughly(problems, settings)
-        tries.append((strength, beside(left(rough, problems), LEFT)))
-        played.append((_beyond(tries[-1][1]), hidden, problems, rough))
+        search = _without_any(problems, settings)
+        tries.append((strength, beside(left(search.base, problems), LEFT)))
+        played.append((_beyond(tries[-1][1]), hidden, problems, search))
         if kind == "none" or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
             break
         strength = adjusted(tries, wanted)
     return min(played, key=lambda p: p[0])[1:]
 
 
-def _roughly(problems: Mapping[str, Problem], settings: Settings) -> Rung:
-    """The numbers fitted with wide differences: enough to see what is left, and to go on from."""
+def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Search:
+    """The numbers fitted without any effect, with wide differences first, then to the end."""
     train = near(problems["train"], {})
     found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
-    return rung_of("roughly", [], found, problems)
+    return begun(problems, FITTED, found.changes, settings, STEPS[-1:])
 
 
 def _beyond(shown: float) -> float:

@@ -48,3 +48,20 @@ def test_a_number_that_the_data_hardly_hold_goes_back_to_nominal():
     assert list(found.estimates) == [sure]
     assert found.changes[vague] == 1.0  # wherever the search began
     assert found.changes[sure] == pytest.approx(1.3, rel=0.01)
+
+
+class Buckles(Linear):
+    """As if the search lost its way once the number that is hardly told stands at nominal."""
+
+    def __call__(self, changes):
+        lost = 1.0 if changes.get(self.names[1], 1.0) == 1.0 else 0.0
+        return super().__call__(changes) + 0.2 * lost
+
+
+def test_a_fit_that_loses_its_way_without_a_number_is_not_taken():
+    problem = Buckles([0.3, 1e-5], [1.3, 3.0], 1e-3)
+    sure, vague = problem.names
+    found, left = fit_identifiable(problem, problem.names, {vague: 1.7}, SCALE)
+    assert left == []
+    assert list(found.estimates) == [sure, vague]
+    assert found.changes[sure] == pytest.approx(1.3, rel=0.01)

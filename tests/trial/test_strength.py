@@ -89,9 +89,7 @@ def names(monkeypatch):
     names = _drawn.__globals__
     monkeypatch.setitem(names, "recorded", lambda hidden, seed: played.append(hidden) or hidden)
     monkeypatch.setitem(names, "problems_of", lambda trials, plant: trials)
-    rough = SimpleNamespace(fit=SimpleNamespace(changes={}))
-    monkeypatch.setitem(names, "_roughly", lambda *_: rough)
-    monkeypatch.setitem(names, "begun", lambda *_: None)
+    monkeypatch.setitem(names, "_without_any", lambda *_: SimpleNamespace(base=None))
     monkeypatch.setitem(names, "played", played)
     return names
 
