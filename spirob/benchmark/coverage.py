@@ -41,6 +41,7 @@ SPREADS = {
     "tendon.stiffness": 0.1,
     "winch.efficiency_difference": 0.01,
     "motor.rotor_damping_difference": 0.05,
+    "motor.rotor_inertia_difference": 0.02,
 }
 NOISE = 0.005  # A, of the current sensor
 LOSS_SCALE = 0.05  # A

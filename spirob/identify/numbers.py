@@ -10,4 +10,5 @@ FITTED = (
     "tendon.stiffness",
     "winch.efficiency_difference",
     "motor.rotor_damping_difference",
+    "motor.rotor_inertia_difference",
 )

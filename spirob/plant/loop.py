@@ -243,7 +243,9 @@ def run(
                     slope = added if probe == 1 else (added - slope) / 0.01
                 rotor_damping = max(0.0, slope)
                 torque = gear * (added + rotor_damping * gear * rate[m] / radius)
-                inertia = gear * gear * p[P_motor_rotor_inertia] / (radius * radius) + hung[m]
+                own_inertia = p[P_motor_rotor_inertia]
+                own_inertia *= 1.0 + side[m] * p[P_motor_rotor_inertia_difference]
+                inertia = gear * gear * own_inertia / (radius * radius) + hung[m]
                 own_damping = p[P_motor_rotor_damping]
                 own_damping *= 1.0 + side[m] * p[P_motor_rotor_damping_difference]
                 damping = gear * gear * (own_damping + rotor_damping) / (radius * radius)
@@ -309,7 +311,9 @@ def run(
                 arm_current[m] += (
                     square
                     * (
-                        p[P_motor_rotor_inertia] * accel
+                        p[P_motor_rotor_inertia]
+                        * (1.0 + side[m] * p[P_motor_rotor_inertia_difference])
+                        * accel
                         + p[P_motor_rotor_damping]
                         * (1.0 + side[m] * p[P_motor_rotor_damping_difference])
                         * slip

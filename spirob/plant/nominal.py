@@ -24,6 +24,9 @@ class Motor(Numbers):
     rotor_inertia: float = bounded(
         2e-5, 5e-6, 5e-4, "kg·m²", "J_m", "inertia of the rotor", PAPER, log=True
     )
+    rotor_inertia_difference: float = bounded(
+        0.0, -0.3, 0.3, "1", "δJ", "half of left minus right rotor's inertia, over their mean"
+    )
     rotor_damping: float = bounded(
         1e-4, 1e-5, 1e-3, "N·m·s/rad", "b_m", "viscous friction of the rotor", PAPER, log=True
     )

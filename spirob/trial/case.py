@@ -39,7 +39,7 @@ class Case:
     """What is hidden in which robot.
 
     kind     of the emulator, "none", or two joined by "+"
-    seed     draws the robot, the sizes of the effect and its strength
+    seed     draws, with the kind, the robot, the sizes of the effect and its strength
     without  diagnose once more with a library that lacks every right answer: it must not name
              another with confidence
     """
@@ -52,6 +52,12 @@ class Case:
     def name(self) -> str:
         """Of its results' file."""
         return f"{self.kind.replace('+', '_and_')}-{self.seed}{'-without' * self.without}"
+
+    @property
+    def robot(self) -> int:
+        """Seed of a robot of its own: cases that share one are not independent, as their rates'
+        intervals take them to be."""
+        return int(np.random.default_rng([self.seed, *self.kind.encode()]).integers(2**31))
 
 
 def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
@@ -92,7 +98,7 @@ def _asked_again(
     if not proposals:
         return search, ""
     best = proposals[0]
-    known = joined(problems, recorded(hidden, case.seed, best.trials))
+    known = joined(problems, recorded(hidden, case.robot, best.trials))
     asked = decided_again(contest(search, contested), problems, known, settings)
     return (search, f"{best.name}, set aside") if asked is None else (asked, best.name)
 
@@ -130,26 +136,26 @@ def _drawn(
     Of two kinds each is as strong as it would be alone in the same robot.
     """
     kinds = case.kind.split("+")
-    alone = [_alone(kind, case.seed, plant, settings) for kind in kinds]
+    alone = [_alone(kind, case, plant, settings) for kind in kinds]
     if len(kinds) == 1:
         return alone[0]
     hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
-    problems = problems_of(recorded(hidden, case.seed), plant)
+    problems = problems_of(recorded(hidden, case.robot), plant)
     return hidden, problems, _without_any(problems, settings)
 
 
 def _alone(
-    kind: str, seed: int, plant: Plant, settings: Settings
+    kind: str, case: Case, plant: Plant, settings: Settings
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
-    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]))
+    wanted = drawn_size(np.random.default_rng([case.seed, *kind.encode()]))
     strength = strength_of(kind, wanted)
     tries: list[tuple[float, float]] = []
     played = []
     while True:
         hidden = HiddenSettings("none" if kind == "none" else f"{kind}:{strength:.6g}")
-        problems = problems_of(recorded(hidden, seed), plant)
+        problems = problems_of(recorded(hidden, case.robot), plant)
         search = _without_any(problems, settings)
         tries.append((strength, beside(left(search.base, problems), LEFT)))
         played.append((_beyond(tries[-1][1]), hidden, problems, search))

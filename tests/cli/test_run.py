@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import pytest
 
@@ -103,6 +104,8 @@ def test_stopping_by_hand_is_130_and_the_next_run_goes_on(project, capfd):
         text=True,
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        # what a shell puts in the background ignores an interruption, and so would its children
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )
     deadline = time.monotonic() + 30
     while not (project / "asleep").exists() and time.monotonic() < deadline:

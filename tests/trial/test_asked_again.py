@@ -45,7 +45,7 @@ def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch, an
     monkeypatch.setitem(names, "recorded", recorded)
     monkeypatch.setitem(names, "decided_again", decided_again)
     assert _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings()) == told
-    assert played == [(HIDDEN, 41, best.trials)]
+    assert played == [(HIDDEN, CASE.robot, best.trials)]
 
 
 def test_where_nothing_can_be_played_it_stays_undecided(problems, monkeypatch):

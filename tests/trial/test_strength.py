@@ -112,7 +112,7 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     first, second, third = (h.parts[0][1] for h in played)
     assert problems is hidden is played[2]
     assert second < third < first
-    shares = iter([3.0, 0.5, 5.0, 0.4, 6.0])
+    shares = iter([3.0, 0.42, 5.0, 0.3, 6.0])
     hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
     assert problems is hidden is played[4], "the nearest of all tries"
     monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
