@@ -36,21 +36,33 @@ def discard_torn(project: Path) -> list[str]:
 def _lock(text: str) -> object:
     """The content of a `dvc.lock` that DVC would take: a cut one can still be valid YAML.
 
-    Raises ValueError where its last line is cut ("hash: md" is valid, and DVC fails on it), and
-    voluptuous.Invalid where a value is missing.
+    Raises ValueError where it is none, where its last line is cut ("hash: md" is valid, and DVC
+    fails on it) or a value is missing.
     """
     import yaml
-    from dvc.schema import COMPILED_LOCKFILE_SCHEMA
 
     if not text.endswith("\n"):
         raise ValueError("the last line is cut")
-    return COMPILED_LOCKFILE_SCHEMA(yaml.safe_load(text))
+    try:
+        found = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ValueError("no YAML") from error
+    if _hollow(found):
+        raise ValueError("a value is missing")
+    return found
+
+
+def _hollow(found: object) -> bool:
+    """Whether a value is missing; what a parameter may be is not DVC's to say."""
+    if isinstance(found, dict):
+        return any(_hollow(value) for key, value in found.items() if key != "params")
+    return any(map(_hollow, found)) if isinstance(found, list) else found is None
 
 
 def _torn(path: Path, read: Callable[[str], object]) -> bool:
     try:
         return not isinstance(read(path.read_text(encoding="utf-8")), dict)
-    except FileNotFoundError:
+    except OSError:  # not there, or DVC will say why it cannot be read
         return False
-    except Exception:  # each reader has its own error; whatever it is, DVC cannot read it either
+    except ValueError:  # what cannot be decoded is one, too
         return True
