@@ -17,7 +17,7 @@ def stage(root: Path) -> None:
     (root / ASKED).mkdir(parents=True, exist_ok=True)
     trials = contest["trials"]
     if not trials:
-        tell("nothing to ask: no explanation rivals what was found")
+        tell("nothing to ask: no rival, or none that an experiment would tell apart")
     elif config.robot.kind == "can":
         names = ", ".join(t["name"] for t in trials)
         tell(

@@ -54,7 +54,8 @@ def _again(
     before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
     asked = {"experiment": contest["experiment"], "before": before["sentence"]}
     if search is None:
-        write_json(root / OUT / "diagnosis.json", {**before, "asked": {**asked, "aside": True}})
+        aside = {**before, "next_experiment": "", "next_trials": []}
+        write_json(root / OUT / "diagnosis.json", {**aside, "asked": {**asked, "aside": True}})
         tell(f"'{contest['experiment']}' shows what no contestant explains; the verdict stands")
         return None
     verdict = judge(search, own, settings)

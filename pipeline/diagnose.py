@@ -40,7 +40,7 @@ def stage(root: Path) -> None:
     base = search.rungs[0].fit
     effort = residuals["train"].effort
     regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
-    further = proposed(search, verdict, residuals["validate"])
+    further = proposed(search, verdict, residuals["validate"], settings)
     written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort, further)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)

@@ -61,14 +61,15 @@ def described(found: Fit, table: Table) -> dict[str, Any]:
     out = {}
     for name, estimate in found.estimates.items():
         about = table.about[name]
+        low, high = about.reach(float(table.values[table.position(name)]))
         out[name] = {
             "value": estimate.value,
             "low": estimate.low,
             "high": estimate.high,
             "unit": about.unit,
             "nominal": about.nominal,
-            "bound_low": about.low,
-            "bound_high": about.high,
+            "bound_low": low,
+            "bound_high": high,
             "at_bound": estimate.at_bound,
             "meaning": about.meaning,
         }

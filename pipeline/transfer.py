@@ -44,11 +44,15 @@ def stage(root: Path) -> None:
     learnt["named"] = shipped
     sizes = {name: predict(model, robot) for name, model in learnt.items()}
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
-    named = read_json(root / "data/diagnosis/model.json", "decide")["changes"]
+    named = read_json(root / "data/diagnosis/model.json", "decide")
+    moved = []
+    if set(named["effects"]) > set(config.plant.effects):
+        identified = before["identified"]["changes"]
+        moved = stood_in(identified, named["changes"], plant(config).table)
     metrics: dict[str, Any] = {
         "robot": steps,
         "samples": len(wraps),
-        "stood_in": stood_in(before["identified"]["changes"], named, plant(config).table),
+        "stood_in": moved,
     }
     if supported(shipped):
         metrics["interval"] = _intervals(shipped, {"simulation": unseen, "robot": robot})

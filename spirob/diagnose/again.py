@@ -31,7 +31,9 @@ from spirob.identify.residual import Residual
 TELLING = 0.5  # of a further trial's squared error above the floor that one contestant explains
 
 
-def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Proposal]:
+def proposed(
+    search: Search, verdict: Verdict, problem: Residual, settings: Settings
+) -> list[Proposal]:
     """Experiments that would tell what was found from what else it may be, best first.
 
     None where the two differ by less than counts as an effect on all of them: two names of one law.
@@ -40,7 +42,7 @@ def proposed(search: Search, verdict: Verdict, problem: Residual) -> list[Propos
         return []
     one, other = contestants(search, verdict)[:2]
     every = propose(problem, one.fit.changes, other.fit.changes)
-    return [p for p in every if p.share > Settings.floor]
+    return [p for p in every if p.share > settings.floor]
 
 
 def _alone(search: Search) -> list[set[type[Effect]]]:

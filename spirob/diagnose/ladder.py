@@ -45,6 +45,9 @@ def climb(
            does not take part now
     """
     validate = residuals["validate"]
+    for same in [c for c in candidates if set(c.stands_for) & set(names)]:
+        progress(f"{same.name()} is no candidate: a fitted number does the same")
+    candidates = [c for c in candidates if not set(c.stands_for) & set(names)]
     # a line for each round's screening, finalist and leader, and for what is questioned after it
     progress = Steps(progress, 1 + settings.rounds * (settings.finalists + LEADERS + 2))
     search = _known(known) if known else begun(residuals, names, start, settings)
@@ -56,7 +59,7 @@ def climb(
         # a round stays near its rung; what it ends with is scored, and finished, on the trials
         train = near(residuals["train"], rung.fit.changes)
         close = {**residuals, "train": train}
-        absent = [c for c in candidates if c not in rung.effects and c.stands_for not in names]
+        absent = [c for c in candidates if c not in rung.effects]
         error = rung.scores["validate"].rmse
         if not absent or (rung.effects and error < enough):
             break

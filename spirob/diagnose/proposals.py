@@ -113,11 +113,16 @@ def told(proposals: Sequence[Proposal], effort: Effort) -> str:
     first, *others = proposals
     line = (
         f"To decide: play '{first.name}' on either side; the explanations differ by "
-        f"{effort.shown(first.difference)} there"
+        f"{_worth(first, effort)} there"
     )
     if others:
-        line += f" (on '{others[0].name}', the next best, by {effort.shown(others[0].difference)})"
+        line += f" (on '{others[0].name}', the next best, by {_worth(others[0], effort)})"
     return f"{line}."
+
+
+def _worth(proposal: Proposal, effort: Effort) -> str:
+    """A difference in the effort's unit, and its share of the effort there: that is what counts."""
+    return f"{effort.shown(proposal.difference)}, {proposal.share:.1%} of the {effort.name},"
 
 
 def bend(

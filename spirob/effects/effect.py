@@ -32,8 +32,8 @@ class Effect(Numbers):
     signature   how it shows in data, one sentence
     explanation what happens physically, one or two sentences
     tell_apart  rival effect -> experiment that separates the two
-    stands_for  number of the arm's model that does just the same; where that is fitted the effect
-                is no candidate, for a wrong number is not a missing effect
+    stands_for  numbers of the arm's model that do just the same; where one is fitted the effect is
+                no candidate, for a wrong number is not a missing effect
     needs       what a trial must contain for the effect to show
     references  literature
 
@@ -53,7 +53,7 @@ class Effect(Numbers):
     signature: ClassVar[str] = ""
     explanation: ClassVar[str] = ""
     tell_apart: ClassVar[Mapping[str, str]] = {}
-    stands_for: ClassVar[str] = ""
+    stands_for: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[str] = ""
     references: ClassVar[tuple[str, ...]] = ()
     kernel: ClassVar[Callable[..., Any]]

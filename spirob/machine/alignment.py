@@ -12,7 +12,8 @@ from spirob.machine.rig import Bounded, RigFile
 # the drive's answer, one for the order of logging; of a slow log the last alone
 ROWS, FEW = 3.2, 1.5
 LEAST, LONG = 1e-3, 0.02  # s: always possible, and beyond which it takes a slow log
-SIGNS = {"sensing.report": 1.0, "sensing.frame": -1.0}  # of the delay by which a time acts there
+# of the delay by which a time acts there
+SIGNS = {"sensing.current": 1.0, "sensing.report": 1.0, "sensing.frame": -1.0}
 
 
 def with_delay(rig: RigFile, period: float) -> RigFile:

@@ -53,6 +53,8 @@ def _reason(
         return "the rig moves no inertia that could stay behind"
     if port == "command.current" and rig.effort.origin != "command":
         return "the log holds no commanded effort to compare with"
+    if port == "sensing.report" and rig.effort.origin == "command":
+        return "a logged command is no report of a current"
     if port == "sensing.frame" and reads:
         return "the frame of a bus is not in the log"
     if port in DRIVE and rig.effort.origin == "sensor":

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.asked import ADDED, BEFORE
+from spirob.machine.asked import ADDED, BEFORE, READ
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import Piece, Recording
 from spirob.machine.rig import EFFORTS, NUMBERS
@@ -116,7 +116,8 @@ class _Axis:
     def behind_sensor(self, piece: Piece) -> np.ndarray:
         """The effort itself, from its reading; a lag of milliseconds moves nothing to be seen."""
         effort = piece.effort
-        for effect in self.problem.asked.present("sensing.current", self._p):
+        asked = self.problem.asked
+        for effect in (e for port in reversed(READ) for e in asked.present(port, self._p)):
             if not effect.state:
                 values = self._values[effect]
                 effort = np.array([2 * e - effect.kernel(upstream=e, **values) for e in effort])

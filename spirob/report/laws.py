@@ -17,6 +17,7 @@ from spirob.effects.effect import Effect
 
 KEYS = ["trial", "motor", "time"]
 TURNING = ("speed", "velocity", "sliding")
+CURRENTS = ("command.current", "sensing.current", "sensing.report")  # ports
 LOADING = ("current", "command", "tension", "load_torque", "power")
 PLACING = ("angle", "displacement", "stretch", "stiffness", "weight")
 
@@ -61,7 +62,7 @@ def against(effect: type[Effect] | None) -> Against:
             return SPEED
         if any(word in own for word in PLACING):
             return PLACE
-    if effect is not None and effect.port.endswith("current"):
+    if effect is not None and effect.port in CURRENTS:
         return LOAD
     return TIME
 

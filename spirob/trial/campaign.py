@@ -38,8 +38,12 @@ def cases(
 
 
 def left(chosen: Sequence[Case], folder: Path) -> list[Case]:
-    """The cases that have no result yet."""
-    return [case for case in chosen if not _path(folder, case).exists()]
+    """The cases that have no result yet; one of another robot, of an earlier release, is none."""
+    return [case for case in chosen if not _played(_path(folder, case), case)]
+
+
+def _played(path: Path, case: Case) -> bool:
+    return path.exists() and json.loads(path.read_text())[0].get("robot") == case.robot
 
 
 def play(

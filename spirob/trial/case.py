@@ -73,6 +73,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     about = {
         "kind": case.kind,
         "seed": case.seed,
+        "robot": case.robot,
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
     told = {"first_verdict": first.kind, "experiment": experiment}
@@ -94,7 +95,7 @@ def _asked_again(
     settings: Settings,
 ) -> tuple[Search, str]:
     """The experiment that separates the rivals best, played on the same robot, and what it says."""
-    proposals = proposed(search, contested, problems["validate"])
+    proposals = proposed(search, contested, problems["validate"], settings)
     if not proposals:
         return search, ""
     best = proposals[0]
@@ -161,7 +162,9 @@ def _alone(
         played.append((_beyond(tries[-1][1]), hidden, problems, search))
         if kind == "none" or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
             break
-        strength = adjusted(tries, wanted)
+        strength, before = adjusted(tries, wanted), strength
+        if strength == before:  # the strongest that is drawn
+            break
     return min(played, key=lambda p: p[0])[1:]
 
 

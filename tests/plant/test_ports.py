@@ -105,12 +105,37 @@ def test_a_wrong_gain_stands_for_another_efficiency(plant):
     mixed.mode[0] = VELOCITY
     mixed.reference[:, 0] = strokes().reference[:, 0]
     wrong = plant.simulate(mixed, Scene(), {"current_gain.gain_error": factor - 1.0})
-    weaker = {gain.stands_for: plant.table.about[gain.stands_for].nominal / factor}
-    same = plant.simulate(mixed, Scene(), weaker)
     plain = plant.simulate(mixed, Scene())
-    moved = np.abs(plain.current - same.current)[50:].max()
-    assert moved > 0.02
-    assert np.abs(wrong.current - same.current)[50:].max() < 0.03 * moved
+    for number in gain.stands_for:
+        weaker = {number: plant.table.about[number].nominal / factor}
+        same = plant.simulate(mixed, Scene(), weaker)
+        moved = np.abs(plain.current - same.current)[50:].max()
+        assert moved > 0.02
+        assert np.abs(wrong.current - same.current)[50:].max() < 0.03 * moved
+
+
+def test_what_an_effect_stands_for_is_a_number_of_the_model(plant):
+    for effect in LIBRARY.values():
+        assert set(effect.stands_for) <= set(plant.table.names)
+
+
+def test_the_left_rotor_is_heavier_by_half_the_difference(plant):
+    """Each motor alone is one whose inertia is that of its side; i** knows it, too."""
+    mean = plant.table.about["motor.rotor_inertia"].nominal
+    differ = plant.simulate(strokes(), Scene(), {"motor.rotor_inertia_difference": 0.1})
+    for side, share in enumerate((1.1, 0.9)):
+        alike = plant.simulate(strokes(), Scene(), {"motor.rotor_inertia": share * mean})
+        plain = plant.simulate(strokes(), Scene())
+        for column in ("current", "arm_current"):
+            got, want, unaware = (getattr(r, column)[5:20, side] for r in (differ, alike, plain))
+            assert np.abs(got - want).max() < 0.1 * np.abs(unaware - want).max()
+
+
+def test_what_the_firmware_does_to_the_report_stays_out_of_the_loop(plant):
+    prompt = plant.simulate(squeeze(), Scene())
+    late = plant.simulate(squeeze(), Scene(), nominal("current_lag", time=0.05))
+    np.testing.assert_array_equal(late.tension, prompt.tension)
+    assert np.abs(late.current - prompt.current).max() > 0.1
 
 
 def test_smoothing_is_that_of_the_cycle_not_of_the_step(plant):

@@ -57,6 +57,7 @@ def test_motors_that_were_not_driven_show_nothing():
         ("drum_build_up", PLACE),
         ("torque_constant_saturation", LOAD),
         ("current_gain", LOAD),
+        ("current_lag", LOAD),
         ("tip_payload", TIME),
     ],
 )

@@ -28,10 +28,22 @@ def test_pairs_are_drawn_with_every_seed():
 
 def test_results_that_are_there_are_kept(tmp_path, monkeypatch):
     case = Case("none", 7)
-    done = [{"kind": "none", "kept": True}, {"kind": "none", "without": True}]
+    done = [{"kind": "none", "robot": case.robot}, {"kind": "none", "without": True}]
     (tmp_path / f"{case.name}.json").write_text(json.dumps(done))
     monkeypatch.setattr(campaign, "run", lambda *a: pytest.fail("it was run again"))
     assert campaign.play([case], tmp_path, workers=1) == done
+
+
+def test_a_result_of_another_robot_is_no_result(tmp_path):
+    case = Case("none", 7)
+    (tmp_path / f"{case.name}.json").write_text(json.dumps([{"kind": "none", "robot": 7}]))
+    assert campaign.left([case], tmp_path) == [case]
+
+
+def test_each_kind_has_a_robot_of_its_own_and_without_the_right_name_the_same():
+    cases = [Case(kind, seed) for kind in ("none", "cogging", "creep+cogging") for seed in (4, 5)]
+    assert len({case.robot for case in cases}) == len(cases)
+    assert Case("cogging", 4, without=True).robot == Case("cogging", 4).robot
 
 
 @pytest.mark.parametrize("flag", [["--kinds", "gremlins"], ["--seeds", "5:5"], ["--seeds", "x"]])

@@ -117,6 +117,7 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     assert problems is hidden is played[4], "the nearest of all tries"
     monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
     _drawn(Case("cogging", 5), None, Settings())
-    assert len(played) == 3 + 2 * TRIES
+    assert len(played) == 3 + TRIES + 4, "the strongest that is drawn is played once"
+    assert played[-1].parts[0][1] == LARGEST
     _drawn(Case("none", 5), None, Settings())
-    assert len(played) == 4 + 2 * TRIES
+    assert len(played) == 3 + TRIES + 5

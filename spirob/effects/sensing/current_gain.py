@@ -16,15 +16,15 @@ class CurrentGain(Effect):
     neutral = {"gain_error": 0.0}
     equation = "upstream*(1 + g)"
     title = "gain error of the current sensor"
-    signature = "Every current too large or too small by the same share, at rest and in motion."
+    signature = "Every load takes a current larger or smaller by one share, at rest and in motion."
     explanation = "The shunt or the amplifier of the current sensor is off its rating."
     tell_apart = {
         "current_offset": "two loads: a gain grows with the load",
         "driver_dead_band": "current against command: a gain leaves them alike",
         "torque_constant_saturation": "small and large currents: a gain is the same share of both",
     }
-    stands_for = "winch.efficiency"
-    needs = "a known weight"
+    stands_for = ("winch.efficiency", "motor.torque_constant")
+    needs = "a second sensor in the same wire"
     references = ("Ziegler, Woodward, Iu, Borle, IEEE Sensors Journal 9 (2009)",)
 
     gain_error: float = bounded(0.05, -0.5, 0.5, "1", "g", "relative error of the reading")

@@ -15,7 +15,7 @@ class CurrentOffset(Effect):
     traits = {"constant"}
     equation = "upstream + i_0"
     title = "offset of the current sensor"
-    signature = "The same difference everywhere, at rest and in motion, in either direction."
+    signature = "Every load takes a current larger or smaller by as much, at rest and in motion."
     explanation = "The amplifier of the current sensor has a zero error."
     tell_apart = {
         "constant_force": "swap or free the load: an offset stays",

@@ -74,7 +74,7 @@ def written(
     verdict = judge(search, residuals, settings)
     train, base = residuals["train"], search.rungs[0]
     regimes = atlas(train, base.fit.residual[train.rows])
-    further = proposed(search, verdict, residuals["validate"])
+    further = proposed(search, verdict, residuals["validate"], settings)
     found = document(search, verdict, regimes, noise_floor(train), train.effort, further)
     if base.scores["validate"].r2 < SENSE:
         found |= _senseless(base.scores["validate"].r2)

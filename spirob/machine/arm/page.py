@@ -34,6 +34,10 @@ def overlay(search: Search, residuals: Mapping[str, Residual], named: bool) -> p
 
 def parameters(search: Search, table: Table) -> dict[str, Any]:
     """Fitted numbers of the bare model."""
+
+    def reach(name: str) -> tuple[float, float]:
+        return table.about[name].reach(float(table.values[table.position(name)]))
+
     return {
         name: {
             "value": e.value,
@@ -41,8 +45,8 @@ def parameters(search: Search, table: Table) -> dict[str, Any]:
             "high": e.high,
             "unit": e.unit,
             "nominal": table.about[name].nominal,
-            "bound_low": table.about[name].low,
-            "bound_high": table.about[name].high,
+            "bound_low": reach(name)[0],
+            "bound_high": reach(name)[1],
             "at_bound": e.at_bound,
             "meaning": table.about[name].meaning,
         }
