@@ -64,13 +64,15 @@ def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) 
         told = f"accounts for {accounted:.0%} of the squared error, too little to be its cause"
         return _poorly_explained(share, told, last.effects, effort)
     best = _brought(search)
+    alone = any(c is best for c in first)  # found in the first round
     passed = [c for c in first if c is not best and counts(c, base, validate, settings)]
     size = float(np.sqrt(max(base.errors.mean() - best.errors.mean(), 1e-300)))
     same = [c for c in passed if alike(best.missed, c.missed, size) < settings.alike]
-    best = replace(best, probability=sum(c.probability for c in [best, *same]))
+    if alone:  # the probabilities of another round are of other contests
+        best = replace(best, probability=sum(c.probability for c in [best, *same]))
     rivals = [c for c in passed if c not in same and c.probability >= 1.0 - settings.confidence]
     # a rival counts in the first round; later it stands against what was named already
-    if rivals and len(last.effects) == 1 and _brought(search) in first:
+    if rivals and len(last.effects) == 1 and alone:
         return _undecided(best, rivals, share, effort)
     whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
     if (chance := best.probability * whole) < settings.sure:

@@ -69,3 +69,20 @@ def test_held_out_trials_give_no_name():
     poor = search(0.001)
     poor.rungs[-1] = replace(poor.rungs[-1], errors=np.full(20, 0.008**2))
     assert judge(poor, PROBLEMS, SETTINGS).kind == "unknown"
+
+
+@pytest.mark.parametrize("later", [False, True])
+def test_a_probability_is_that_of_one_contest(later):
+    """Two that say the same share theirs; what won another round with others adds nothing."""
+    other = find_effects(["coulomb_friction"])
+    found = search(0.002)
+    (best,) = found.rounds[0]
+    twin = replace(best, effects=tuple(other), probability=0.3)
+    if later:
+        both = [*other, *EFFECT]
+        found.rungs.append(replace(found.rungs[-1], effects=both))
+        found.rounds = [[twin], [replace(best, probability=0.8)]]
+    else:
+        found.rounds = [[replace(best, probability=0.5), twin]]
+    verdict = judge(found, PROBLEMS, SETTINGS)
+    assert verdict.probability == pytest.approx(0.8 * verdict.accounted)
