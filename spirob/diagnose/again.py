@@ -69,6 +69,8 @@ def decided_again(
     """A contest settled by further trials, as a search of one round to be judged on the first ones.
 
     own    the trials in which the effect was found;  known  the same with the further ones
+    What each explains is taken from `own`, how it misses and how often it wins from `known`: two
+    say the same only where they do so in the further trials, too.
     None where the further trials show what no contestant explains.
     """
     wide_base, wide = _compared(models, known, settings)
