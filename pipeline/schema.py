@@ -106,6 +106,7 @@ class Drawn(Strict):
     """Wraps of continuous diameters between the smallest and the largest, for training."""
 
     count: int = Field(0, ge=0, le=100_000)
+    compared: int = Field(300, ge=0, le=100_000)  # the first of them, that the models compared play
     wrap: dict[str, Any] = {}  # what differs from `perceive.wrap`, such as wider variations
 
 

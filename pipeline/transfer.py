@@ -1,9 +1,10 @@
 """Stage `transfer`: size learned from three models, tested on the robot; and what intervals hold.
 
 The models are the one before any measurement, the identified one, and the one with the named
-effect, which is the shipped one; each gives the same wraps to a stack with the same settings.  If
-diagnosis is worth anything, the error on the robot falls from one to the next.  Where it does not,
-the numbers tell why that stood in for the missing effect in the identified model.
+effect; each gives the same wraps, the first of those that the shipped predictor learns from, to a
+stack with the same settings.  If diagnosis is worth anything, the error on the robot falls from one
+to the next.  Where it does not, the numbers tell why that stood in for the missing effect in the
+identified model.
 """
 
 import math
@@ -19,7 +20,7 @@ from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.train import stack
-from pipeline.trials import train_wraps
+from pipeline.trials import compared_wraps
 from spirob.parameter import Table
 from spirob.perceive.bootstrap import mean_error, mean_gain
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
@@ -35,13 +36,13 @@ def stage(root: Path) -> None:
     config = public_config(root)
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
     shipped = load_model(root / "data/models/size.joblib")
-    before, wraps = _before(root, config), train_wraps(config)
+    before, wraps = _before(root, config), compared_wraps(config)
+    played = {name: wrapped(config, model, wraps) for name, model in before.items()}
+    played["named"] = features_of(root, "train")[: len(wraps)]
     learnt = {}
-    for name, model in before.items():
-        features = wrapped(config, model, wraps)
+    for name, features in played.items():
         learnt[name] = train(features, stack(config), config.perceive.predictor)
         tell(f"learned from {len(wraps)} wraps of the {name} model")
-    learnt["named"] = shipped
     sizes = {name: predict(model, robot) for name, model in learnt.items()}
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
     named = read_json(root / "data/diagnosis/model.json", "decide")

@@ -36,6 +36,12 @@ def train_wraps(config: Config) -> list[dict[str, Any]]:
     return paper_wraps(config) + _drawn(config, "drawn", TRAIN_DRAWN, drawn.count, settings)
 
 
+def compared_wraps(config: Config) -> list[dict[str, Any]]:
+    """The first of them, which every model plays whose worth for sizes is compared."""
+    drawn = config.perceive.drawn
+    return train_wraps(config)[: len(paper_wraps(config)) + min(drawn.count, drawn.compared)]
+
+
 def unseen_wraps(config: Config) -> list[dict[str, Any]]:
     """Wraps of diameters that no training sees: the listed ones, then drawn ones."""
     perceive = config.perceive

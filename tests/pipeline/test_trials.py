@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.config import check, composed
 from pipeline.schema import validated
-from pipeline.trials import paper_wraps, robot_wraps, train_wraps, unseen_wraps
+from pipeline.trials import compared_wraps, paper_wraps, robot_wraps, train_wraps, unseen_wraps
 from spirob.errors import ConfigError
 
 ROOT = Path(__file__).parents[2]
@@ -26,11 +26,6 @@ def default():
 
 
 @pytest.fixture(scope="module")
-def large():
-    return config("perceive=large")
-
-
-@pytest.fixture(scope="module")
 def few():
     return config("perceive=paper")
 
@@ -40,8 +35,8 @@ def test_the_papers_samples_come_first(default):
     assert train_wraps(default)[:35] == paper_wraps(default)
 
 
-def test_the_large_set_is_large_continuous_and_varied(large):
-    drawn = train_wraps(large)[35:]
+def test_the_set_is_large_continuous_and_varied(default):
+    drawn = train_wraps(default)[35:]
     assert len(drawn) >= 500
     assert len({diameter(t) for t in drawn}) == len(drawn)
     for values in (
@@ -62,16 +57,23 @@ def test_the_papers_set_is_the_listed_wraps_alone(default, few):
     assert robot_wraps(few) == robot_wraps(default)
 
 
-def test_a_larger_set_begins_with_the_smaller_one(default, large):
-    some = train_wraps(default)
-    assert train_wraps(large)[: len(some)] == some
-    assert len(train_wraps(large)) > len(some) > 300
+def test_a_larger_set_begins_with_the_smaller_one(default):
+    some, more = train_wraps(default), train_wraps(config("perceive.drawn.count=700"))
+    assert more[: len(some)] == some
+    assert len(more) == 735 > len(some)
 
 
-def test_what_is_tested_is_not_trained_on(large):
-    trained = {diameter(t) for t in train_wraps(large)}
-    assert not trained & {diameter(t) for t in unseen_wraps(large)}
-    names = [t["name"] for t in train_wraps(large) + unseen_wraps(large) + robot_wraps(large)]
+def test_what_is_compared_comes_first_and_is_no_more_than_there_is(default, few):
+    compared = compared_wraps(default)
+    assert 300 < len(compared) < len(train_wraps(default))
+    assert train_wraps(default)[: len(compared)] == compared
+    assert compared_wraps(few) == train_wraps(few)
+
+
+def test_what_is_tested_is_not_trained_on(default):
+    trained = {diameter(t) for t in train_wraps(default)}
+    assert not trained & {diameter(t) for t in unseen_wraps(default)}
+    names = [t["name"] for t in train_wraps(default) + unseen_wraps(default) + robot_wraps(default)]
     assert len(set(names)) == len(names)
 
 
