@@ -80,7 +80,7 @@ def decided_again(
         return None
     base, near_by = _compared(models, own, settings)
     found = {c.effects: c for c in near_by}
-    winner = simplest(wide, settings).effects
+    winner = simplest(wide, known["train"], settings).effects
     won = finished(found[winner], own, settings)
     rung = Rung(f"+ {label(winner)}", list(winner), won.fit, won.scores, won.errors)
     tried = [replace(found[c.effects], missed=c.missed, probability=c.probability) for c in wide]

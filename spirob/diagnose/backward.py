@@ -6,7 +6,7 @@ later one goes; and the first of two, which was chosen without the second, may b
 
 from collections.abc import Callable, Mapping, Sequence
 
-from spirob.diagnose.confirm import briefly, confirm, finished, shaped
+from spirob.diagnose.confirm import CLEARLY, briefly, confirm, finished, shaped
 from spirob.diagnose.evidence import improvement
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import (
@@ -26,7 +26,6 @@ from spirob.identify.fit import STEPS, fit
 from spirob.identify.near import near
 from spirob.identify.problem import Problem
 
-CLEARLY = 0.05  # relative fall of the cost that makes another fit the better one
 INSTEAD = 3  # candidates that are tried in the place of the first effect
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from spirob.diagnose.backward import exchanged, fitted_again, pruned
-from spirob.diagnose.confirm import confirm, finished, shaped
+from spirob.diagnose.confirm import anew, confirm, finished, shaped
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
 from spirob.diagnose.screen import Screened, amplitudes, screen
@@ -68,7 +68,7 @@ class Rounds:
             if (poor or not passed) and not self.afresh:
                 self.afresh = True
                 return True
-        leaders = [shaped(c, close, settings, progress) for c in leading(passed)]
+        leaders = [self._settled(c, close) for c in leading(passed)]
         improved = {c.effects: c for c in leaders}
         tried = [improved.get(c.effects, c) for c in tried]
         search.screened.append(ranked)
@@ -123,12 +123,19 @@ class Rounds:
         least = least_of(search, self.settings)
         return [c for c in tried if counts(c, rung, validate, self.settings, least)]
 
+    def _settled(self, found: Confirmed, close: Mapping[str, Problem]) -> Confirmed:
+        """A leader fitted to the end, from where it stands and from the data sheet."""
+        found = shaped(found, close, self.settings, self.progress)
+        return anew(found, self.residuals["train"], close, self.settings, self.progress)
+
     def _grow(
         self, search: Search, leaders: Sequence[Confirmed], close: Mapping[str, Problem]
     ) -> None:
         """Add the simplest of the leaders, and question what stood before."""
         settings, least = self.settings, least_of(search, self.settings)
-        best = finished(simplest(leaders, settings), self.residuals, settings)
+        best = finished(
+            simplest(leaders, self.residuals["train"], settings), self.residuals, settings
+        )
         effects = [*search.rungs[-1].effects, *best.effects]
         grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
         search.rungs.append(grown)

@@ -59,15 +59,17 @@ def least_of(search: Search, settings: Settings) -> float | None:
     return settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
 
 
-def simplest(leaders: Sequence[Confirmed], settings: Settings) -> Confirmed:
-    """The best, or one with fewer numbers that is not surely worse."""
-    best = min(leaders, key=lambda c: float(c.errors.mean()))
+def simplest(leaders: Sequence[Confirmed], train: Problem, settings: Settings) -> Confirmed:
+    """The best, or one with fewer numbers that is not surely worse, on all trials."""
+    errors = [_all_errors(c.errors, c.fit, train) for c in leaders]
+    means = [float(e.mean()) for e in errors]
+    best = errors[int(np.argmin(means))]
     equal = [
-        c
-        for c in leaders
-        if c is best or improvement(c.errors, best.errors, settings.seed)[1] <= 0.0
+        k
+        for k, own in enumerate(errors)
+        if own is best or improvement(own, best, settings.seed)[1] <= 0.0
     ]
-    return min(equal, key=lambda c: (len(c.fit.estimates), float(c.errors.mean())))
+    return leaders[min(equal, key=lambda k: (len(leaders[k].fit.estimates), means[k]))]
 
 
 def with_probability(

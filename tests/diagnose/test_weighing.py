@@ -1,0 +1,42 @@
+"""Of those that do about equally well the simplest is taken; all trials say who does."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from spirob.diagnose.rungs import Confirmed, Settings
+from spirob.diagnose.weighing import simplest
+from spirob.effects import find_effects
+
+SIMPLE, RICH = find_effects(["current_offset", "capstan_friction"])
+BLOCKS, BLOCK = 40, 500
+TRAIN = SimpleNamespace(
+    rows=np.ones(BLOCKS * BLOCK, bool), edges=np.array([0, BLOCKS * BLOCK]), block=BLOCK
+)
+ERRORS = np.random.default_rng(0).uniform(0.5, 1.5, 10)  # of the few validation blocks
+
+
+def found(effect, numbers, fitted_error, validated=ERRORS):
+    residual = np.random.default_rng(1).normal(0.0, fitted_error, BLOCKS * BLOCK)
+    fit = SimpleNamespace(estimates=dict.fromkeys(range(numbers)), residual=residual)
+    return Confirmed((effect,), 0.0, fit, np.zeros(1), validated, {})
+
+
+def chosen(simple, rich):
+    return simplest([simple, rich], TRAIN, Settings()).effects[0]
+
+
+def test_fewer_numbers_win_where_both_do_as_well():
+    assert chosen(found(SIMPLE, 3, 1.0), found(RICH, 6, 1.0)) is SIMPLE
+    slightly = ERRORS * np.where(np.arange(10) % 2, 1.05, 0.94)
+    assert chosen(found(SIMPLE, 3, 1.0), found(RICH, 6, 1.0, slightly)) is SIMPLE
+
+
+def test_a_short_validation_that_cannot_tell_is_overruled_by_the_fitted_trials():
+    assert chosen(found(SIMPLE, 3, 1.2), found(RICH, 6, 1.0)) is RICH
+
+
+def test_what_more_numbers_fit_by_themselves_does_not_count():
+    samples = BLOCKS * BLOCK // 10
+    overfitted = 1.0 - 0.1 * 900 / samples
+    assert chosen(found(SIMPLE, 3, 1.0), found(RICH, 900, overfitted)) is SIMPLE
