@@ -27,7 +27,7 @@ from spirob.plant import Plant, Rig
 
 NAMES = ("winch.efficiency", "motor.rotor_damping", "motor.rotor_inertia")
 TRUTH = {
-    "winch.efficiency": 0.88,
+    "winch.efficiency": 0.83,
     "motor.rotor_damping": 1.6e-4,
     "motor.rotor_inertia": 3e-5,
 }

@@ -19,8 +19,8 @@ from spirob.robot import MOTORS, Scene
 def fit(plant: Plant, trials: Sequence[Measurement], names: Sequence[str]) -> dict[str, float]:
     """Fit the named numbers of motor and winch; values by name.
 
-    Each moves as a factor on its nominal value, so that all are of one size.  Raises ImportError
-    where the extra is not installed.
+    Each moves as a factor on its nominal value, so that all are of one size, within the
+    bounds of our own fit.  Raises ImportError where the extra is not installed.
     """
     sysid: Any = import_module("mujoco.sysid")  # the extra is for this comparison only
 
@@ -29,11 +29,8 @@ def fit(plant: Plant, trials: Sequence[Measurement], names: Sequence[str]) -> di
     parameters = sysid.ParameterDict()
     for name in names:
         about, nominal = plant.table.about[name], plant.table.values[plant.table.position(name)]
-        parameters.add(
-            sysid.Parameter(
-                name, nominal=1.0, min_value=about.low / nominal, max_value=about.high / nominal
-            )
-        )
+        low, high = (edge / nominal for edge in about.reach(float(nominal)))
+        parameters.add(sysid.Parameter(name, nominal=1.0, min_value=low, max_value=high))
 
     def build(candidate, base):  # type: ignore[no-untyped-def]
         factors = {name: float(candidate[name].value[0]) for name in names}
