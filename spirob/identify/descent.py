@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 STEPS_BETWEEN = 6  # between two sets of differences
-SHORTEST = 0.02  # a step cut below this share of the reach ends the walk
+SHORTEST = 0.004  # a step cut below this share of the reach ends the walk
 REACH = 1.5  # of a shortened step, of the coordinates, times the share
 
 
