@@ -74,7 +74,7 @@ def begun(
     train = residuals["train"]
     cheap = near(train, start)
     first = fit(cheap, names, start, settings.scale, settings.patience, steps=steps, exact=False)
-    first = _off_its_bounds(cheap, first, settings)
+    first = off_its_bounds(cheap, first, settings)
     found, vague = fit_identifiable(
         train,
         names,
@@ -89,7 +89,7 @@ def begun(
     return Search(base, [base], vague=vague)
 
 
-def _off_its_bounds(train: Problem, found: Fit, settings: Settings) -> Fit:
+def off_its_bounds(train: Problem, found: Fit, settings: Settings) -> Fit:
     """The fit, or one from where the numbers that ended at a bound stand on the data sheet.
 
     A first step far from the optimum may take a number to its bound, and the others into a valley
