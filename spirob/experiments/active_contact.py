@@ -148,7 +148,7 @@ class ActiveContact(Experiment):
         sensed = [s for s, side in sides[self._name(None)].items() if side.current is not None]
         if not sensed:
             raise DataError("active_contact: no side has a current")
-        rows = [self._error(sides[self._name(place)], place) for place in (None, *self.places)]
+        rows = [self._error(sides, place, s) for s in SIGNALS for place in (None, *self.places)]
         rows += [self._error_before(sides, place) for place in self.places]
         for signal in SIGNALS:
             rows += self._contacts(sides, signal, sensed)
@@ -176,14 +176,17 @@ class ActiveContact(Experiment):
         met = missed.get("robot") == 0.0 if "robot" in missed else None
         return [*rows, row(f"missed contacts, {signal}", "1", missed, aim="0", met=met)]
 
-    def _error(self, played: Any, place: float | None) -> dict[str, Any]:
+    def _error(self, sides: Sides, place: float | None, signal: str) -> dict[str, Any]:
+        """Of the signal to which the detector listens: the paper's currents are filtered ones."""
+        played = sides[self._name(place, signal)]
         where = "free" if place is None else f"contact at {place:.0%}"
-        what = f"current RMSE against the robot, {where}"
+        name = RAW if signal == RAW else f"{signal} {RAW}"
+        what = f"{name} RMSE against the robot, {where}"
         if "robot" not in played:
             return row(what, "A", {})
-        robot = played["robot"].driven("current", RIGHT)
+        robot = played["robot"].driven(signal, RIGHT)
         models = [s for s in played if s != "robot" and played[s].current is not None]
-        errors = {s: rmse(played[s].driven("current", RIGHT), robot) for s in models}
+        errors = {s: rmse(played[s].driven(signal, RIGHT), robot) for s in models}
         met = bool(errors["named"] <= AIM_RMSE) if "named" in errors else None
         paper = None if place is None else PAPER_RMSE
         return row(what, "A", errors, paper=paper, aim=f"at most {AIM_RMSE} A", met=met)

@@ -147,5 +147,7 @@ def test_until_one_recoils_a_later_decision_does_not_count():
     sides |= {name.replace("_", "_filtered_", 1): both for name, both in sides.items()}
     rows = {r["what"]: r for r in experiment.measure(sides)}
     assert rows["current RMSE against the robot, contact at 50%"]["named"] > 1.0
+    filtered = rows["filtered current RMSE against the robot, contact at 50%"]["named"]
+    assert 1.0 < filtered < rows["current RMSE against the robot, contact at 50%"]["named"]
     until = rows["current RMSE until one recoils, contact at 50%"]
     assert until["named"] == pytest.approx(0.02, abs=1e-9)
