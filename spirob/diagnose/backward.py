@@ -20,7 +20,7 @@ from spirob.diagnose.rungs import (
     rung_of,
 )
 from spirob.diagnose.screen import screen
-from spirob.diagnose.weighing import matters, with_probability
+from spirob.diagnose.weighing import counts, with_probability
 from spirob.effects import Effect
 from spirob.identify.fit import STEPS, fit
 from spirob.identify.near import near
@@ -78,7 +78,7 @@ def pruned(
     last, train = search.rungs[-1], residuals["train"]
     for effect in last.effects[:-1]:
         rung = _less(last, effect, residuals, settings)
-        if not matters(rung.errors, last.errors, residuals["validate"], settings, least):
+        if not counts(last, rung, residuals, settings, least):
             progress(f"{effect.name()} is not needed any more: {line(rung.scores, train.effort)}")
             search.rungs[-1:] = [rung]
             return

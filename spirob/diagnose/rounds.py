@@ -119,9 +119,8 @@ class Rounds:
 
     def _passing(self, tried: Sequence[Confirmed], search: Search) -> list[Confirmed]:
         """Those that count as effects beside the last rung."""
-        rung, validate = search.rungs[-1], self.residuals["validate"]
-        least = least_of(search, self.settings)
-        return [c for c in tried if counts(c, rung, validate, self.settings, least)]
+        rung, least = search.rungs[-1], least_of(search, self.settings)
+        return [c for c in tried if counts(c, rung, self.residuals, self.settings, least)]
 
     def _settled(self, found: Confirmed, close: Mapping[str, Problem]) -> Confirmed:
         """A leader fitted to the end, from where it stands and from the data sheet."""

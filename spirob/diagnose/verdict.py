@@ -65,7 +65,7 @@ def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) 
         return _poorly_explained(share, told, last.effects, effort)
     best = _brought(search)
     alone = any(c is best for c in first)  # found in the first round
-    passed = [c for c in first if c is not best and counts(c, base, validate, settings)]
+    passed = [c for c in first if c is not best and counts(c, base, residuals, settings)]
     size = float(np.sqrt(max(base.errors.mean() - best.errors.mean(), 1e-300)))
     same = [c for c in passed if alike(best.missed, c.missed, size) < settings.alike]
     if alone:  # the probabilities of another round are of other contests

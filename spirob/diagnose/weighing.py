@@ -1,10 +1,10 @@
 """What counts as an effect, and which of several is taken.
 
-An effect has to be large enough to matter, and surely better than what stood before it, on trials
-that no fit has seen; of those that do about equally well the simplest is taken.
+An effect has to be large enough to matter on trials that no fit has seen, and surely better than
+what stood before it on all; of those that do about equally well the simplest is taken.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,25 +25,24 @@ def leading(passed: Sequence[Confirmed]) -> list[Confirmed]:
 
 
 def counts(
-    found: Confirmed, rung: Rung, validate: Problem, settings: Settings, least: float | None = None
-) -> bool:
-    """Whether a candidate is large enough to matter and surely better than the rung below it.
-
-    least  size that it has to have, in the unit of the effort; else the floor
-    """
-    return matters(rung.errors, found.errors, validate, settings, least)
-
-
-def matters(
-    before: np.ndarray,
-    after: np.ndarray,
-    validate: Problem,
+    found: Rung | Confirmed,
+    below: Rung | Confirmed,
+    residuals: Mapping[str, Problem],
     settings: Settings,
     least: float | None = None,
 ) -> bool:
-    """The same of two sets of block errors."""
-    if _size(before, after) < (settings.floor * effort_rms(validate) if least is None else least):
+    """Whether effects are large enough to matter and surely better than the rung below them.
+
+    How large they are, trials that no fit has seen say.  How surely, those and the fitted ones: two
+    short trials may hold an effect in two half-seconds alone, which one of eight draws leaves out.
+
+    least  size that they have to have, in the unit of the effort; else the floor
+    """
+    validate, train = residuals["validate"], residuals["train"]
+    floor = settings.floor * effort_rms(validate) if least is None else least
+    if _size(below.errors, found.errors) < floor:
         return False
+    before, after = (_all_errors(r.errors, r.fit, train) for r in (below, found))
     return improvement(before, after, settings.seed)[1] > 0.0
 
 

@@ -15,11 +15,13 @@ from spirob.score import Score
 
 SETTINGS = Settings()
 EFFECT = find_effects(["capstan_friction"])
-FIT = Fit({}, {}, np.zeros(0), np.zeros((0, 0)), 0.0, 0)
+FIT = Fit({}, {}, np.full(100, 0.002), np.zeros((0, 0)), 0.0, 0)
 # of an effort of 1 A without noise: the floor is 3 mA
 TRIALS = SimpleNamespace(
     measured=lambda: np.ones(100),
     rows=np.ones(100, dtype=bool),
+    edges=np.array([0, 100]),
+    block=50,
     raw=lambda: [np.ones(100)],
     filter=lambda values: values,
     effort=Effort("motor current", "A"),

@@ -1,11 +1,12 @@
-"""Of those that do about equally well the simplest is taken; all trials say who does."""
+"""What counts as an effect; of those that do about equally well the simplest is taken."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 
 from spirob.diagnose.rungs import Confirmed, Settings
-from spirob.diagnose.weighing import simplest
+from spirob.diagnose.weighing import counts, simplest
 from spirob.effects import find_effects
 
 SIMPLE, RICH = find_effects(["current_offset", "capstan_friction"])
@@ -13,6 +14,8 @@ BLOCKS, BLOCK = 40, 500
 TRAIN = SimpleNamespace(
     rows=np.ones(BLOCKS * BLOCK, bool), edges=np.array([0, BLOCKS * BLOCK]), block=BLOCK
 )
+VALIDATE = SimpleNamespace(rows=np.ones(10, bool), measured=lambda: np.ones(10))
+PROBLEMS = {"train": TRAIN, "validate": VALIDATE}
 ERRORS = np.random.default_rng(0).uniform(0.5, 1.5, 10)  # of the few validation blocks
 
 
@@ -40,3 +43,21 @@ def test_what_more_numbers_fit_by_themselves_does_not_count():
     samples = BLOCKS * BLOCK // 10
     overfitted = 1.0 - 0.1 * 900 / samples
     assert chosen(found(SIMPLE, 3, 1.0), found(RICH, 900, overfitted)) is SIMPLE
+
+
+def rare(fitted, validated):
+    """A model that misses by one everywhere, and by more in one of ten blocks of either kind."""
+    found_ = found(SIMPLE, 3, 1.0, np.where(np.arange(10) % 10 == 0, validated, 1.0) ** 2)
+    found_.fit.residual[: BLOCKS * BLOCK // 10] *= fitted
+    return found_
+
+
+def test_an_effect_in_one_block_of_ten_counts_where_the_fitted_trials_show_it_too():
+    """Of ten blocks alone a third of the draws leave it out."""
+    less = replace(Settings(), floor=0.1)
+    assert counts(rare(1.0, 1.0), rare(5.0, 5.0), PROBLEMS, less)
+    assert not counts(rare(1.0, 1.0), rare(1.0, 5.0), PROBLEMS, less)
+
+
+def test_what_only_the_fitted_trials_show_does_not_count():
+    assert not counts(rare(1.0, 1.0), rare(5.0, 1.0), PROBLEMS, Settings())
