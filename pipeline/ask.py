@@ -1,4 +1,4 @@
-"""Stage `ask`: play the trials that separate rival explanations, on the robot itself.
+"""Stage `ask`: play the trials that tell rivals apart or prove a name, on the robot itself.
 
 It knows the robot and nothing of the models; the stage `decide` sees the logs and nothing of the
 robot.  Real hardware is never driven from here: what to record is said.
@@ -15,13 +15,16 @@ def stage(root: Path) -> None:
     config = public_config(root)
     contest = read_json(root / "data/search/contest.json", "diagnose")
     (root / ASKED).mkdir(parents=True, exist_ok=True)
-    trials = contest["trials"]
+    experiments = [one for one in (contest, contest["proof"]) if one["trials"]]
+    # the trial that tells rivals apart may be the one that would prove either
+    trials = list({t["name"]: t for one in experiments for t in one["trials"]}.values())
     if not trials:
-        tell("nothing to ask: no rival, or none that an experiment would tell apart")
+        tell("nothing to ask: nothing was named, or no experiment would show it")
     elif config.robot.kind == "can":
-        names = ", ".join(t["name"] for t in trials)
+        first = experiments[0]
+        names = ", ".join(t["name"] for t in first["trials"])
         tell(
-            f"to decide, record '{contest['experiment']}' ({names}): next_trials in "
+            f"to make sure, record '{first['experiment']}' ({names}): next_trials in "
             "data/diagnosis/diagnosis.json, to add to the experiment's trials"
         )
     else:

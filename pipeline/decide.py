@@ -1,28 +1,34 @@
 """Stage `decide`: judge again with the trials that were asked for; the diagnosis that stands.
 
-Where nothing was asked, nothing could be played, or what was played tells nothing of those in
-question, the diagnosis stands as it is.
+A name that does not hold on the trial that would show it most is taken away.  Where nothing was
+asked, nothing could be played, or what was played tells nothing of those in question, the diagnosis
+stands as it is.
 """
 
 import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from pipeline.diagnose import model_of, settings_of
 from pipeline.model import plant, residual
 from pipeline.overlay import motion, overlay
-from pipeline.schema import Config
 from pipeline.stage import ASKED, public_config, read_json, run, tell, write_json
 from pipeline.switches import laws
 from spirob.diagnose.again import decided_again, joined
 from spirob.diagnose.contest import Contestant
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.proof import Proof, disproved, models_of, put_to_proof
+from spirob.diagnose.rungs import Settings
 from spirob.diagnose.verdict import judge
 from spirob.identify.measurement import Measurement
+from spirob.identify.residual import Residual
 from spirob.logs import read_log
 
 SEARCH, OUT = Path("data/search"), Path("data/diagnosis")
+DONE: dict[str, Any] = {"next_experiment": "", "next_trials": []}
 
 
 def stage(root: Path) -> None:
@@ -32,46 +38,92 @@ def stage(root: Path) -> None:
     shutil.copytree(root / SEARCH, root / OUT, dirs_exist_ok=True)
     contest = read_json(root / SEARCH / "contest.json", "diagnose")
     found = read_json(root / SEARCH / "metrics.json", "diagnose")
-    logs = [root / ASKED / f"{t['name']}.mcap" for t in contest["trials"]]
-    if logs and all(log.exists() for log in logs):
-        found = _again(root, config, contest, logs) or found
+    models: Sequence[Contestant] = [Contestant.from_dict(one) for one in contest["models"]]
+    asked, proving = (_played(root, one) for one in (contest, contest["proof"]))
+    if asked or proving:
+        model = plant(config, list(dict.fromkeys(e for one in models for e in one.effects)))
+        own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
+        settings = settings_of(config)
+        if asked:
+            again = _again(root, contest["experiment"], models, own, asked, settings)
+            found, models = again or (found, models[:2])
+        if proving and found["verdict"] == "named":
+            proof = put_to_proof(
+                contest["proof"]["experiment"], models, own, joined(own, proving), settings
+            )
+            found = _proved(root, found, models[0], proof, own, settings)
     write_json(root / "reports/metrics/diagnose.json", found)
 
 
+def _played(root: Path, experiment: dict[str, Any]) -> dict[str, list[Measurement]]:
+    """The logs of an experiment by role; none where it was not played, or not to its end."""
+    logs = {root / ASKED / f"{t['name']}.mcap": t["role"] for t in experiment["trials"]}
+    found: dict[str, list[Measurement]] = {}
+    if all(log.exists() for log in logs):
+        for log, role in logs.items():
+            found.setdefault(role, []).append(Measurement.from_trace(read_log(log)))
+    return found
+
+
 def _again(
-    root: Path, config: Config, contest: dict[str, Any], logs: list[Path]
-) -> dict[str, Any] | None:
-    models = [Contestant.from_dict(one) for one in contest["models"]]
-    candidates = dict.fromkeys(e for one in models for e in one.effects)
-    model = plant(config, list(candidates))
-    own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
-    further: dict[str, list[Measurement]] = {}
-    for trial, log in zip(contest["trials"], logs, strict=True):
-        further.setdefault(trial["role"], []).append(Measurement.from_trace(read_log(log)))
-    known = joined(own, further)
-    settings = settings_of(config)
-    search = decided_again(models, own, known, settings)
+    root: Path,
+    experiment: str,
+    models: Sequence[Contestant],
+    own: Mapping[str, Residual],
+    further: Mapping[str, Sequence[Measurement]],
+    settings: Settings,
+) -> tuple[dict[str, Any], Sequence[Contestant]] | None:
+    """Metrics once the contest is decided, and the models without any effect and with the winner's;
+    none where the experiment tells nothing of the contestants."""
+    search = decided_again(models, own, joined(own, further), settings)
     before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
-    asked = {"experiment": contest["experiment"], "before": before["sentence"]}
+    asked = {"experiment": experiment, "before": before["sentence"]}
     if search is None:
-        aside = {**before, "next_experiment": "", "next_trials": []}
-        write_json(root / OUT / "diagnosis.json", {**aside, "asked": {**asked, "aside": True}})
-        tell(f"'{contest['experiment']}' shows what no contestant explains; the verdict stands")
+        aside = {**before, **DONE, "asked": {**asked, "aside": True}}
+        write_json(root / OUT / "diagnosis.json", aside)
+        tell(f"'{experiment}' shows what no contestant explains; the verdict stands")
         return None
     verdict = judge(search, own, settings)
-    named, effort = verdict.kind == "named", own["train"].effort
+    effort = own["train"].effort
     written = document(search, verdict, [], noise_floor(own["train"]), effort)
     kept = {key: before[key] for key in ("atlas", "atlas_sentences", "vague")}
     write_json(root / OUT / "diagnosis.json", {**written, **kept, "asked": asked})
-    stands = model_of(search, verdict)
+    _model(root, own, search.rungs[0].fit.changes, model_of(search, verdict))
+    if verdict.kind == "named":
+        laws(root / OUT, own, search, True)
+    tell(f"after '{experiment}': {verdict.sentence}")
+    return metrics(search, verdict, effort), models_of(search)
+
+
+def _proved(
+    root: Path,
+    found: dict[str, Any],
+    base: Contestant,
+    proof: Proof,
+    own: Mapping[str, Residual],
+    settings: Settings,
+) -> dict[str, Any]:
+    """Metrics once the name was put to the proof; without it where it did not hold."""
+    before = read_json(root / OUT / "diagnosis.json", "decide")
+    stands = proof.holds(settings)
+    after = {**before, **DONE, "proof": {**asdict(proof), "holds": stands}}
+    tell(f"'{proof.experiment}' shows {proof.share:.0%} of the squared error explained")
+    if not stands:
+        found = {**found, "verdict": "unknown", "effect": "", "effects": "", "probability": 0.0}
+        after |= {"verdict": "unknown", "effects": [], **disproved(before["sentence"], proof)}
+        _model(root, own, base.changes, {"effects": [], "changes": dict(base.changes)})
+        tell(after["sentence"])
+    write_json(root / OUT / "diagnosis.json", after)
+    return found
+
+
+def _model(
+    root: Path, own: Mapping[str, Residual], base: Mapping[str, float], stands: dict[str, Any]
+) -> None:
+    """The model that stands, and what it does in the trials, beside the one without any effect."""
     write_json(root / OUT / "model.json", stands)
-    changes = stands["changes"]
-    overlay(root / OUT, own, search.rungs[0].fit.changes, changes)
-    motion(root / OUT, own, changes)
-    if named:
-        laws(root / OUT, own, search, named)
-    tell(f"after '{contest['experiment']}': {verdict.sentence}")
-    return metrics(search, verdict, effort)
+    overlay(root / OUT, own, base, stands["changes"])
+    motion(root / OUT, own, stands["changes"])
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from spirob.diagnose.contest import contest
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.proof import models_of, to_prove
 from spirob.diagnose.proposals import Proposal
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, judge
@@ -40,11 +41,14 @@ def stage(root: Path) -> None:
     base = search.rungs[0].fit
     effort = residuals["train"].effort
     regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
-    further = proposed(search, verdict, residuals["validate"], settings)
-    written = document(search, verdict, regimes, noise_floor(residuals["train"]), effort, further)
+    contested = proposed(search, verdict, residuals["validate"], settings)
+    found = verdict.kind in ("named", "undecided")
+    proofs = to_prove(search, residuals["validate"], settings) if found else []
+    floor, further = noise_floor(residuals["train"]), contested or proofs
+    written = document(search, verdict, regimes, floor, effort, further)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)
-    write_json(root / OUT / "contest.json", _contest(search, verdict, further))
+    write_json(root / OUT / "contest.json", _contest(search, verdict, contested, proofs))
     write_json(root / OUT / "model.json", model_of(search, verdict))
     write_json(root / OUT / "metrics.json", metrics(search, verdict, effort))
     overlay(root / OUT, residuals, base.changes, last)
@@ -67,13 +71,19 @@ def model_of(search: Search, verdict: Verdict) -> dict[str, Any]:
     return {"effects": [e.name() for e in last.effects], "changes": changes}
 
 
-def _contest(search: Search, verdict: Verdict, further: Sequence[Proposal]) -> dict[str, Any]:
-    """Who stands beside what was found, and the trials that would decide; empty where nobody."""
-    if not further:
-        return {"experiment": "", "trials": [], "models": []}
-    best = further[0]
-    models = [one.as_dict() for one in contest(search, verdict)]
-    return {"experiment": best.name, "trials": list(best.trials), "models": models}
+def _contest(
+    search: Search, verdict: Verdict, contested: Sequence[Proposal], proofs: Sequence[Proposal]
+) -> dict[str, Any]:
+    """What is left to play: the trials that would decide between what was found and those beside
+    it, the one that would prove a name, and the models in question."""
+    models = contest(search, verdict) if contested else models_of(search) if proofs else ()
+    return {**_first(contested), "proof": _first(proofs), "models": [m.as_dict() for m in models]}
+
+
+def _first(further: Sequence[Proposal]) -> dict[str, Any]:
+    """The best experiment and its trials; empty where there is none."""
+    best = further[0] if further else None
+    return {"experiment": best.name if best else "", "trials": list(best.trials) if best else []}
 
 
 if __name__ == "__main__":

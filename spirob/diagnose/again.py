@@ -60,6 +60,12 @@ def joined(
     return found
 
 
+def further_of(own: Mapping[str, Residual], known: Mapping[str, Residual]) -> Residual:
+    """Of the trials that `joined` put to these, those on which models are compared."""
+    played = known["validate"]
+    return replace(played, trials=played.trials[len(own["validate"].trials) :])
+
+
 def decided_again(
     models: Sequence[Contestant],
     own: Mapping[str, Residual],
@@ -73,12 +79,10 @@ def decided_again(
     say the same only where they do so in the further trials, too.
     None where the further trials show what no contestant explains.
     """
-    wide_base, wide = _compared(models, known, settings)
-    played = known["validate"]
-    further = replace(played, trials=played.trials[len(own["validate"].trials) :])
-    if not _explained(wide_base.fit, [c.fit for c in wide], further, settings):
+    wide_base, wide = compared(models, known, settings)
+    if not _explained(wide_base.fit, [c.fit for c in wide], further_of(own, known), settings):
         return None
-    base, near_by = _compared(models, own, settings)
+    base, near_by = compared(models, own, settings)
     found = {c.effects: c for c in near_by}
     winner = simplest(wide, known["train"], settings).effects
     won = finished(found[winner], own, settings)
@@ -87,7 +91,7 @@ def decided_again(
     return Search(base, [base, rung], [tried])
 
 
-def _compared(
+def compared(
     models: Sequence[Contestant], residuals: Mapping[str, Problem], settings: Settings
 ) -> tuple[Rung, list[Confirmed]]:
     """All fitted again to these trials, the model without an effect first; how often each wins."""

@@ -20,7 +20,7 @@ def document(
 ) -> dict[str, Any]:
     """All of a diagnosis; errors in the unit of the effort.
 
-    proposals  experiments that would tell the rivals apart, best first
+    proposals  experiments that would tell the rivals apart, or put a name to the proof, best first
     """
     added = search.rungs[-1].effects if verdict.kind == "named" else []
     last = search.rungs[-1]

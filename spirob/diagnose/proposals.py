@@ -20,9 +20,13 @@ from spirob.identify.residual import Residual
 from spirob.robot import MOTORS
 
 LIMIT = 5.0  # A
+DECIDE = "decide", "explanations differ"
+PROVE = "make sure", "models with and without what is named differ"
 
 # name, (duration [s], length [m]) of the moves of one motor, and what the other's current does
-TRIALS: tuple[tuple[str, tuple[tuple[float, float], ...], dict[str, Any]], ...] = (
+Played = tuple[str, tuple[tuple[float, float], ...], dict[str, Any]]
+
+TRIALS: tuple[Played, ...] = (
     ("slow crawl", ((0.1, 0.0), (5.0, 0.02)), {"kind": "constant", "value": 0.8}),
     (
         "fast moves",
@@ -67,6 +71,20 @@ TRIALS: tuple[tuple[str, tuple[tuple[float, float], ...], dict[str, Any]], ...] 
     ("deep bend", ((0.1, 0.0), (2.4, 0.07), (0.8, 0.055)), {"kind": "constant", "value": 0.65}),
 )
 
+# Under so soft a pull tendons go slack and taut again.  Rivals are compared by their errors in
+# ampere, among which those of so small a current would not count: it is for a name alone.
+SOFT_PULL: Played = (
+    "soft pull",
+    ((0.1, 0.0), (1.0, 0.02), (1.9, 0.005)),
+    {"kind": "constant", "value": 0.15},
+)
+
+# What puts a name to the proof.  Not the fiercest: on fast moves three of ten emulated robots with
+# nothing hidden (seeds 3500 to 3509) leave 0.7 to 1.3 % of the current; the right law of warming
+# explains 84 % of a hot run (3502), one right name of a growing drum nothing of a deep bend (3404).
+FIERCE = ("fast moves", "hot run", "deep bend")
+PROOFS = (*(played for played in TRIALS if played[0] not in FIERCE), SOFT_PULL)
+
 ROLES = ("train", "validate")  # of the trial in which the left motor moves, and of the other
 
 
@@ -76,23 +94,28 @@ class Proposal:
 
     trials      one for each side, as plain data
     difference  RMS of what the residual compares, in its unit;  share  of the effort's RMS there
+    proves      the explanations are the models with a name and without
     """
 
     name: str
     trials: tuple[dict[str, Any], ...]
     difference: float
     share: float
+    proves: bool = False
 
 
 def propose(
-    problem: Residual, one: Mapping[str, float], other: Mapping[str, float]
+    problem: Residual,
+    one: Mapping[str, float],
+    other: Mapping[str, float],
+    listed: Sequence[Played] = TRIALS,
 ) -> list[Proposal]:
     """All experiments, that in whose effort the models with these numbers differ most first.
 
     An experiment that one of the models cannot play to its end is left out.
     """
     found = []
-    for name, moves, load in TRIALS:
+    for name, moves, load in listed:
         trials = tuple(
             bend(f"{name.replace(' ', '_')}_{motor}", role, motor, moves, load)
             for motor, role in zip(MOTORS, ROLES, strict=True)
@@ -111,9 +134,9 @@ def told(proposals: Sequence[Proposal], effort: Effort) -> str:
     if not proposals:
         return ""
     first, *others = proposals
+    why, who = PROVE if first.proves else DECIDE
     line = (
-        f"To decide: play '{first.name}' on either side; the explanations differ by "
-        f"{_worth(first, effort)} there"
+        f"To {why}: play '{first.name}' on either side; the {who} by {_worth(first, effort)} there"
     )
     if others:
         line += f" (on '{others[0].name}', the next best, by {_worth(others[0], effort)})"

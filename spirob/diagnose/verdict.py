@@ -94,7 +94,7 @@ def explained(search: Search, floor: float) -> float:
     floor  RMS that noise and small differences between machine and model leave
     """
     before, after = (float(r.errors.mean()) for r in (search.rungs[0], search.rungs[-1]))
-    return _share(before, after, floor)
+    return share_of(before, after, floor)
 
 
 def foretold(search: Search, heldout: Problem, settings: Settings) -> float:
@@ -107,11 +107,11 @@ def foretold(search: Search, heldout: Problem, settings: Settings) -> float:
     enough = complete(heldout, settings.floor)
     if after <= enough:
         return 1.0
-    return _share(before**2, after**2, enough)
+    return share_of(before**2, after**2, enough)
 
 
-def _share(before: float, after: float, floor: float) -> float:
-    """Of a mean square above that of the floor, what is gone."""
+def share_of(before: float, after: float, floor: float) -> float:
+    """Of a mean square above that of the floor [RMS], what is gone."""
     return (before - after) / max(before - floor**2, 1e-300)
 
 

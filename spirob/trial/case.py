@@ -5,7 +5,7 @@ What is hidden stays on this side of the logs: the diagnosis is handed decoded l
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from spirob.diagnose.again import decided_again, joined, proposed
 from spirob.diagnose.contest import contest
 from spirob.diagnose.ladder import begun, climb
 from spirob.diagnose.noise import complete
+from spirob.diagnose.proof import Proof, models_of, proved, put_to_proof, to_prove
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, explained, foretold, judge
 from spirob.effects import Effect, all_effects
@@ -69,6 +70,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     first, asked, experiment = judge(search, problems, settings), search, ""
     if first.contested:
         asked, experiment = _asked_again(search, problems, first, hidden, case, settings)
+    robot = hidden, case.robot
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
         "kind": case.kind,
@@ -77,12 +79,14 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
     told = {"first_verdict": first.kind, "experiment": experiment}
-    found = [{**about, "without": False, **told, **_outcome(asked, problems, best, settings)}]
+    found = [
+        {**about, "without": False, **told, **_outcome(asked, robot, problems, best, settings)}
+    ]
     found[0]["first"] = list(dict.fromkeys([*found[0]["first"], *_first(search)]))
     if case.without:
         kept = [e for e in library if e.name() not in _right_names(case)]
         blind = climb(problems, FITTED, kept, {}, settings, known=search)
-        found.append({**about, "without": True, **_outcome(blind, problems, best, settings)})
+        found.append({**about, "without": True, **_outcome(blind, robot, problems, best, settings)})
     return found
 
 
@@ -105,10 +109,17 @@ def _asked_again(
 
 
 def _outcome(
-    search: Search, problems: Mapping[str, Problem], best: float, settings: Settings
+    search: Search,
+    robot: tuple[HiddenSettings, int],
+    problems: Mapping[str, Residual],
+    best: float,
+    settings: Settings,
 ) -> dict[str, Any]:
-    """What was said of one robot, and how large the errors are; `best` is the oracle's."""
-    verdict = judge(search, problems, settings)
+    """What is said of one robot once a name was put to the proof, and how large the errors are.
+
+    robot  plays the proof;  best  the oracle's error
+    """
+    verdict, proof = _proved(search, robot, problems, settings)
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
     return {
@@ -117,6 +128,7 @@ def _outcome(
         "rivals": list(verdict.rivals),
         "probability": float(verdict.probability),
         "first": _first(search),
+        "proof": None if proof is None else asdict(proof),
         "accounted": {
             "validate": explained(search, complete(problems["validate"], settings.floor)),
             "heldout": foretold(search, problems["heldout"], settings),
@@ -127,6 +139,25 @@ def _outcome(
             "oracle": best / size,
         },
     }
+
+
+def _proved(
+    search: Search,
+    robot: tuple[HiddenSettings, int],
+    problems: Mapping[str, Residual],
+    settings: Settings,
+) -> tuple[Verdict, Proof | None]:
+    """The verdict, and what its name was worth on a trial of its own, played on the same robot."""
+    verdict = judge(search, problems, settings)
+    if verdict.kind != "named":
+        return verdict, None
+    experiments = to_prove(search, problems["validate"], settings)
+    if not experiments:
+        return verdict, None
+    best = experiments[0]
+    known = joined(problems, recorded(*robot, best.trials))
+    proof = put_to_proof(best.name, models_of(search), problems, known, settings)
+    return proved(verdict, proof, settings), proof
 
 
 def _drawn(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from spirob.diagnose.proposals import ROLES, TRIALS, bend
+from spirob.diagnose.proposals import PROOFS, ROLES, bend
 from spirob.robot import MOTORS
 from tests.pipeline.project import DECIDING, SCORED, SHORT, Project
 
@@ -78,39 +78,85 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
         assert (blind / file).read_bytes() == (finished.root / file).read_bytes()
 
 
+NOTHING = {"experiment": "", "trials": []}
+
+
+def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=()):
+    """A copy of the project whose search ended with these models, after what it asks for was played
+    and the truth deleted."""
+    project = Project.__new__(Project)
+    project.root = folder / "asking"
+    shutil.copytree(finished.root, project.root, ignore=shutil.ignore_patterns(".dvc", ".git"))
+    for stale in ("data/asked", "data/diagnosis"):
+        shutil.rmtree(project.root / stale)
+    plain = json.loads((project.root / "data/identified/base.json").read_text())["changes"]
+    sides = {
+        "": plain,
+        "coulomb_friction": {**plain, "coulomb_friction.coulomb_torque": 1e-4},
+        "capstan_friction": {**plain, "capstan_friction.friction": 0.03},
+    }
+    models = [
+        {"effects": [name] if name else [], "names": [*sides[name]], "changes": sides[name]}
+        for name in ("", *effects)
+    ]
+    told = {**contest, "proof": proof, "models": [{**m, "gain": 0.1} for m in models]}
+    (project.root / "data/search/contest.json").write_text(json.dumps(told))
+    project.stage("ask")
+    return project
+
+
+def decided(project):
+    """The diagnosis that stands, without the truth at hand."""
+    shutil.rmtree(project.root / "data/truth")
+    (project.root / "data/config/hidden.yaml").unlink()
+    project.stage("decide")
+    found = json.loads((project.root / "data/diagnosis/diagnosis.json").read_text())
+    assert json.loads(project.metrics()["diagnose.json"])["verdict"] == found["verdict"]
+    for file in ("overlay.parquet", "combinations.parquet", "motion.parquet", "model.json"):
+        assert (project.root / "data/diagnosis" / file).exists()
+    return found
+
+
+def experiment(name):
+    """One of the list, as plain data."""
+    moves, load = next((moves, load) for own, moves, load in PROOFS if own == name)
+    trials = [bend(f"{m}_leads", r, m, moves, load) for m, r in zip(MOTORS, ROLES, strict=True)]
+    return {"experiment": name, "trials": trials}
+
+
 def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp_path):
     """As if dry friction had stood beside the right name: the trials are played, then judged
     without the truth."""
-    asking = Project.__new__(Project)
-    asking.root = tmp_path / "asking"
-    shutil.copytree(finished.root, asking.root, ignore=shutil.ignore_patterns(".dvc", ".git"))
-    for folder in ("data/asked", "data/diagnosis"):
-        shutil.rmtree(asking.root / folder)
-    search = asking.root / "data/search"
-    plain = json.loads((asking.root / "data/identified/base.json").read_text())["changes"]
-    dry = {**plain, "coulomb_friction.coulomb_torque": 1e-4}
-    right = {**plain, "capstan_friction.friction": 0.03}
-    sides = {"": plain, "coulomb_friction": dry, "capstan_friction": right}
-    models = [
-        {"effects": [e for e in [name] if e], "names": [*numbers], "changes": numbers, "gain": 0.1}
-        for name, numbers in sides.items()
-    ]
-    name, moves, load = TRIALS[0]
-    trials = [bend(f"{m}_leads", r, m, moves, load) for m, r in zip(MOTORS, ROLES, strict=True)]
-    contest = {"experiment": name, "trials": trials, "models": models}
-    (search / "contest.json").write_text(json.dumps(contest))
-    asking.stage("ask")
-    played = sorted(p.name for p in (asking.root / "data/asked").iterdir())
+    sides = ("coulomb_friction", "capstan_friction")
+    project = asking(finished, tmp_path, contest=experiment("slow crawl"), effects=sides)
+    played = sorted(p.name for p in (project.root / "data/asked").iterdir())
     assert played == ["left_leads.mcap", "right_leads.mcap"]
-    shutil.rmtree(asking.root / "data/truth")
-    (asking.root / "data/config/hidden.yaml").unlink()
-    asking.stage("decide")
-    decided = json.loads((asking.root / "data/diagnosis/diagnosis.json").read_text())
-    assert decided["asked"]["experiment"] == name
-    assert decided["candidates"][0]["name"] == "capstan_friction"
-    assert json.loads(asking.metrics()["diagnose.json"])["verdict"] == decided["verdict"]
-    for file in ("overlay.parquet", "combinations.parquet", "motion.parquet", "model.json"):
-        assert (asking.root / "data/diagnosis" / file).exists()
+    found = decided(project)
+    assert found["asked"]["experiment"] == "slow crawl"
+    assert found["candidates"][0]["name"] == "capstan_friction"
+
+
+@pytest.mark.parametrize(
+    ("effect", "holds"), [("capstan_friction", True), ("coulomb_friction", False)]
+)
+def test_a_name_is_put_to_the_proof_on_the_robot(finished, tmp_path, effect, holds):
+    """As if the search had named it: the right one stands, another falls, and its model with it."""
+    project = asking(finished, tmp_path, proof=experiment("hold"), effects=(effect,))
+    named = {"verdict": "named", "sentence": "Missing: some friction."}
+    for file in ("diagnosis.json", "metrics.json"):
+        path = project.root / "data/search" / file
+        path.write_text(json.dumps(json.loads(path.read_text()) | named))
+    config = project.root / "data/config/config.yaml"  # the short way fits few numbers, and poorly
+    config.write_text(config.read_text().replace("explained: 0.9", "explained: 0.3"))
+    found = decided(project)
+    assert found["proof"]["experiment"] == "hold"
+    assert found["proof"]["holds"] is holds
+    assert found["verdict"] == ("named" if holds else "unknown")
+    if not holds:
+        assert "not some friction" in found["sentence"]
+        model = json.loads((project.root / "data/diagnosis/model.json").read_text())
+        assert model["effects"] == found["effects"] == []
+        assert effect not in json.dumps(model)
 
 
 def test_a_run_that_is_killed_in_every_stage_ends_with_the_same_metrics(finished, tmp_path):

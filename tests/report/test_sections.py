@@ -58,6 +58,15 @@ def test_the_first_screen_says_with_what_it_was_decided(data):
     assert "Decided with" not in text("verdict", data)
 
 
+@pytest.mark.parametrize(("holds", "told"), [(True, "holds"), (False, "too little for a name")])
+def test_the_verdict_tells_what_a_name_was_worth_on_a_trial_of_its_own(data, holds, told):
+    proof = {"experiment": "soft pull", "share": 0.93 if holds else -0.2, "holds": holds}
+    shown = text("verdict", replace(data, diagnosis={**data.diagnosis, "proof": proof}))
+    assert "soft pull" in shown
+    assert told in shown
+    assert ("93 %" if holds else "for 0 %") in shown
+
+
 @BY_NAME
 def test_sections_render_with_and_without_optional_files(name, data, sparse):
     assert text(name, data)

@@ -9,6 +9,7 @@ from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document
 from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.proof import to_prove
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects, find_effects
@@ -75,6 +76,8 @@ def written(
     train, base = residuals["train"], search.rungs[0]
     regimes = atlas(train, base.fit.residual[train.rows])
     further = proposed(search, verdict, residuals["validate"], settings)
+    if not further and verdict.kind == "named":
+        further = to_prove(search, residuals["validate"], settings)
     found = document(search, verdict, regimes, noise_floor(train), train.effort, further)
     if base.scores["validate"].r2 < SENSE:
         found |= _senseless(base.scores["validate"].r2)

@@ -36,6 +36,7 @@ class Verdict(Section):
             "kind": kind(diagnosis),
             "sentence": diagnosis["sentence"],
             "asked": asked_sentence(diagnosis),
+            "proof": proof_sentence(diagnosis),
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": figures.Plot(
@@ -74,6 +75,18 @@ def asked_sentence(diagnosis: dict[str, Any]) -> str:
         )
     return (
         f"Decided with '{asked['experiment']}', played on either side. Before it: {asked['before']}"
+    )
+
+
+def proof_sentence(diagnosis: dict[str, Any]) -> str:
+    """What a trial of its own said of the name; empty where none was played."""
+    proof = diagnosis.get("proof")
+    if not proof:
+        return ""
+    told = "the name holds" if proof["holds"] else "too little for a name"
+    return (
+        f"Put to the proof with '{proof['experiment']}', the trial that would show it most: it "
+        f"accounts for {percent(max(proof['share'], 0.0))} of the squared error there; {told}."
     )
 
 

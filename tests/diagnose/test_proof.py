@@ -1,0 +1,107 @@
+"""A name is put to the proof on a further trial: the right one holds there, its imitation not."""
+
+from dataclasses import replace
+
+import pytest
+
+from spirob.bench import Trial
+from spirob.bench.simulate import simulate
+from spirob.diagnose.again import joined
+from spirob.diagnose.contest import Contestant
+from spirob.diagnose.proof import Proof, models_of, proved, put_to_proof, to_prove
+from spirob.diagnose.proposals import PROOFS, told
+from spirob.diagnose.rungs import ROLES, Rung, Search, Settings, rung_of, scores_of
+from spirob.diagnose.verdict import AGAIN, Verdict
+from spirob.effects.tendon.stretch import Stretch
+from spirob.effects.winch.backlash import Backlash
+from spirob.identify.fit import fit
+from spirob.identify.measurement import Measurement
+from tests.identify.known import residual, spirob
+
+TRUE = {"backlash.play": 1.5e-3}
+NUMBERS = {Backlash: "backlash.play", Stretch: "stretch.toe"}
+SETTINGS = Settings()
+NAMED = Verdict("named", 0.9, [], "Missing: dry friction.", "It is dry.", "To make sure: crawl.")
+
+
+@pytest.fixture(scope="module")
+def plant():
+    return spirob([Backlash, Stretch])
+
+
+@pytest.fixture(scope="module")
+def trials(plant):
+    return {role: residual(plant, TRUE, role, seed=3) for role in ROLES}
+
+
+@pytest.fixture(scope="module")
+def base(trials):
+    names = ["winch.efficiency"]
+    return rung_of("fitted parameters", [], fit(trials["train"], names, {}, 0.05), trials)
+
+
+@pytest.fixture(scope="module")
+def named(trials, base):
+    """As if a search had ended with this name."""
+
+    def search(effect):
+        found = fit(trials["train"], ["winch.efficiency", NUMBERS[effect]], {}, 0.05)
+        scores, _, errors = scores_of(found, trials)
+        return Search(base, [base, Rung("+ one", [effect], found, scores, errors)])
+
+    return search
+
+
+def played(plant, experiment):
+    """The further trials on the machine as it is, with noise of the sensor."""
+    traces = [
+        simulate(plant, Trial.from_plain(t), TRUE, 0.002, seed=k)
+        for k, t in enumerate(experiment.trials)
+    ]
+    roles = ("train", "validate")
+    return {r: [Measurement.from_trace(t)] for r, t in zip(roles, traces, strict=True)}
+
+
+def test_the_trial_that_would_show_a_name_most_comes_first(named, trials):
+    found = to_prove(named(Backlash), trials["validate"], SETTINGS)
+    assert {p.name for p in found} <= {name for name, *_ in PROOFS}
+    shares = [p.share for p in found]
+    assert shares == sorted(shares, reverse=True)
+    assert shares[-1] > SETTINGS.floor
+    line = told(found, trials["validate"].effort)
+    assert line.startswith(f"To make sure: play '{found[0].name}' on either side")
+
+
+def test_nothing_is_proved_where_nothing_was_found_or_would_show(base, named, trials):
+    assert to_prove(Search(base, [base]), trials["validate"], SETTINGS) == []
+    loose = replace(SETTINGS, floor=10.0)
+    assert to_prove(named(Backlash), trials["validate"], loose) == []
+
+
+@pytest.mark.parametrize("effect", NUMBERS)
+def test_the_right_law_holds_and_its_imitation_does_not(effect, named, trials, plant):
+    search = named(effect)
+    best = to_prove(search, trials["validate"], SETTINGS)[0]
+    known = joined(trials, played(plant, best))
+    models = [Contestant.from_dict(m.as_dict()) for m in models_of(search)]
+    proof = put_to_proof(best.name, models, trials, known, SETTINGS)
+    assert proof.experiment == best.name
+    if effect is Backlash:
+        assert proof.share > 0.97
+    else:
+        assert proof.share < 0.8
+    assert proof.holds(SETTINGS) == (effect is Backlash)
+
+
+def test_a_name_that_holds_stands_and_no_further_trial_is_asked_for():
+    stands = proved(NAMED, Proof("hold", 0.95), SETTINGS)
+    assert stands == replace(NAMED, next_experiment="")
+
+
+def test_a_name_that_does_not_hold_is_told_and_taken_away():
+    fallen = proved(NAMED, Proof("hold", 0.4), SETTINGS)
+    assert (fallen.kind, fallen.probability, fallen.next_experiment) == ("unknown", 0.0, AGAIN)
+    assert "not dry friction." in fallen.sentence
+    assert "'hold'" in fallen.explanation
+    assert "40%" in fallen.explanation
+    assert not fallen.contested

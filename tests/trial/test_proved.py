@@ -1,0 +1,63 @@
+"""A name is put to the proof on the robot on which it was found; nothing else is."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from spirob.diagnose.proof import Proof
+from spirob.diagnose.proposals import Proposal
+from spirob.diagnose.rungs import Settings
+from spirob.diagnose.verdict import Verdict
+from spirob.emulator.rig import HiddenSettings
+from spirob.trial.case import _proved
+
+ROBOT = HiddenSettings("rotor_friction:0.1"), 41
+BEST = Proposal("hold", ({"name": "hold_left"},), 0.01, 0.1)
+OTHER = replace(BEST, name="deep bend")
+PROBLEMS = {"validate": "the trials that decide"}
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """The verdict on the robot's trials, once it was put to a proof with this outcome."""
+    names, played = _proved.__globals__, []
+
+    def put_to_proof(experiment, models, own, known, settings):
+        assert (experiment, models, own, known) == ("hold", "models", PROBLEMS, "joined")
+        return Proof(experiment, judge.share)
+
+    def recorded(*asked):
+        played.append(asked)
+        return "logs"
+
+    def judge(kind, share, experiments=(BEST, OTHER)):
+        judge.share = share
+        verdict = Verdict(kind, 0.8, [], "Missing: friction.", "", "")
+        monkeypatch.setitem(names, "judge", lambda *_: verdict)
+        monkeypatch.setitem(names, "to_prove", lambda *_: list(experiments))
+        monkeypatch.setitem(names, "recorded", recorded)
+        monkeypatch.setitem(names, "joined", lambda *_: "joined")
+        monkeypatch.setitem(names, "models_of", lambda _: "models")
+        monkeypatch.setitem(names, "put_to_proof", put_to_proof)
+        return (*_proved(SimpleNamespace(), ROBOT, PROBLEMS, Settings()), played)
+
+    return judge
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.95, "named"), (0.5, "unknown")])
+def test_the_trial_that_would_show_a_name_most_is_played_on_the_same_robot(judged, share, kind):
+    verdict, proof, played = judged("named", share)
+    assert (verdict.kind, proof) == (kind, Proof("hold", share))
+    assert played == [(*ROBOT, BEST.trials)]
+
+
+@pytest.mark.parametrize("kind", ["unknown", "undecided", "nothing_missing"])
+def test_where_nothing_is_named_nothing_is_played(judged, kind):
+    verdict, proof, played = judged(kind, 0.0)
+    assert (verdict.kind, proof, played) == (kind, None, [])
+
+
+def test_a_name_that_no_trial_would_show_stands(judged):
+    verdict, proof, played = judged("named", 0.0, experiments=())
+    assert (verdict.kind, proof, played) == ("named", None, [])
