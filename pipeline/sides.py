@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from spirob.control.law import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
 from spirob.experiments import Play, Side
+from spirob.experiments.experiment import repeating
 from spirob.logs import read_log
 from spirob.logs.transmission import Transmission
 from spirob.plant import Plant, Rig
@@ -40,6 +42,9 @@ def play_all(
     for name, model in models.items():
         if _plays(name, play):
             sides[name] = model_side(config, play, model)
+            if play.repeat and "robot" in sides:
+                moved = replace(play, react=partial(play.repeat, sides["robot"]))
+                sides[repeating(name)] = model_side(config, moved, model)
     if _plays("single", play):
         sides["single"] = _single(rig, trial, models["base"], sides)
     return sides

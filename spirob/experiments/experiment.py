@@ -10,6 +10,7 @@ import numpy as np
 
 from spirob.bench.reaction import Reaction
 from spirob.errors import ConfigError
+from spirob.experiments.side import Side
 
 EXPERIMENTS = (
     "delay",
@@ -21,8 +22,15 @@ EXPERIMENTS = (
 )
 LIMIT = 5.0  # A, of every command: the paper's saturation
 
-# play -> side ("robot", "base", "named", "single") -> what it did
+SIDES = ("robot", "base", "named", "single")
+
+# play -> side -> what it did
 Sides = Mapping[str, Mapping[str, Any]]
+
+
+def repeating(model: str) -> str:
+    """The side on which a model moves as the robot did."""
+    return f"{model}, moved as the robot"
 
 
 @dataclass(frozen=True)
@@ -34,6 +42,8 @@ class Play:
     rig    what differs from the configured rig, for example the bandwidth of the drive
     only   the sides that play it; all where empty
     react  makes what a side does about what it feels; None where it does nothing
+    repeat makes, of the robot's side, what a model does to move as the robot did, whatever it feels
+           itself; the models then play the trial twice, see `repeating`
     """
 
     name: str
@@ -41,6 +51,7 @@ class Play:
     rig: dict[str, Any] = field(default_factory=dict)
     only: tuple[str, ...] = ()
     react: Callable[[], Reaction] | None = None
+    repeat: Callable[[Side], Reaction] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +125,7 @@ def trial(
 def row(what: str, unit: str, values: Mapping[str, Any], **more: Any) -> dict[str, Any]:
     """One line of an experiment's table; a figure that is not finite is left out as None."""
     known = {"paper": None, "aim": None, "met": None, "note": ""}
-    sides = {s: _figure(values.get(s)) for s in ("robot", "base", "named", "single")}
+    sides = {s: _figure(values.get(s)) for s in SIDES}
     return {"what": what, "unit": unit, **sides, **known, **more}
 
 

@@ -1,4 +1,7 @@
-"""Recoil from a contact: the trial goes on with its last part as soon as the detector speaks."""
+"""Recoil from a contact: the trial goes on with its last part as soon as the detector speaks.
+
+A model may also repeat the motion of another side, and recoil when that one did.
+"""
 
 from collections import deque
 from collections.abc import Sequence
@@ -38,3 +41,14 @@ class Recoil:
             return row
         self.told = row
         return self.ends
+
+
+class Repeat:
+    """The recoil of another side, at the row at which that one's began; none where none did."""
+
+    def __init__(self, told: int | None, begins: int, ends: int) -> None:
+        self.begins, self.ends, self.told = begins, ends, told
+
+    def __call__(self, row: int, currents: Sequence[float]) -> int:
+        """The recoil's first row where the other recoiled."""
+        return self.ends if row == self.told else row

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spirob.experiments.active_contact import ActiveContact, detected, onset, rmse
+from spirob.experiments.experiment import repeating
 from spirob.experiments.extreme_curl import knee
 from spirob.experiments.hysteresis import loop_area
 from spirob.experiments.periodic_contact import seen
@@ -136,18 +137,27 @@ def test_onset_and_detection_of_a_contact():
     assert rmse(free, free + 0.3) == pytest.approx(0.3)
 
 
-def test_until_one_recoils_a_later_decision_does_not_count():
+def test_currents_are_compared_in_the_same_motion():
+    """To recoil later than the robot did is told beside it, as an error of its own."""
     experiment = ActiveContact(places=(0.5,))
     time = np.arange(9000) * 1e-3
     free = np.full(9000, 0.6)
     robot = free + 10 * np.maximum(time - 8.0, 0)
-    model = np.where(time < 8.06, robot + 0.02, 9.0)
-    sides = {"uncurl_free": {"robot": side(free), "named": side(free)}}
-    sides["uncurl_50"] = {"robot": side(robot), "named": side(model)}
+    alone = np.where(time < 8.06, robot + 0.02, 9.0)
+    sides = {"uncurl_free": {"robot": side(free), "named": side(free + 0.01)}}
+    moved = {repeating("named"): side(robot + 0.02)}
+    sides["uncurl_50"] = {"robot": side(robot), "named": side(alone), **moved}
     sides |= {name.replace("_", "_filtered_", 1): both for name, both in sides.items()}
     rows = {r["what"]: r for r in experiment.measure(sides)}
-    assert rows["current RMSE against the robot, contact at 50%"]["named"] > 1.0
-    filtered = rows["filtered current RMSE against the robot, contact at 50%"]["named"]
-    assert 1.0 < filtered < rows["current RMSE against the robot, contact at 50%"]["named"]
-    until = rows["current RMSE until one recoils, contact at 50%"]
-    assert until["named"] == pytest.approx(0.02, abs=1e-9)
+    for signal in ("current", "filtered current"):
+        free = rows[f"{signal} RMSE against the robot, free"]
+        same = rows[f"{signal} RMSE against the robot, contact at 50%"]
+        apart = rows[f"{signal} RMSE, each with its own recoil, contact at 50%"]
+        assert free["named"] == pytest.approx(0.01, rel=1e-6)
+        assert same["named"] == pytest.approx(0.02, rel=1e-6)
+        assert same["met"]
+        assert same["base"] is None
+        assert apart["named"] > 1.0
+        assert apart["met"] is None
+    drawn = {c["side"] for c in experiment.curves(sides)}
+    assert drawn == {"robot", "named"}

@@ -11,6 +11,7 @@ from pipeline.schema import validated
 from spirob.bench import Trial
 from spirob.errors import ConfigError
 from spirob.experiments import EXPERIMENTS, Side, experiment_from
+from spirob.experiments.experiment import SIDES, repeating
 from spirob.plant.single import Motion
 
 ROOT = Path(__file__).parents[2]
@@ -90,7 +91,9 @@ def played(play, experiment):
     answer = Side(*two)
     force = np.zeros((cycles, 24))
     bare = Side.from_motion(Motion(two[1], two[2], force), two[3])
-    names = play.only or ("robot", "base", "named", "single")
+    names = play.only or SIDES
+    if play.repeat:
+        names = (*names, repeating("base"), repeating("named"))
     return {s: bare if s == "single" else answer for s in names}
 
 

@@ -1,5 +1,8 @@
 """The recoil begins when the detector speaks, in the model as on the robot, and not before."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -8,7 +11,7 @@ from spirob.bench.simulate import simulate
 from spirob.control.law import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.experiments.active_contact import RIGHT, ActiveContact, detected
-from spirob.experiments.recoil import Recoil
+from spirob.experiments.recoil import Recoil, Repeat
 from spirob.experiments.response import PERIOD
 from spirob.experiments.side import Side
 from spirob.logs import Transmission, read_log
@@ -18,6 +21,10 @@ from spirob.plant import Plant, Rig
 ABOUT = ActiveContact(places=(0.9,), recoil=0.4)
 FREE, RAW, _, FILTERED = ABOUT.plays()
 DAMPING = {"motor.rotor_damping": 5e-5}
+
+
+def trial_of(play):
+    return Trial.from_plain(play.trial)
 
 
 def in_the_model(play):
@@ -65,6 +72,19 @@ def test_without_a_contact_the_trial_is_that_without_a_detector():
     assert react.told is None
     for name in ("right.current", "right.displacement", "left.velocity"):
         assert np.array_equal(trace[name], alone[name])
+
+
+def test_a_model_that_repeats_a_motion_recoils_when_that_one_did():
+    """Its own motion repeated is the same to the bit, whatever it feels."""
+    trace, react = in_the_model(RAW)
+    again, _ = in_the_model(replace(RAW, react=partial(RAW.repeat, Side.from_trace(trace))))
+    for name in ("right.current", "right.reference", "left.displacement"):
+        assert np.array_equal(trace[name], again[name])
+    first, last = ABOUT.window()
+    earlier, later = Repeat(react.told - 300, first, last), Repeat(None, first, last)
+    for repeat, cycles in ((earlier, len(trace) - 300), (later, trial_of(RAW).cycles)):
+        moved, _ = in_the_model(replace(RAW, react=lambda repeat=repeat: repeat))
+        assert len(moved) == cycles
 
 
 def test_the_filtered_detector_hears_the_mean_of_the_trial():
