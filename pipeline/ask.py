@@ -16,10 +16,9 @@ def stage(root: Path) -> None:
     contest = read_json(root / "data/search/contest.json", "diagnose")
     (root / ASKED).mkdir(parents=True, exist_ok=True)
     experiments = [one for one in (contest, contest["proof"]) if one["trials"]]
-    # the trial that tells rivals apart may be the one that would prove either
-    trials = list({t["name"]: t for one in experiments for t in one["trials"]}.values())
+    trials = [t for one in experiments for t in one["trials"]]
     if not trials:
-        tell("nothing to ask: nothing was named, or no experiment would show it")
+        tell("nothing to ask: nothing was found, or no experiment would show it")
     elif config.robot.kind == "can":
         first = experiments[0]
         names = ", ".join(t["name"] for t in first["trials"])

@@ -51,7 +51,7 @@ def stage(root: Path) -> None:
             proof = put_to_proof(
                 contest["proof"]["experiment"], models, own, joined(own, proving), settings
             )
-            found = _proved(root, found, models[0], proof, own, settings)
+            found = _proved(root, found, models[0], proof, own)
     write_json(root / "reports/metrics/diagnose.json", found)
 
 
@@ -101,14 +101,12 @@ def _proved(
     base: Contestant,
     proof: Proof,
     own: Mapping[str, Residual],
-    settings: Settings,
 ) -> dict[str, Any]:
     """Metrics once the name was put to the proof; without it where it did not hold."""
     before = read_json(root / OUT / "diagnosis.json", "decide")
-    stands = proof.holds(settings)
-    after = {**before, **DONE, "proof": {**asdict(proof), "holds": stands}}
+    after = {**before, **DONE, "proof": {**asdict(proof), "holds": proof.holds}}
     tell(f"'{proof.experiment}' shows {proof.share:.0%} of the squared error explained")
-    if not stands:
+    if not proof.holds:
         found = {**found, "verdict": "unknown", "effect": "", "effects": "", "probability": 0.0}
         after |= {"verdict": "unknown", "effects": [], **disproved(before["sentence"], proof)}
         _model(root, own, base.changes, {"effects": [], "changes": dict(base.changes)})

@@ -72,19 +72,12 @@ TRIALS: tuple[Played, ...] = (
 )
 
 # Under so soft a pull tendons go slack and taut again.  Rivals are compared by their errors in
-# ampere, among which those of so small a current would not count: it is for a name alone.
+# ampere, among which those of so small a current would not count: it puts a name to the proof.
 SOFT_PULL: Played = (
     "soft pull",
     ((0.1, 0.0), (1.0, 0.02), (1.9, 0.005)),
     {"kind": "constant", "value": 0.15},
 )
-
-# What puts a name to the proof: nothing faster, stronger or deeper than what was fitted, where more
-# happens than a right law says.  On fast moves three of ten emulated robots with nothing hidden
-# (seeds 3500 to 3509) leave 0.7 to 1.3 % of the current; the law of warming explains 84 % of a hot
-# run and 81 % of a second load (3502, 3500), an eccentric drum's nothing of a deep bend (3404).
-FIERCE = ("fast moves", "second load", "hot run", "deep bend")
-PROOFS = (*(played for played in TRIALS if played[0] not in FIERCE), SOFT_PULL)
 
 ROLES = ("train", "validate")  # of the trial in which the left motor moves, and of the other
 

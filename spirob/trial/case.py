@@ -157,7 +157,7 @@ def _proved(
     best = experiments[0]
     known = joined(problems, recorded(*robot, best.trials))
     proof = put_to_proof(best.name, models_of(search), problems, known, settings)
-    return proved(verdict, proof, settings), proof
+    return proved(verdict, proof), proof
 
 
 def _drawn(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from spirob.diagnose.proposals import PROOFS, ROLES, bend
+from spirob.diagnose.proposals import ROLES, TRIALS, bend
 from spirob.robot import MOTORS
 from tests.pipeline.project import DECIDING, SCORED, SHORT, Project
 
@@ -81,9 +81,11 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
 NOTHING = {"experiment": "", "trials": []}
 
 
-def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=()):
-    """A copy of the project whose search ended with these models, after what it asks for was played
-    and the truth deleted."""
+def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=(), off=None):
+    """A copy of the project whose search ended with these models, and what it asks for was played.
+
+    off  numbers of the model without any effect that are not as they were identified
+    """
     project = Project.__new__(Project)
     project.root = folder / "asking"
     shutil.copytree(finished.root, project.root, ignore=shutil.ignore_patterns(".dvc", ".git"))
@@ -91,12 +93,12 @@ def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=()):
         shutil.rmtree(project.root / stale)
     plain = json.loads((project.root / "data/identified/base.json").read_text())["changes"]
     sides = {
-        "": plain,
+        "": {**plain, **(off or {})},
         "coulomb_friction": {**plain, "coulomb_friction.coulomb_torque": 1e-4},
         "capstan_friction": {**plain, "capstan_friction.friction": 0.03},
     }
     models = [
-        {"effects": [name] if name else [], "names": [*sides[name]], "changes": sides[name]}
+        {"effects": [name] * bool(name), "names": ["winch.efficiency"], "changes": sides[name]}
         for name in ("", *effects)
     ]
     told = {**contest, "proof": proof, "models": [{**m, "gain": 0.1} for m in models]}
@@ -119,7 +121,7 @@ def decided(project):
 
 def experiment(name):
     """One of the list, as plain data."""
-    moves, load = next((moves, load) for own, moves, load in PROOFS if own == name)
+    moves, load = next((moves, load) for own, moves, load in TRIALS if own == name)
     trials = [bend(f"{m}_leads", r, m, moves, load) for m, r in zip(MOTORS, ROLES, strict=True)]
     return {"experiment": name, "trials": trials}
 
@@ -136,18 +138,18 @@ def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp
     assert found["candidates"][0]["name"] == "capstan_friction"
 
 
-@pytest.mark.parametrize(
-    ("effect", "holds"), [("capstan_friction", True), ("coulomb_friction", False)]
-)
-def test_a_name_is_put_to_the_proof_on_the_robot(finished, tmp_path, effect, holds):
-    """As if the search had named it: the right one stands, another falls, and its model with it."""
-    project = asking(finished, tmp_path, proof=experiment("hold"), effects=(effect,))
+@pytest.mark.parametrize(("stiffness", "holds"), [(3.0, True), (1.0, False)])
+def test_a_name_is_put_to_the_proof_on_the_robot(finished, tmp_path, stiffness, holds):
+    """As if the search had named it: it stands beside a model that is far off, else it falls, and
+    its model with it."""
+    identified = json.loads((finished.root / "data/identified/base.json").read_text())
+    off = {"arm.base_stiffness": stiffness * identified["changes"]["arm.base_stiffness"]}
+    effect = "capstan_friction"
+    project = asking(finished, tmp_path, proof=experiment("hold"), effects=(effect,), off=off)
     named = {"verdict": "named", "sentence": "Missing: some friction."}
     for file in ("diagnosis.json", "metrics.json"):
         path = project.root / "data/search" / file
         path.write_text(json.dumps(json.loads(path.read_text()) | named))
-    config = project.root / "data/config/config.yaml"  # the short way fits few numbers, and poorly
-    config.write_text(config.read_text().replace("explained: 0.9", "explained: 0.3"))
     found = decided(project)
     assert found["proof"]["experiment"] == "hold"
     assert found["proof"]["holds"] is holds

@@ -85,8 +85,8 @@ def proof_sentence(diagnosis: dict[str, Any]) -> str:
         return ""
     told = "the name holds" if proof["holds"] else "too little for a name"
     return (
-        f"Put to the proof with '{proof['experiment']}', the trial that would show it most: it "
-        f"accounts for {percent(max(proof['share'], 0.0))} of the squared error there; {told}."
+        f"Put to the proof with '{proof['experiment']}', a trial of its own: it accounts for "
+        f"{percent(max(proof['share'], 0.0))} of the squared error there; {told}."
     )
 
 
