@@ -138,7 +138,7 @@ def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp
     assert found["candidates"][0]["name"] == "capstan_friction"
 
 
-@pytest.mark.parametrize(("stiffness", "holds"), [(3.0, True), (1.0, False)])
+@pytest.mark.parametrize(("stiffness", "holds"), [(0.2, True), (1.0, False)])
 def test_a_name_is_put_to_the_proof_on_the_robot(finished, tmp_path, stiffness, holds):
     """As if the search had named it: it stands beside a model that is far off, else it falls, and
     its model with it."""
