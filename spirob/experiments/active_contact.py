@@ -209,7 +209,9 @@ class ActiveContact(Experiment):
         met = bool(errors["named"] <= AIM_RMSE) if "named" in errors else None
         paper = None if place is None else PAPER_RMSE
         what = f"{_told(signal)} RMSE against the robot, {_where(place)}"
-        return row(what, "A", errors, paper=paper, aim=f"at most {AIM_RMSE} A", met=met)
+        note = "" if place is None else "the model moves as the robot did and recoils when it did"
+        aim = f"at most {AIM_RMSE} A"
+        return row(what, "A", errors, paper=paper, aim=aim, met=met, note=note)
 
     def _error_apart(self, sides: Sides, place: float, signal: str) -> dict[str, Any]:
         """The same where each recoils when its own detector speaks, to the end of the shorter."""
