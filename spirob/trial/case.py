@@ -3,36 +3,25 @@
 What is hidden stays on this side of the logs: the diagnosis is handed decoded logs, nothing else.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from spirob.diagnose.again import decided_again, joined, proposed
-from spirob.diagnose.contest import contest
-from spirob.diagnose.ladder import begun, climb
+from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import complete
-from spirob.diagnose.proof import Proof, models_of, proved, put_to_proof, to_prove
 from spirob.diagnose.rungs import Search, Settings
-from spirob.diagnose.verdict import Verdict, explained, foretold, judge
+from spirob.diagnose.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
-from spirob.emulator.rig import HiddenSettings
-from spirob.identify.fit import STEPS, fit
-from spirob.identify.near import near
 from spirob.identify.numbers import FITTED
-from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.plant import Plant, Rig
 from spirob.trial.answers import ANSWERS, TOGETHER
+from spirob.trial.drawn import drawn
+from spirob.trial.further import Robot, asked_again, judged
 from spirob.trial.oracle import oracle
-from spirob.trial.played import problems_of, recorded
-from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, strength_of
-from spirob.trial.visibility import left
-
-TRIES = 5  # recordings of one robot, until its effect shows about as much as is wanted
-SHOWN = (0.9 * SIZES[0], 1.25 * SIZES[1])  # % of the current's RMS: near enough
 
 
 @dataclass(frozen=True)
@@ -65,12 +54,13 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     """Record, fit, diagnose, and compare with the oracle; one or two results as plain data."""
     settings = settings or Settings(intervals=False, always=False)
     library = list(all_effects().values())
-    hidden, problems, base = _drawn(case, Plant(Rig(), library), settings)
+    plant = Plant(Rig(), library)
+    hidden, problems, base = drawn(case.kind, case.seed, case.robot, plant, settings)
+    robot = hidden, case.robot
     search = climb(problems, FITTED, library, {}, settings, known=base)
     first, asked, experiment = judge(search, problems, settings), search, ""
     if first.contested:
-        asked, experiment = _asked_again(search, problems, first, hidden, case, settings)
-    robot = hidden, case.robot
+        asked, experiment = asked_again(search, first, robot, problems, settings)
     best = oracle(problems, search, _counterparts(case), settings)
     about = {
         "kind": case.kind,
@@ -90,27 +80,9 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     return found
 
 
-def _asked_again(
-    search: Search,
-    problems: Mapping[str, Residual],
-    contested: Verdict,
-    hidden: HiddenSettings,
-    case: Case,
-    settings: Settings,
-) -> tuple[Search, str]:
-    """The experiment that separates the rivals best, played on the same robot, and what it says."""
-    proposals = proposed(search, contested, problems["validate"], settings)
-    if not proposals:
-        return search, ""
-    best = proposals[0]
-    known = joined(problems, recorded(hidden, case.robot, best.trials))
-    asked = decided_again(contest(search, contested), problems, known, settings)
-    return (search, f"{best.name}, set aside") if asked is None else (asked, best.name)
-
-
 def _outcome(
     search: Search,
-    robot: tuple[HiddenSettings, int],
+    robot: Robot,
     problems: Mapping[str, Residual],
     best: float,
     settings: Settings,
@@ -119,7 +91,7 @@ def _outcome(
 
     robot  plays the proof;  best  the oracle's error
     """
-    verdict, proof = _proved(search, robot, problems, settings)
+    verdict, proof = judged(search, robot, problems, settings)
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
     return {
@@ -139,77 +111,6 @@ def _outcome(
             "oracle": best / size,
         },
     }
-
-
-def _proved(
-    search: Search,
-    robot: tuple[HiddenSettings, int],
-    problems: Mapping[str, Residual],
-    settings: Settings,
-) -> tuple[Verdict, Proof | None]:
-    """The verdict, and what its name was worth on a trial of its own, played on the same robot."""
-    verdict = judge(search, problems, settings)
-    if verdict.kind != "named":
-        return verdict, None
-    experiments = to_prove(search, problems["validate"], settings)
-    if not experiments:
-        return verdict, None
-    best = experiments[0]
-    known = joined(problems, recorded(*robot, best.trials))
-    proof = put_to_proof(best.name, models_of(search), problems, known, settings)
-    return proved(verdict, proof), proof
-
-
-def _drawn(
-    case: Case, plant: Plant, settings: Settings
-) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
-    """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
-
-    Of two kinds each is as strong as it would be alone in the same robot.
-    """
-    kinds = case.kind.split("+")
-    alone = [_alone(kind, case, plant, settings) for kind in kinds]
-    if len(kinds) == 1:
-        return alone[0]
-    hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
-    problems = problems_of(recorded(hidden, case.robot), plant)
-    return hidden, problems, _without_any(problems, settings)
-
-
-def _alone(
-    kind: str, case: Case, plant: Plant, settings: Settings
-) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
-    """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
-    ever drawn the robot is recorded again, at the strength that its logs ask for."""
-    wanted = drawn_size(np.random.default_rng([case.seed, *kind.encode()]))
-    strength = strength_of(kind, wanted)
-    tries: list[tuple[float, float]] = []
-    played = []
-    while True:
-        hidden = HiddenSettings("none" if kind == "none" else f"{kind}:{strength:.6g}")
-        problems = problems_of(recorded(hidden, case.robot), plant)
-        search = _without_any(problems, settings)
-        tries.append((strength, beside(left(search.base, problems), LEFT)))
-        played.append((_beyond(tries[-1][1]), hidden, problems, search))
-        if kind == "none" or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
-            break
-        strength, before = adjusted(tries, wanted), strength
-        if strength == before:  # the strongest that is drawn
-            break
-    return min(played, key=lambda p: p[0])[1:]
-
-
-def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Search:
-    """The numbers fitted without any effect, with wide differences first, then to the end."""
-    train = near(problems["train"], {})
-    found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
-    return begun(problems, FITTED, found.changes, settings, STEPS[-1:])
-
-
-def _beyond(shown: float) -> float:
-    """By what factor an effect shows less or more than is near enough, as a logarithm."""
-    inside = min(max(shown, SHOWN[0]), SHOWN[1])
-    return abs(math.log(max(shown, 1e-3) / inside))
 
 
 def _right_names(case: Case) -> set[str]:

@@ -8,10 +8,10 @@ import pytest
 from spirob.diagnose.proposals import Proposal
 from spirob.diagnose.rungs import Settings
 from spirob.emulator.rig import HiddenSettings
-from spirob.trial.case import Case, _asked_again
+from spirob.trial.further import asked_again
 from tests.identify.known import residual, spirob
 
-CASE, HIDDEN = Case("rotor_friction", 41), HiddenSettings("rotor_friction:0.1")
+ROBOT = HiddenSettings("rotor_friction:0.1"), 41
 ASKED = ("train", "validate")
 UNDECIDED = SimpleNamespace(kind="undecided", rivals=["cogging"])
 
@@ -26,7 +26,7 @@ def problems():
     [("judged again", ("judged again", "hold")), (None, ("search", "hold, set aside"))],
 )
 def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch, answer, told):
-    names, played = _asked_again.__globals__, []
+    names, played = asked_again.__globals__, []
     best = Proposal("hold", ({"name": "hold_left"},), 0.01, 0.1)
     logs = [replace(problems["validate"].trials[0], name="hold_left")]
 
@@ -44,11 +44,11 @@ def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch, an
     monkeypatch.setitem(names, "proposed", lambda *_: [best, replace(best, name="deep bend")])
     monkeypatch.setitem(names, "recorded", recorded)
     monkeypatch.setitem(names, "decided_again", decided_again)
-    assert _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings()) == told
-    assert played == [(HIDDEN, CASE.robot, best.trials)]
+    assert asked_again("search", UNDECIDED, ROBOT, problems, Settings()) == told
+    assert played == [(*ROBOT, best.trials)]
 
 
 def test_where_nothing_can_be_played_it_stays_undecided(problems, monkeypatch):
-    monkeypatch.setitem(_asked_again.__globals__, "proposed", lambda *_: [])
-    found = _asked_again("search", problems, UNDECIDED, HIDDEN, CASE, Settings())
+    monkeypatch.setitem(asked_again.__globals__, "proposed", lambda *_: [])
+    found = asked_again("search", UNDECIDED, ROBOT, problems, Settings())
     assert found == ("search", "")

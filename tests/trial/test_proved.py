@@ -10,7 +10,7 @@ from spirob.diagnose.proposals import Proposal
 from spirob.diagnose.rungs import Settings
 from spirob.diagnose.verdict import Verdict
 from spirob.emulator.rig import HiddenSettings
-from spirob.trial.case import _proved
+from spirob.trial.further import judged as judged_on
 
 ROBOT = HiddenSettings("rotor_friction:0.1"), 41
 BEST = Proposal("hold", ({"name": "hold_left"},), 0.01, 0.1)
@@ -21,7 +21,7 @@ PROBLEMS = {"validate": "the trials that decide"}
 @pytest.fixture
 def judged(monkeypatch):
     """The verdict on the robot's trials, once it was put to a proof with this outcome."""
-    names, played = _proved.__globals__, []
+    names, played = judged_on.__globals__, []
 
     def put_to_proof(experiment, models, own, known, settings):
         assert (experiment, models, own, known) == ("hold", "models", PROBLEMS, "joined")
@@ -40,7 +40,7 @@ def judged(monkeypatch):
         monkeypatch.setitem(names, "joined", lambda *_: "joined")
         monkeypatch.setitem(names, "models_of", lambda _: "models")
         monkeypatch.setitem(names, "put_to_proof", put_to_proof)
-        return (*_proved(SimpleNamespace(), ROBOT, PROBLEMS, Settings()), played)
+        return (*judged_on(SimpleNamespace(), ROBOT, PROBLEMS, Settings()), played)
 
     return judge
 

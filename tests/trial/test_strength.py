@@ -9,7 +9,7 @@ import pytest
 from spirob.diagnose.rungs import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
-from spirob.trial.case import SHOWN, TRIES, Case, _drawn
+from spirob.trial.drawn import SHOWN, TRIES, drawn
 from spirob.trial.strength import (
     FACTOR,
     LARGEST,
@@ -86,7 +86,7 @@ def test_a_kind_that_sets_in_all_at_once_is_met_within_the_tries(edge, steep):
 def names(monkeypatch):
     """What a draw calls, without robots; "played" holds what was hidden in each."""
     played = []
-    names = _drawn.__globals__
+    names = drawn.__globals__
     monkeypatch.setitem(names, "recorded", lambda hidden, seed: played.append(hidden) or hidden)
     monkeypatch.setitem(names, "problems_of", lambda trials, plant: trials)
     monkeypatch.setitem(names, "_without_any", lambda *_: SimpleNamespace(base=None))
@@ -97,7 +97,7 @@ def names(monkeypatch):
 def test_each_of_two_is_as_strong_as_it_would_be_alone(monkeypatch, names):
     shares = iter([2.7, 0.74, 0.31, 0.74, 9.9])
     monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
-    hidden, problems, _ = _drawn(Case("cogging+joint_creep", 5), None, Settings())
+    hidden, problems, _ = drawn("cogging+joint_creep", 5, 41, None, Settings())
     *_, cogging, weak, creep, both = names["played"]
     assert problems is hidden is both
     assert both.parts == [*cogging.parts, *creep.parts]
@@ -108,16 +108,16 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     played = names["played"]
     shares = iter([2.7, 0.31, 0.74])
     monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
-    hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
+    hidden, problems, _ = drawn("cogging", 5, 41, None, Settings())
     first, second, third = (h.parts[0][1] for h in played)
     assert problems is hidden is played[2]
     assert second < third < first
     shares = iter([3.0, 0.42, 5.0, 0.3, 6.0])
-    hidden, problems, _ = _drawn(Case("cogging", 5), None, Settings())
+    hidden, problems, _ = drawn("cogging", 5, 41, None, Settings())
     assert problems is hidden is played[4], "the nearest of all tries"
     monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
-    _drawn(Case("cogging", 5), None, Settings())
+    drawn("cogging", 5, 41, None, Settings())
     assert len(played) == 3 + TRIES + 4, "the strongest that is drawn is played once"
     assert played[-1].parts[0][1] == LARGEST
-    _drawn(Case("none", 5), None, Settings())
+    drawn("none", 5, 41, None, Settings())
     assert len(played) == 3 + TRIES + 5

@@ -1,0 +1,75 @@
+"""A robot whose hidden effect shows about as much as is wanted, recorded and fitted without it."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from spirob.diagnose.ladder import begun
+from spirob.diagnose.rungs import Search, Settings
+from spirob.emulator.rig import HiddenSettings
+from spirob.identify.fit import STEPS, fit
+from spirob.identify.near import near
+from spirob.identify.numbers import FITTED
+from spirob.identify.problem import Problem
+from spirob.identify.residual import Residual
+from spirob.plant import Plant
+from spirob.trial.played import problems_of, recorded
+from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, strength_of
+from spirob.trial.visibility import left
+
+TRIES = 5  # recordings of one robot, until its effect shows about as much as is wanted
+SHOWN = (0.9 * SIZES[0], 1.25 * SIZES[1])  # % of the current's RMS: near enough
+
+
+def drawn(
+    kind: str, seed: int, robot: int, plant: Plant, settings: Settings
+) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
+    """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
+
+    Of two kinds each is as strong as it would be alone in the same robot.
+
+    kind  one, or two joined by "+";  seed  draws the strength;  robot  its seed
+    """
+    alone = [_alone(each, seed, robot, plant, settings) for each in kind.split("+")]
+    if len(alone) == 1:
+        return alone[0]
+    hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
+    problems = problems_of(recorded(hidden, robot), plant)
+    return hidden, problems, _without_any(problems, settings)
+
+
+def _alone(
+    kind: str, seed: int, robot: int, plant: Plant, settings: Settings
+) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
+    """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
+    ever drawn the robot is recorded again, at the strength that its logs ask for."""
+    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]))
+    strength = strength_of(kind, wanted)
+    tries: list[tuple[float, float]] = []
+    played = []
+    while True:
+        hidden = HiddenSettings("none" if kind == "none" else f"{kind}:{strength:.6g}")
+        problems = problems_of(recorded(hidden, robot), plant)
+        search = _without_any(problems, settings)
+        tries.append((strength, beside(left(search.base, problems), LEFT)))
+        played.append((_beyond(tries[-1][1]), hidden, problems, search))
+        if kind == "none" or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
+            break
+        strength, before = adjusted(tries, wanted), strength
+        if strength == before:  # the strongest that is drawn
+            break
+    return min(played, key=lambda p: p[0])[1:]
+
+
+def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Search:
+    """The numbers fitted without any effect, with wide differences first, then to the end."""
+    train = near(problems["train"], {})
+    found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
+    return begun(problems, FITTED, found.changes, settings, STEPS[-1:])
+
+
+def _beyond(shown: float) -> float:
+    """By what factor an effect shows less or more than is near enough, as a logarithm."""
+    inside = min(max(shown, SHOWN[0]), SHOWN[1])
+    return abs(math.log(max(shown, 1e-3) / inside))

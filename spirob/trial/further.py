@@ -1,0 +1,50 @@
+"""Further trials on the robot of a case: what decides between rivals, and what proves a name."""
+
+from collections.abc import Mapping
+
+from spirob.diagnose.again import decided_again, joined, proposed
+from spirob.diagnose.contest import contest
+from spirob.diagnose.proof import Proof, models_of, proved, put_to_proof, to_prove
+from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.verdict import Verdict, judge
+from spirob.emulator.rig import HiddenSettings
+from spirob.identify.residual import Residual
+from spirob.trial.played import recorded
+
+Robot = tuple[HiddenSettings, int]  # what is hidden in it, and its seed
+
+
+def asked_again(
+    search: Search,
+    contested: Verdict,
+    robot: Robot,
+    problems: Mapping[str, Residual],
+    settings: Settings,
+) -> tuple[Search, str]:
+    """The experiment that separates the rivals best, played on the same robot, and what it says."""
+    proposals = proposed(search, contested, problems["validate"], settings)
+    if not proposals:
+        return search, ""
+    best = proposals[0]
+    known = joined(problems, recorded(*robot, best.trials))
+    asked = decided_again(contest(search, contested), problems, known, settings)
+    return (search, f"{best.name}, set aside") if asked is None else (asked, best.name)
+
+
+def judged(
+    search: Search,
+    robot: Robot,
+    problems: Mapping[str, Residual],
+    settings: Settings,
+) -> tuple[Verdict, Proof | None]:
+    """The verdict, and what its name was worth on a trial of its own, played on the same robot."""
+    verdict = judge(search, problems, settings)
+    if verdict.kind != "named":
+        return verdict, None
+    experiments = to_prove(search, problems["validate"], settings)
+    if not experiments:
+        return verdict, None
+    best = experiments[0]
+    known = joined(problems, recorded(*robot, best.trials))
+    proof = put_to_proof(best.name, models_of(search), problems, known, settings)
+    return proved(verdict, proof), proof
