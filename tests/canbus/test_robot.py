@@ -90,7 +90,7 @@ def test_a_silent_drive_is_named_after_zero_was_commanded(channel, motor):
         with pytest.raises(HardwareError, match=f"motor {motor} for .* ms"):
             for _ in range(2000):
                 robot.exchange(HALF_AMPERE)
-        assert drives.wait_for(lambda: drives.commands[-1] == (0.0, 0.0))
+        assert drives.wait_for(lambda: drives.commands[-1:] == [(0.0, 0.0)])
         robot.close()
 
 
@@ -111,7 +111,7 @@ def test_closing_commands_zero_and_can_be_repeated(channel):
         robot.exchange(HALF_AMPERE)
         robot.close()
         robot.close()
-        assert drives.wait_for(lambda: drives.commands[-1] == (0.0, 0.0))
+        assert drives.wait_for(lambda: drives.commands[-1:] == [(0.0, 0.0)])
 
 
 def test_a_dead_bus_is_a_hardware_error(channel):
@@ -166,7 +166,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
             limits=Limits(silence=1e-9 * PATIENT_NS),
         )
         robot.close()
-        assert drives.wait_for(lambda: drives.commands[-1] == (0.0, 0.0))
+        assert drives.wait_for(lambda: drives.commands[-1:] == [(0.0, 0.0)])
     trace = read_log(path)
     assert len(trace) >= 300 - 1  # jitter may put two commands into one cycle
     assert trace["left.displacement"][-1] > 0
