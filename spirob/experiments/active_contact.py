@@ -8,10 +8,10 @@ that begins the recoil, on the robot and in each model by what that side itself 
 a contact does the recoil come when the uncurling is over.  Every trial is played twice, with the
 detector on the raw and on the filtered current.  When a detector speaks and what a current is are
 two questions: currents are compared "under identical conditions" (paper), in models that move as
-the robot did and recoil when it did.
+the robot did and recoil when it did, and with each side's own recoil beside.
 """
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
@@ -20,60 +20,20 @@ import numpy as np
 
 from spirob.bench.wrap import beside
 from spirob.errors import DataError
-from spirob.experiments.experiment import (
-    SIDES,
-    Experiment,
-    Play,
-    Sides,
-    curve,
-    plan,
-    repeating,
-    row,
-    trial,
-)
+from spirob.experiments.current_error import each_in_its_own, in_one_motion
+from spirob.experiments.experiment import SIDES, Experiment, Play, Sides, curve, plan, row, trial
+from spirob.experiments.onset import detected, onset
 from spirob.experiments.recoil import Recoil, Repeat
-from spirob.experiments.response import PERIOD, smooth
+from spirob.experiments.response import PERIOD
 from spirob.experiments.side import Side
 from spirob.geometry import ARM_LENGTH, spiral_arm
-from spirob.perceive.contact import ContactDetector, ContactSettings
+from spirob.perceive.contact import ContactSettings
 
-PAPER_RMSE = 0.307  # A
-AIM_RMSE = 0.1  # A
 RIGHT = 1
 RESTS = 0.3  # s before and after the motion
-DEPARTS = 0.025  # A: five times the sensor's noise
-PARTED = 50  # samples
 AWAY = 2.0  # m, beyond the arm's reach: where the peg of a free motion stands
 RAW = "current"
 SIGNALS = (RAW, "filtered")
-
-
-def rmse(one: np.ndarray, other: np.ndarray) -> float:
-    """Root of the mean squared difference, up to the end of the shorter one."""
-    both = min(len(one), len(other))
-    return float(np.sqrt(np.mean((one[:both] - other[:both]) ** 2)))
-
-
-def onset(contact: np.ndarray, free: np.ndarray, first: int) -> float:
-    """Time [s] at which a current parts from that of the same motion without contact.
-
-    From a sample `first` on it has to be `DEPARTS` above for `PARTED` samples, or to the end, as a
-    mean of 21; NaN where it never does.  The shorter current decides how far they are compared.
-    """
-    both = min(len(contact), len(free))
-    apart = smooth(contact[:both] - free[:both], 21)[first:] > DEPARTS
-    runs = np.convolve(np.append(apart, np.ones(PARTED - 1)), np.ones(PARTED), mode="valid")
-    began = apart & (runs > PARTED - 0.5)
-    return PERIOD * (first + int(np.argmax(began))) if began.any() else float("nan")
-
-
-def detected(values: np.ndarray, first: int, last: int, rules: ContactSettings) -> float:
-    """Time [s] at which a contact is declared between two samples; NaN where none is."""
-    detector = ContactDetector(rules, PERIOD)
-    for k in range(first, last):
-        if detector.update(float(values[k])) is not None:
-            return PERIOD * k
-    return float("nan")
 
 
 def _told(signal: str) -> str:
@@ -90,6 +50,7 @@ class ActiveContact(Experiment):
     speed      of the right tendon [m/s];  curl, uncurl, recoil [s]  how long each takes
     high, low  current of the left motor while it curls and while it gives way [A]
     settle     of the uncurling until the detector listens [s]
+    again      how many times more the robot plays each contact, to compare it with itself
     """
 
     title: ClassVar[str] = "Active contact while uncurling"
@@ -104,6 +65,7 @@ class ActiveContact(Experiment):
     high: float = 0.6
     low: float = 0.15
     settle: float = 0.3
+    again: int = 4
 
     @property
     def begins(self) -> float:
@@ -111,17 +73,24 @@ class ActiveContact(Experiment):
         return RESTS + self.curl + RESTS
 
     def plays(self) -> list[Play]:
-        return [
-            Play(
-                self._name(place, signal),
-                self._trial(place, signal),
-                only=() if signal == RAW else ("robot", "base", "named"),
-                react=partial(self._recoil, signal),
-                repeat=None if place is None else partial(self._repeat, signal),
-            )
-            for signal in SIGNALS
-            for place in (None, *self.places)
-        ]
+        wanted = [(place, signal) for signal in SIGNALS for place in (None, *self.places)]
+        more = [(place, s, k + 1) for place, s in wanted if place for k in range(self.again)]
+        return [self._play(*one) for one in wanted] + [self._once_more(*one) for one in more]
+
+    def _play(self, place: float | None, signal: str) -> Play:
+        return Play(
+            self._name(place, signal),
+            self._trial(place, signal),
+            only=() if signal == RAW else ("robot", "base", "named"),
+            react=partial(self._recoil, signal),
+            repeat=None if place is None else partial(self._repeat, signal),
+        )
+
+    def _once_more(self, place: float, signal: str, again: int) -> Play:
+        """The same trial on the robot alone: nothing differs but what the robot itself varies."""
+        name = self._name(place, signal, again)
+        plain = {**self._trial(place, signal), "name": name}
+        return Play(name, plain, only=("robot",), react=partial(self._recoil, signal))
 
     def _recoil(self, signal: str) -> Recoil:
         return Recoil(RIGHT, signal != RAW, *self.window(), ContactSettings())
@@ -131,9 +100,11 @@ class ActiveContact(Experiment):
         told = detected(robot.driven(signal, RIGHT), first, last, ContactSettings())
         return Repeat(None if np.isnan(told) else round(told / PERIOD), first, last)
 
-    def _name(self, place: float | None, signal: str = RAW) -> str:
+    def _name(self, place: float | None, signal: str = RAW, again: int = 0) -> str:
+        how = [] if signal == RAW else [signal]
+        which = [f"again{again}"] if again else []
         where = "free" if place is None else f"{100 * place:.0f}"
-        return f"uncurl_{where}" if signal == RAW else f"uncurl_{signal}_{where}"
+        return "_".join(["uncurl", *how, *which, where])
 
     def _trial(self, place: float | None, signal: str) -> dict[str, Any]:
         v = self.speed
@@ -194,40 +165,43 @@ class ActiveContact(Experiment):
             played = sides[self._name(place, signal)]
             told = {s: self.judge(played[s], free[s], signal) for s in sensed}
             missed = {s: missed[s] + (not told[s]["delay"] > -0.02) for s in sensed}
-            recoils = {s: t["detected"] - self.begins for s, t in told.items()}
-            what = f"recoil from contact at {place:.0%}, {signal}"
-            rows.append(row(what, "s", recoils, note="after the uncurling began"))
+            rows.append(self._recoils(sides, place, signal, told))
             delay = {s: 1e3 * t["delay"] for s, t in told.items()}
             note = "from the current's parting from free motion to the decision"
             rows.append(row(f"delay of contact at {place:.0%}, {signal}", "ms", delay, note=note))
         met = missed.get("robot") == 0.0 if "robot" in missed else None
         return [*rows, row(f"missed contacts, {signal}", "1", missed, aim="0", met=met)]
 
+    def _recoils(
+        self, sides: Sides, place: float, signal: str, told: Mapping[str, Mapping[str, float]]
+    ) -> dict[str, Any]:
+        """When each side recoils, and how far that varies from play to play of the robot."""
+        first, last = self.window()
+        robots = self._robots(sides, place, signal)
+        plays = [detected(r.driven(signal, RIGHT), first, last, ContactSettings()) for r in robots]
+        note = "after the uncurling began"
+        if len(plays) > 1:
+            each = ", ".join(f"{t - self.begins:.2f}" for t in sorted(plays))
+            note = f"{note}; {len(plays)} plays of the robot: {each}"
+        recoils = {s: t["detected"] - self.begins for s, t in told.items()}
+        return row(f"recoil from contact at {place:.0%}, {signal}", "s", recoils, note=note)
+
     def _error(self, sides: Sides, place: float | None, signal: str) -> dict[str, Any]:
         """Of the signal to which the detector listens: the paper's currents are filtered ones."""
-        errors = self._errors(sides, place, signal, repeating if place is not None else str)
-        met = bool(errors["named"] <= AIM_RMSE) if "named" in errors else None
-        paper = None if place is None else PAPER_RMSE
         what = f"{_told(signal)} RMSE against the robot, {_where(place)}"
-        note = "" if place is None else "the model moves as the robot did and recoils when it did"
-        aim = f"at most {AIM_RMSE} A"
-        return row(what, "A", errors, paper=paper, aim=aim, met=met, note=note)
+        played = sides[self._name(place, signal)]
+        return in_one_motion(what, played, signal, RIGHT, recoils=place is not None)
 
     def _error_apart(self, sides: Sides, place: float, signal: str) -> dict[str, Any]:
-        """The same where each recoils when its own detector speaks, to the end of the shorter."""
-        errors = self._errors(sides, place, signal, str)
+        """The same where each recoils when its own detector speaks."""
         what = f"{_told(signal)} RMSE, each with its own recoil, {_where(place)}"
-        return row(what, "A", errors, note="a recoil that comes later counts as error")
+        robots = self._robots(sides, place, signal)
+        return each_in_its_own(what, robots, sides[self._name(place, signal)], signal, RIGHT)
 
-    def _errors(
-        self, sides: Sides, place: float | None, signal: str, played_as: Callable[[str], str]
-    ) -> dict[str, float]:
-        played = sides[self._name(place, signal)]
-        if "robot" not in played:
-            return {}
-        robot = played["robot"].driven(signal, RIGHT)
-        models = {s: played.get(played_as(s)) for s in ("base", "named")}
-        return {s: rmse(m.driven(signal, RIGHT), robot) for s, m in models.items() if m is not None}
+    def _robots(self, sides: Sides, place: float, signal: str) -> list[Side]:
+        """What the robot did in every play of one trial."""
+        played = [sides[self._name(place, signal, k)] for k in range(self.again + 1)]
+        return [sides["robot"] for sides in played if "robot" in sides]
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []

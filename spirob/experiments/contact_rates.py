@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from spirob.experiments.active_contact import RIGHT, ActiveContact, onset
+from spirob.experiments.active_contact import RIGHT, ActiveContact
 from spirob.experiments.experiment import Play
+from spirob.experiments.onset import onset
 from spirob.experiments.response import PERIOD
 from spirob.experiments.side import Side
 from spirob.perceive.contact import ContactSettings

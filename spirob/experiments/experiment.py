@@ -102,6 +102,8 @@ def _require_number(where: str, value: Any, default: Any) -> None:
         raise ConfigError(f"{where} must be a finite number, not {value!r}")
     if value < 0:
         raise ConfigError(f"{where} = {value} must not be below 0")
+    if isinstance(default, int) and not isinstance(value, int):
+        raise ConfigError(f"{where} = {value} must be a whole number")
 
 
 def plan(mode: str, profile: dict[str, Any]) -> dict[str, Any]:

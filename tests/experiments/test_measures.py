@@ -5,10 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.experiments.active_contact import ActiveContact, detected, onset, rmse
+from spirob.experiments.active_contact import ActiveContact
+from spirob.experiments.current_error import each_in_its_own, rmse
 from spirob.experiments.experiment import repeating
 from spirob.experiments.extreme_curl import knee
 from spirob.experiments.hysteresis import loop_area
+from spirob.experiments.onset import detected, onset
 from spirob.experiments.periodic_contact import seen
 from spirob.experiments.response import amplitude, crossing, step_times, strongest_period
 from spirob.experiments.side import Side
@@ -139,7 +141,7 @@ def test_onset_and_detection_of_a_contact():
 
 def test_currents_are_compared_in_the_same_motion():
     """To recoil later than the robot did is told beside it, as an error of its own."""
-    experiment = ActiveContact(places=(0.5,))
+    experiment = ActiveContact(places=(0.5,), again=0)
     time = np.arange(9000) * 1e-3
     free = np.full(9000, 0.6)
     robot = free + 10 * np.maximum(time - 8.0, 0)
@@ -158,6 +160,19 @@ def test_currents_are_compared_in_the_same_motion():
         assert same["met"]
         assert same["base"] is None
         assert apart["named"] > 1.0
-        assert apart["met"] is None
+        assert apart["met"] is False
+        assert apart["robot"] is None  # played once, it has nothing to be compared with
     drawn = {c["side"] for c in experiment.curves(sides)}
     assert drawn == {"robot", "named"}
+
+
+def test_a_robot_that_does_not_repeat_itself_bounds_every_model():
+    """Two early and two late steps: no model is nearer to all of them than they to each other."""
+    early, late = (side((TIME >= at).astype(float)) for at in (1.0, 1.3))
+    apart = rmse(early.driven("current", 1), late.driven("current", 1))
+    assert apart == pytest.approx(np.sqrt(0.1))
+    found = each_in_its_own("x", [early, early, late, late], {"named": late}, "current", 1)
+    assert found["robot"] == pytest.approx(4 / 6 * apart, rel=1e-5)
+    assert found["named"] == pytest.approx(apart / 2, rel=1e-5)
+    assert found["met"] is False
+    assert "4 plays" in found["note"]

@@ -107,6 +107,7 @@ def played(play, experiment):
         ("hysteresis", {"period": -1}, "must not be below 0"),
         ("hysteresis", {"period": True}, "must be a finite number"),
         ("delay", 3, "must be a mapping"),
+        ("active_contact", {"again": 1.5}, "again = 1.5 must be a whole number"),
     ],
 )
 def test_a_mistake_is_a_sentence(name, given, said):

@@ -10,7 +10,8 @@ from spirob.bench import Trial, record
 from spirob.bench.simulate import simulate
 from spirob.control.law import Gains
 from spirob.emulator import EmulatedRobot
-from spirob.experiments.active_contact import RIGHT, ActiveContact, detected
+from spirob.experiments.active_contact import RIGHT, ActiveContact
+from spirob.experiments.onset import detected
 from spirob.experiments.recoil import Recoil, Repeat
 from spirob.experiments.response import PERIOD
 from spirob.experiments.side import Side
@@ -18,7 +19,7 @@ from spirob.logs import Transmission, read_log
 from spirob.perceive.contact import ContactSettings
 from spirob.plant import Plant, Rig
 
-ABOUT = ActiveContact(places=(0.9,), recoil=0.4)
+ABOUT = ActiveContact(places=(0.9,), recoil=0.4, again=0)
 FREE, RAW, _, FILTERED = ABOUT.plays()
 DAMPING = {"motor.rotor_damping": 5e-5}
 

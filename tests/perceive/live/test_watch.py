@@ -72,7 +72,7 @@ def test_what_is_no_wrap_is_a_sentence(model, tmp_path):
 
 
 def test_an_uncurling_arm_meets_a_peg_and_nothing_before(tmp_path):
-    about = ActiveContact(places=(0.9,), recoil=0.1)
+    about = ActiveContact(places=(0.9,), recoil=0.1, again=0)
     kinds = {}
     for play in about.plays():
         frames, _ = frames_and_features(play.trial, tmp_path, features=False)
