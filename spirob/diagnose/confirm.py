@@ -16,7 +16,6 @@ from spirob.diagnose.rungs import (
 )
 from spirob.diagnose.screen import Screened, beside
 from spirob.identify.fit import STEPS, Fit, fit
-from spirob.identify.near import near
 from spirob.identify.problem import Problem
 from spirob.identify.scaling import Scaling
 
@@ -67,35 +66,8 @@ def shaped(
         exact=False,
         slopes=slopes,
     )
-    better = _refitted(found, changed, residuals)
+    better = refitted(found, changed, residuals)
     progress(f"{label(found.effects)} to the end: {line(better.scores, train.effort)}")
-    return better
-
-
-def anew(
-    found: Confirmed,
-    exact: Problem,
-    residuals: Mapping[str, Problem],
-    settings: Settings,
-    progress: Callable[[str], None],
-) -> Confirmed:
-    """The same fitted from the data sheet, where that ends clearly lower.
-
-    Without a large effect the fitted numbers have moved far to make up for it, and from there its
-    own fit may end in a valley: tilts of the mount have been found at two thirds of their size.
-
-    exact  the training trials, of which those of `residuals` are a copy near the rung below
-    """
-    names = list(found.fit.estimates)
-    fixed = {k: v for k, v in found.fit.changes.items() if k not in names}
-    cheap = near(exact, fixed)
-    far = fit(cheap, names, fixed, settings.scale, settings.patience, exact=False)
-    again = briefly(residuals["train"], names, far.changes, settings, far.jacobian)
-    if again.cost > (1.0 - CLEARLY) * found.fit.cost:
-        return found
-    better = _refitted(found, again, residuals)
-    effort = residuals["train"].effort
-    progress(f"{label(found.effects)} from the data sheet: {line(better.scores, effort)}")
     return better
 
 
@@ -139,9 +111,10 @@ def finished(found: Confirmed, residuals: Mapping[str, Problem], settings: Setti
     final = fit(
         train, names, found.fit.changes, settings.scale, settings.patience, steps=STEPS[-1:]
     )
-    return _refitted(found, final, residuals)
+    return refitted(found, final, residuals)
 
 
-def _refitted(found: Confirmed, better: Fit, residuals: Mapping[str, Problem]) -> Confirmed:
+def refitted(found: Confirmed, better: Fit, residuals: Mapping[str, Problem]) -> Confirmed:
+    """The same candidate with another fit."""
     scores, missed, errors = scores_of(better, residuals)
     return replace(found, fit=better, scores=scores, missed=missed, errors=errors)

@@ -2,17 +2,17 @@
 
 The library's counterpart of what is hidden is added and everything refitted.  No diagnosis can be
 expected to do better, and where the oracle gains nothing, nothing can be named.  Its own fit must
-not be what fails, so it begins at the base, and where that does not help much at the data sheet
-too: an effect that moved the base's numbers far may not be seen from there.
+not be what fails, so it begins at the base and from afar too, as that of a leader of the search.
 """
 
 from collections.abc import Mapping, Sequence
 
+from spirob.diagnose.afar import anew
 from spirob.diagnose.confirm import confirm, shaped
-from spirob.diagnose.rungs import Rung, Search, Settings, scores_of
-from spirob.diagnose.screen import amplitudes, screen
+from spirob.diagnose.rungs import Rung, Search, Settings
+from spirob.diagnose.screen import screen
 from spirob.effects import Effect
-from spirob.identify.fit import fit
+from spirob.identify.fit import Fit
 from spirob.identify.near import near
 from spirob.identify.problem import Problem
 
@@ -30,40 +30,32 @@ def oracle(
     What the search has already fitted is not fitted again.
     """
     base, wanted = search.rungs[0], set(effects)
+    # what the data did not tell without the effect they may tell with it
+    names = [*base.fit.estimates, *search.vague]
     found = [r.scores for r in search.rungs if set(r.effects) == wanted]
     found += [c.scores for tried in search.rounds[:1] for c in tried if set(c.effects) == wanted]
     errors = [base.scores["heldout"].rmse, *(s["heldout"].rmse for s in found)]
-    if effects and not found:
-        errors.append(_from_the_base(problems, base, effects, settings))
-    if effects and min(errors) > ENOUGH * errors[0]:
-        errors.append(_from_the_data_sheet(problems, base, effects, settings))
+    if effects and (not found or min(errors) > ENOUGH * errors[0]):
+        errors.append(_fitted(problems, base, names, effects, settings))
     return min(errors)
 
 
-def _from_the_base(
+def _fitted(
     problems: Mapping[str, Problem],
     base: Rung,
+    names: Sequence[str],
     effects: Sequence[type[Effect]],
     settings: Settings,
 ) -> float:
-    train = near(problems["train"], base.fit.changes)
-    close = {**problems, "train": train}
-    started = screen(train, base.fit, list(base.fit.estimates), effects, settings.scale)
+    close = _near(problems, base.fit)
+    started = screen(close["train"], base.fit, names, effects, settings.scale)
     found = confirm(started, base, close, settings, _silent)
-    return shaped(found, close, settings, _silent).scores["heldout"].rmse
+    found = shaped(found, _near(problems, found.fit), settings, _silent)
+    return anew(found, problems, settings, _silent).scores["heldout"].rmse
 
 
-def _from_the_data_sheet(
-    problems: Mapping[str, Problem],
-    base: Rung,
-    effects: Sequence[type[Effect]],
-    settings: Settings,
-) -> float:
-    train = problems["train"]
-    names = [*base.fit.estimates, *(n for e in effects for n in amplitudes(e, train))]
-    cheap = near(train, {})
-    found = fit(cheap, names, {}, settings.scale, settings.patience, exact=False)
-    return scores_of(found, problems)[0]["heldout"].rmse
+def _near(problems: Mapping[str, Problem], found: Fit) -> dict[str, Problem]:
+    return {**problems, "train": near(problems["train"], found.changes)}
 
 
 def _silent(text: str) -> None:

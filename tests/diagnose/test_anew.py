@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.diagnose.confirm import anew
+from spirob.diagnose.afar import anew
 from spirob.diagnose.rungs import ROLES, Confirmed, Settings, scores_of
 from spirob.effects import find_effects
 from spirob.identify.fit import STEPS, fit
@@ -35,7 +35,7 @@ def test_a_fit_that_lost_its_way_is_replaced(residuals, settled):
     scores, missed, errors = scores_of(stuck, residuals)
     lost = replace(settled, fit=stuck, scores=scores, missed=missed, errors=errors)
     told: list[str] = []
-    better = anew(lost, residuals["train"], residuals, SETTINGS, told.append)
+    better = anew(lost, residuals, SETTINGS, told.append)
     assert "from the data sheet" in told[0]
     assert better.fit.changes["capstan_friction.friction"] == pytest.approx(0.08, rel=0.1)
     assert better.scores["heldout"].rmse < 0.2 * scores["heldout"].rmse
@@ -45,5 +45,5 @@ def test_a_fit_that_lost_its_way_is_replaced(residuals, settled):
 
 def test_a_fit_at_its_optimum_stands(residuals, settled):
     told: list[str] = []
-    assert anew(settled, residuals["train"], residuals, SETTINGS, told.append) is settled
+    assert anew(settled, residuals, SETTINGS, told.append) is settled
     assert not told
