@@ -1,8 +1,7 @@
 """Stage `decide`: judge again with the trials that were asked for; the diagnosis that stands.
 
-A name that does not hold on the trial that would show it most is taken away.  Where nothing was
-asked, nothing could be played, or what was played tells nothing of those in question, the diagnosis
-stands as it is.
+Names that do not hold under a softer pull are taken away.  Where nothing was asked, nothing could
+be played, or what was played tells nothing of those in question, the diagnosis stands as it is.
 """
 
 import shutil
@@ -17,17 +16,23 @@ from pipeline.overlay import motion, overlay
 from pipeline.stage import ASKED, public_config, read_json, run, tell, write_json
 from pipeline.switches import laws
 from spirob.diagnose.again import decided_again, joined
-from spirob.diagnose.contest import Contestant
+from spirob.diagnose.contest import Contestant, in_question
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.proof import Proof, disproved, models_of, put_to_proof
-from spirob.diagnose.rungs import Settings
-from spirob.diagnose.verdict import judge
+from spirob.diagnose.proof import FOUND, Proof, Proofs, disproved, put_to_proof, sifted
+from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.verdict import Verdict, judge
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
 
 SEARCH, OUT = Path("data/search"), Path("data/diagnosis")
+KEPT = (
+    "atlas",
+    "atlas_sentences",
+    "vague",
+    "asked",
+)  # of what a diagnosis says, once decided again
 DONE: dict[str, Any] = {"next_experiment": "", "next_trials": []}
 
 
@@ -46,12 +51,11 @@ def stage(root: Path) -> None:
         settings = settings_of(config)
         if asked:
             again = _again(root, contest["experiment"], models, own, asked, settings)
-            found, models = again or (found, models[:2])
-        if proving and found["verdict"] == "named":
-            proof = put_to_proof(
-                contest["proof"]["experiment"], models, own, joined(own, proving), settings
-            )
-            found = _proved(root, found, models[0], proof, own)
+            found, models = again or (found, models)
+        if proving and found["verdict"] in FOUND:
+            known = joined(own, proving)
+            proofs = put_to_proof(contest["proof"]["experiment"], models, own, known, settings)
+            found = _sifted(root, found, models, proofs, own, settings)
     write_json(root / "reports/metrics/diagnose.json", found)
 
 
@@ -84,15 +88,45 @@ def _again(
         tell(f"'{experiment}' shows what no contestant explains; the verdict stands")
         return None
     verdict = judge(search, own, settings)
+    found = _written(root, search, verdict, own, {"asked": asked})
+    tell(f"after '{experiment}': {verdict.sentence}")
+    return found, in_question(search, verdict)
+
+
+def _written(
+    root: Path,
+    search: Search,
+    verdict: Verdict,
+    own: Mapping[str, Residual],
+    more: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Metrics of a contest that was settled, which is the diagnosis from now on."""
+    before = read_json(root / OUT / "diagnosis.json", "decide")
+    kept = {key: before[key] for key in KEPT if key in before}
     effort = own["train"].effort
-    written = document(search, verdict, [], noise_floor(own["train"]), effort)
-    kept = {key: before[key] for key in ("atlas", "atlas_sentences", "vague")}
-    write_json(root / OUT / "diagnosis.json", {**written, **kept, "asked": asked})
+    now = document(search, verdict, [], noise_floor(own["train"]), effort)
+    write_json(root / OUT / "diagnosis.json", {**now, **kept, **more})
     _model(root, own, search.rungs[0].fit.changes, model_of(search, verdict))
     if verdict.kind == "named":
         laws(root / OUT, own, search, True)
-    tell(f"after '{experiment}': {verdict.sentence}")
-    return metrics(search, verdict, effort), models_of(search)
+    return metrics(search, verdict, effort)
+
+
+def _sifted(
+    root: Path,
+    found: dict[str, Any],
+    models: Sequence[Contestant],
+    proofs: Proofs,
+    own: Mapping[str, Residual],
+    settings: Settings,
+) -> dict[str, Any]:
+    """Metrics of what is left once every name was put to the proof."""
+    search, name = sifted(models, proofs, own, settings), models[1].effects
+    if search is not None:
+        verdict, name = judge(search, own, settings), tuple(search.rungs[-1].effects)
+        found = _written(root, search, verdict, own, {})
+        tell(f"of those that hold: {verdict.sentence}")
+    return _proved(root, found, models[0], proofs[frozenset(name)], own)
 
 
 def _proved(
@@ -102,11 +136,13 @@ def _proved(
     proof: Proof,
     own: Mapping[str, Residual],
 ) -> dict[str, Any]:
-    """Metrics once the name was put to the proof; without it where it did not hold."""
+    """Metrics once what was found was put to the proof; without its name where it did not hold."""
     before = read_json(root / OUT / "diagnosis.json", "decide")
-    after = {**before, **DONE, "proof": {**asdict(proof), "holds": proof.holds}}
+    after = {**before, "proof": {**asdict(proof), "holds": proof.holds}}
     tell(f"'{proof.experiment}' shows {proof.share:.0%} of the squared error explained")
-    if not proof.holds:
+    if found["verdict"] == "named":
+        after |= DONE
+    if found["verdict"] == "named" and not proof.holds:
         found = {**found, "verdict": "unknown", "effect": "", "effects": "", "probability": 0.0}
         after |= {"verdict": "unknown", "effects": [], **disproved(before["sentence"], proof)}
         _model(root, own, base.changes, {"effects": [], "changes": dict(base.changes)})

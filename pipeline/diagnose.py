@@ -11,11 +11,11 @@ from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnose.again import proposed
 from spirob.diagnose.atlas import atlas
-from spirob.diagnose.contest import contest
+from spirob.diagnose.contest import in_question
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.proof import models_of, to_prove
+from spirob.diagnose.proof import FOUND, to_prove
 from spirob.diagnose.proposals import Proposal
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, judge
@@ -42,8 +42,7 @@ def stage(root: Path) -> None:
     effort = residuals["train"].effort
     regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
     contested = proposed(search, verdict, residuals["validate"], settings)
-    found = verdict.kind in ("named", "undecided")
-    proofs = to_prove(search, residuals["validate"], settings) if found else []
+    proofs = to_prove(search, residuals["validate"], settings) if verdict.kind in FOUND else []
     floor, further = noise_floor(residuals["train"]), contested or proofs
     written = document(search, verdict, regimes, floor, effort, further)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
@@ -76,7 +75,7 @@ def _contest(
 ) -> dict[str, Any]:
     """What is left to play: the trials that would decide between what was found and those beside
     it, the one that would prove a name, and the models in question."""
-    models = contest(search, verdict) if contested else models_of(search) if proofs else ()
+    models = in_question(search, verdict) if contested or proofs else ()
     return {**_first(contested), "proof": _first(proofs), "models": [m.as_dict() for m in models]}
 
 

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.diagnose.confirm import finished
-from spirob.diagnose.contest import Contestant, contestants
+from spirob.diagnose.contest import Contestant, alone, contestants
 from spirob.diagnose.noise import complete
 from spirob.diagnose.proposals import Proposal, propose
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label, rung_of, scores_of
@@ -38,16 +38,11 @@ def proposed(
 
     None where the two differ by less than counts as an effect on all of them: two names of one law.
     """
-    if not verdict.contested or set(search.rungs[-1].effects) not in _alone(search):
+    if not verdict.contested or set(search.rungs[-1].effects) not in alone(search):
         return []
     one, other = contestants(search, verdict)[:2]
     every = propose(problem, one.fit.changes, other.fit.changes)
     return [p for p in every if p.share > settings.floor]
-
-
-def _alone(search: Search) -> list[set[type[Effect]]]:
-    """What the first round found: with more added since, it is not what is in question."""
-    return [set(c.effects) for c in search.rounds[0]]
 
 
 def joined(
@@ -82,12 +77,26 @@ def decided_again(
     wide_base, wide = compared(models, known, settings)
     if not _explained(wide_base.fit, [c.fit for c in wide], further_of(own, known), settings):
         return None
-    base, near_by = compared(models, own, settings)
-    found = {c.effects: c for c in near_by}
     winner = simplest(wide, known["train"], settings).effects
+    return settled(compared(models, own, settings), wide, winner, own, settings)
+
+
+def settled(
+    near_by: tuple[Rung, Sequence[Confirmed]],
+    contest: Sequence[Confirmed],
+    winner: tuple[type[Effect], ...],
+    own: Mapping[str, Residual],
+    settings: Settings,
+) -> Search:
+    """A settled contest as a search of one round, to be judged on the trials that began it.
+
+    near_by  the contestants as `compared` on these trials, `own`, and the rung below them
+    contest  the same where it was settled: how they miss and how often each wins
+    """
+    base, found = near_by[0], {c.effects: c for c in near_by[1]}
     won = finished(found[winner], own, settings)
     rung = Rung(f"+ {label(winner)}", list(winner), won.fit, won.scores, won.errors)
-    tried = [replace(found[c.effects], missed=c.missed, probability=c.probability) for c in wide]
+    tried = [replace(found[c.effects], missed=c.missed, probability=c.probability) for c in contest]
     return Search(base, [base, rung], [tried])
 
 
@@ -96,13 +105,12 @@ def compared(
 ) -> tuple[Rung, list[Confirmed]]:
     """All fitted again to these trials, the model without an effect first; how often each wins."""
     start, *others = models
-    train = near(residuals["train"], start.changes)
-    close = {**residuals, "train": train}
-    base = rung_of("fitted parameters", [], _fitted(start, train, settings), close)
+    train = residuals["train"]
+    base = rung_of("fitted parameters", [], _fitted(start, train, settings), residuals)
     tried = []
     for one in others:
         found = _fitted(one, train, settings)
-        scores, missed, errors = scores_of(found, close)
+        scores, missed, errors = scores_of(found, residuals)
         tried.append(Confirmed(one.effects, one.gain, found, missed, errors, scores))
     return base, with_probability(tried, base, train, settings)
 
@@ -118,7 +126,7 @@ def _explained(base: Fit, found: Sequence[Fit], further: Problem, settings: Sett
 
 def _fitted(one: Contestant, train: Problem, settings: Settings) -> Fit:
     return fit(
-        train,
+        near(train, one.changes),
         one.names,
         one.changes,
         settings.scale,

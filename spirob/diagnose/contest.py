@@ -43,6 +43,22 @@ def contest(search: Search, verdict: Verdict) -> list[Contestant]:
     return found
 
 
+def in_question(search: Search, verdict: Verdict) -> list[Contestant]:
+    """The model without any effect, the one with what was found, and those beside it, if any."""
+    last = search.rungs[-1]
+    if verdict.contested and set(last.effects) in alone(search):
+        return contest(search, verdict)
+    return [
+        Contestant(tuple(r.effects), tuple(r.fit.estimates), r.fit.changes)
+        for r in (search.rungs[0], last)
+    ]
+
+
+def alone(search: Search) -> list[set[type[Effect]]]:
+    """What the first round found: with more added since, it is not what is in question."""
+    return [set(c.effects) for c in search.rounds[0]]
+
+
 def contestants(search: Search, verdict: Verdict) -> list[Confirmed]:
     """The finalist that was found, then those that stand beside it, the most probable first."""
     first, last = search.rounds[0], set(search.rungs[-1].effects)

@@ -5,7 +5,9 @@ passes for a soft tendon while both tendons pull; dry friction and saturation pa
 grows with the load.  Where hardly anything pulls they part.  So a soft pull is played on either
 side.  One of its logs joins those that are fitted, and the model with the name and the one without
 are fitted again; on the other the name has to account for most of what is missing there, too.  A
-proof takes a name away or lets it stand; it gives none.
+proof takes a name away or lets it stand.  Where others stand beside it, as rivals or because they
+say the same of the data, they are put to the same proof, and who does not hold is out: a soft
+tendon that passes for play leaves the name to play.
 
 Only what is softer proves: where a trial is faster, stronger or deeper than what was fitted, more
 happens than a right law says.  On emulated robots the right law of warming explained 84 % of a hot
@@ -18,14 +20,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnose.again import compared, further_of
+from spirob.diagnose.again import TELLING, compared, further_of, settled
 from spirob.diagnose.contest import Contestant
 from spirob.diagnose.noise import complete
 from spirob.diagnose.proposals import SOFT_PULL, Proposal, propose
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import AGAIN, ATLAS, Verdict, share_of
+from spirob.diagnose.weighing import simplest
+from spirob.effects import Effect
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
+
+FOUND = ("named", "undecided")  # verdicts that hold names
 
 # What builds of a machine from which nothing is missing differ by under a soft pull, besides the
 # noise, over the effort: of ten emulated robots with nothing hidden 0.73 % at most (seeds 3500 to
@@ -37,6 +43,11 @@ USUAL = 0.009
 # called a soft tendon for 43 to 82.
 HOLDS = 0.8
 
+# Where others stand beside it, a name is better founded if it leaves that many times less squared
+# error than each of them: it was tried against what else it might be.  Then it has to account for
+# half, as a further trial that tells which of several it is (`again.TELLING`).
+TIMES = 2.0
+
 
 @dataclass(frozen=True)
 class Proof:
@@ -45,15 +56,20 @@ class Proof:
     experiment  name of the trial;  share  of the squared error there, above the sensor's noise and
                 the floor, that the named effects account for; 1 where no more is left than of a
                 machine from which nothing is missing
+    beats       others stood beside the name, and each leaves at least `TIMES` as much there
     """
 
     experiment: str
     share: float
+    beats: bool = False
 
     @property
     def holds(self) -> bool:
-        """Whether that is enough for the name to stand."""
-        return self.share >= HOLDS
+        """Whether that is enough for the name to stand: less is asked of one that beats others."""
+        return self.share >= (TELLING if self.beats else HOLDS)
+
+
+Proofs = Mapping[frozenset[type[Effect]], Proof]  # by the effects of a name
 
 
 def to_prove(search: Search, problem: Residual, settings: Settings) -> list[Proposal]:
@@ -68,39 +84,62 @@ def to_prove(search: Search, problem: Residual, settings: Settings) -> list[Prop
     return [replace(p, proves=True) for p in found if p.share > settings.floor]
 
 
-def models_of(search: Search) -> tuple[Contestant, Contestant]:
-    """The model without any effect and the one with what was found, to be fitted again."""
-    one, other = (
-        Contestant(tuple(r.effects), tuple(r.fit.estimates), r.fit.changes)
-        for r in (search.rungs[0], search.rungs[-1])
-    )
-    return one, other
-
-
 def put_to_proof(
     experiment: str,
     models: Sequence[Contestant],
     own: Mapping[str, Residual],
     known: Mapping[str, Residual],
     settings: Settings,
-) -> Proof:
-    """What a name accounts for on a further trial.
+) -> Proofs:
+    """What each name accounts for on a further trial.
 
-    models  without any effect, and with the named
+    models  without any effect, then those in question
     own     the trials in which the effect was found;  known  the same with the further ones
     """
-    base, (named,) = compared(models, known, settings)
+    base, tried = compared(models, known, settings)
     further = further_of(own, known)
-    before, after = (_rms(further, found.fit.changes) for found in (base, named))
-    if after <= complete(further, max(settings.floor, USUAL)):
-        return Proof(experiment, 1.0)
-    return Proof(experiment, share_of(before**2, after**2, complete(further, settings.floor)))
+    before = _rms(further, base.fit.changes)
+    usual = complete(further, max(settings.floor, USUAL))
+    floor = complete(further, settings.floor)
+    shares = {}
+    for one in tried:
+        after = _rms(further, one.fit.changes)
+        share = 1.0 if after <= usual else share_of(before**2, after**2, floor)
+        shares[frozenset(one.effects)] = share
+    return {name: Proof(experiment, share, _beats(name, shares)) for name, share in shares.items()}
+
+
+def _beats(name: frozenset[type[Effect]], shares: Mapping[frozenset[type[Effect]], float]) -> bool:
+    """Whether others stand beside a name, and all of them leave far more than it does."""
+    others = [share for other, share in shares.items() if other != name]
+    return bool(others) and 1.0 - max(others) > TIMES * (1.0 - shares[name])
+
+
+def sifted(
+    models: Sequence[Contestant],
+    proofs: Proofs,
+    own: Mapping[str, Residual],
+    settings: Settings,
+) -> Search | None:
+    """The contest among the names that hold, as a search of one round.
+
+    None where all hold, or none: then the proof tells nothing of which it is.
+    """
+    base, *names = models
+    hold = [m for m in names if proofs[frozenset(m.effects)].holds]
+    if len(hold) in (0, len(names)):
+        return None
+    rung, tried = compared([base, *hold], own, settings)
+    winner = simplest(tried, own["train"], settings).effects
+    return settled((rung, tried), tried, winner, own, settings)
 
 
 def proved(verdict: Verdict, proof: Proof) -> Verdict:
-    """The verdict that stands after the proof."""
+    """The verdict that stands after the proof of what was found."""
     if proof.holds:
         return replace(verdict, next_experiment="")
+    if verdict.kind != "named":
+        return verdict
     said = disproved(verdict.sentence, proof)
     return Verdict(
         "unknown", 0.0, [], said["sentence"], said["explanation"], said["next_experiment"]

@@ -91,7 +91,8 @@ def _outcome(
 
     robot  plays the proof;  best  the oracle's error
     """
-    verdict, proof = judged(search, robot, problems, settings)
+    first = _first(search)
+    search, verdict, proof = judged(search, robot, problems, settings)
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
     return {
@@ -99,7 +100,7 @@ def _outcome(
         "named": named,
         "rivals": list(verdict.rivals),
         "probability": float(verdict.probability),
-        "first": _first(search),
+        "first": first,
         "proof": None if proof is None else asdict(proof),
         "accounted": {
             "validate": explained(search, complete(problems["validate"], settings.floor)),

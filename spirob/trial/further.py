@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from spirob.diagnose.again import decided_again, joined, proposed
-from spirob.diagnose.contest import contest
-from spirob.diagnose.proof import Proof, models_of, proved, put_to_proof, to_prove
+from spirob.diagnose.contest import contest, in_question
+from spirob.diagnose.proof import FOUND, Proof, proved, put_to_proof, sifted, to_prove
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.emulator.rig import HiddenSettings
@@ -36,15 +36,23 @@ def judged(
     robot: Robot,
     problems: Mapping[str, Residual],
     settings: Settings,
-) -> tuple[Verdict, Proof | None]:
-    """The verdict, and what its name was worth on a trial of its own, played on the same robot."""
+) -> tuple[Search, Verdict, Proof | None]:
+    """The verdict, and what its name was worth on a trial of its own, played on the same robot.
+
+    The search is that of the names that hold there, where others stood beside what was found.
+    """
     verdict = judge(search, problems, settings)
-    if verdict.kind != "named":
-        return verdict, None
+    if verdict.kind not in FOUND:
+        return search, verdict, None
     experiments = to_prove(search, problems["validate"], settings)
     if not experiments:
-        return verdict, None
+        return search, verdict, None
     best = experiments[0]
     known = joined(problems, recorded(*robot, best.trials))
-    proof = put_to_proof(best.name, models_of(search), problems, known, settings)
-    return proved(verdict, proof), proof
+    models = in_question(search, verdict)
+    proofs = put_to_proof(best.name, models, problems, known, settings)
+    left = sifted(models, proofs, problems, settings)
+    if left is not None:
+        search, verdict = left, judge(left, problems, settings)
+    proof = proofs[frozenset(search.rungs[-1].effects)]
+    return search, proved(verdict, proof), proof

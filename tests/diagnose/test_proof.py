@@ -7,11 +7,11 @@ import pytest
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
 from spirob.diagnose.again import joined
-from spirob.diagnose.contest import Contestant
-from spirob.diagnose.proof import Proof, models_of, proved, put_to_proof, to_prove
+from spirob.diagnose.contest import Contestant, in_question
+from spirob.diagnose.proof import Proof, proved, put_to_proof, sifted, to_prove
 from spirob.diagnose.proposals import told
 from spirob.diagnose.rungs import ROLES, Rung, Search, Settings, rung_of, scores_of
-from spirob.diagnose.verdict import AGAIN, Verdict
+from spirob.diagnose.verdict import AGAIN, Verdict, judge
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash
 from spirob.identify.fit import fit
@@ -81,14 +81,46 @@ def test_the_right_law_holds_and_its_imitation_does_not(effect, named, trials, p
     search = named(effect)
     best = to_prove(search, trials["validate"], SETTINGS)[0]
     known = joined(trials, played(plant, best))
-    models = [Contestant.from_dict(m.as_dict()) for m in models_of(search)]
-    proof = put_to_proof(best.name, models, trials, known, SETTINGS)
+    models = [Contestant.from_dict(m.as_dict()) for m in in_question(search, NAMED)]
+    proof = put_to_proof(best.name, models, trials, known, SETTINGS)[frozenset([effect])]
     assert proof.experiment == best.name
     if effect is Backlash:
         assert proof.share > 0.97
     else:
         assert proof.share < 0.8
     assert proof.holds == (effect is Backlash)
+
+
+def test_of_two_that_say_the_same_the_one_that_holds_is_named(named, trials, plant):
+    """Found was the imitation; the right law, which stood beside it, takes its place."""
+    base, found, right = (
+        Contestant(tuple(r.effects), tuple(r.fit.estimates), r.fit.changes)
+        for r in (*named(Stretch).rungs, named(Backlash).rungs[-1])
+    )
+    models = [base, found, right]
+    best = to_prove(named(Stretch), trials["validate"], SETTINGS)[0]
+    known = joined(trials, played(plant, best))
+    proofs = put_to_proof(best.name, models, trials, known, SETTINGS)
+    assert [proofs[frozenset([e])].beats for e in (Stretch, Backlash)] == [False, True]
+    left = sifted(models, proofs, trials, SETTINGS)
+    assert [c.effects for c in left.rounds[0]] == [(Backlash,)]
+    verdict = judge(left, trials, SETTINGS)
+    assert (verdict.kind, left.rungs[-1].effects) == ("named", [Backlash])
+    assert not verdict.contested
+
+
+@pytest.mark.parametrize(
+    ("share", "beats", "holds"), [(0.79, False, False), (0.6, True, True), (0.4, True, False)]
+)
+def test_less_is_asked_of_a_name_that_beats_what_else_it_might_be(share, beats, holds):
+    assert Proof("hold", share, beats).holds is holds
+
+
+@pytest.mark.parametrize("share", [0.2, 0.9])
+def test_where_all_hold_or_none_a_proof_does_not_tell_which(share, trials):
+    models = [Contestant(effects, (), {}) for effects in ((), (Stretch,), (Backlash,))]
+    proofs = {frozenset(m.effects): Proof("hold", share) for m in models[1:]}
+    assert sifted(models, proofs, trials, SETTINGS) is None
 
 
 def test_a_name_that_holds_stands_and_no_further_trial_is_asked_for():
@@ -103,3 +135,8 @@ def test_a_name_that_does_not_hold_is_told_and_taken_away():
     assert "'hold'" in fallen.explanation
     assert "40%" in fallen.explanation
     assert not fallen.contested
+
+
+def test_what_is_undecided_stays_so():
+    undecided = replace(NAMED, kind="undecided", rivals=["stretch"])
+    assert proved(undecided, Proof("hold", 0.4)) == undecided
