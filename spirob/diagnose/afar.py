@@ -33,7 +33,7 @@ def anew(
     """
     enough = complete(residuals["validate"], settings.floor)
     best = _lower(found, {}, "the data sheet", residuals, settings, progress)
-    for name, value in _sides(found.effects, residuals["train"]):
+    for name, value in sides(found.effects, residuals["train"]):
         if best.scores["validate"].rmse <= enough:
             break
         own = {n: best.fit.changes[n] for n in _strengths(found, residuals["train"])}
@@ -42,7 +42,7 @@ def anew(
     return best
 
 
-def _sides(effects: Sequence[type[Effect]], problem: Problem) -> Iterator[tuple[str, float]]:
+def sides(effects: Sequence[type[Effect]], problem: Problem) -> Iterator[tuple[str, float]]:
     """Both sides of absence, for the first numbers of each effect that have two."""
     table = problem.table
     for effect in effects:

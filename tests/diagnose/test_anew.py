@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.diagnose.afar import anew
+from spirob.diagnose.afar import anew, sides
 from spirob.diagnose.rungs import ROLES, Confirmed, Settings, scores_of
 from spirob.effects import find_effects
 from spirob.identify.fit import STEPS, fit
 from tests.identify.known import residual, spirob
 
-(FRICTION,) = find_effects(["capstan_friction"])
+FRICTION, TILT = find_effects(["capstan_friction", "mount_tilt"])
 TRUE = {"capstan_friction.friction": 0.08}
 NAMES = ["winch.efficiency", "arm.base_stiffness", *TRUE]
 SETTINGS = Settings(intervals=False, patience=3)
@@ -47,3 +47,24 @@ def test_a_fit_at_its_optimum_stands(residuals, settled):
     told: list[str] = []
     assert anew(settled, residuals, SETTINGS, told.append) is settled
     assert not told
+
+
+def test_what_may_have_two_signs_is_begun_on_both_sides():
+    problem = residual(spirob([FRICTION, TILT]), TRUE, "train")
+    assert list(sides([FRICTION], problem)) == []
+    begun = list(sides([FRICTION, TILT], problem))
+    for name in ("mount_tilt.roll", "mount_tilt.pitch"):
+        about = problem.table.about[name]
+        assert {v for n, v in begun if n == name} == {about.low / 2, about.high / 2}
+
+
+def test_a_fit_on_the_wrong_side_is_replaced():
+    """A tilt to the left, taken for one to the right, is found again."""
+    plant = spirob([TILT])
+    tilted = {"mount_tilt.roll": 0.25}
+    residuals = {role: residual(plant, tilted, role) for role in ROLES}
+    names = ["winch.efficiency", "mount_tilt.roll", "mount_tilt.pitch"]
+    wrong = fit(residuals["train"], names, {"mount_tilt.roll": -0.25}, 0.05, 3, exact=False)
+    scores, missed, errors = scores_of(wrong, residuals)
+    found = anew(Confirmed((TILT,), 0.5, wrong, missed, errors, scores), residuals, SETTINGS, print)
+    assert found.fit.changes["mount_tilt.roll"] == pytest.approx(0.25, abs=0.01)
