@@ -17,7 +17,7 @@ from spirob.identify.fit import fit
 from spirob.identify.near import near
 from spirob.identify.problem import Problem
 
-FIRST = 2  # numbers of an effect that are tried on either side
+HOPELESS = 2.0  # times the cost: what the cheap steps of a far fit may be off does not explain it
 ASIDE = 0.5  # of the way from absence to a bound: where a fit of either sign begins
 
 
@@ -33,24 +33,23 @@ def anew(
     """
     enough = complete(residuals["validate"], settings.floor)
     best = _lower(found, {}, "the data sheet", residuals, settings, progress)
-    for name, value in sides(found.effects, residuals["train"]):
+    for begin in sides(found.effects, residuals["train"]):
         if best.scores["validate"].rmse <= enough:
             break
-        own = {n: best.fit.changes[n] for n in _strengths(found, residuals["train"])}
-        where = f"{name} = {value:g}"
-        best = _lower(best, {**own, name: value}, where, residuals, settings, progress)
+        where = ", ".join(f"{name} = {value:g}" for name, value in begin.items())
+        best = _lower(best, begin, where, residuals, settings, progress)
     return best
 
 
-def sides(effects: Sequence[type[Effect]], problem: Problem) -> Iterator[tuple[str, float]]:
-    """Both sides of absence, for the first numbers of each effect that have two."""
+def sides(effects: Sequence[type[Effect]], problem: Problem) -> Iterator[dict[str, float]]:
+    """Both sides of absence, for the first number of each effect if it has two."""
     table = problem.table
     for effect in effects:
-        for name in amplitudes(effect, problem)[:FIRST]:
+        for name in amplitudes(effect, problem)[:1]:
             about, absent = table.about[name], float(table.values[table.position(name)])
             if about.low < absent < about.high:
                 for bound in (about.low, about.high):
-                    yield name, absent + ASIDE * (bound - absent)
+                    yield {name: absent + ASIDE * (bound - absent)}
 
 
 def _lower(
@@ -69,6 +68,8 @@ def _lower(
     moved = set(names) - shapes
     start = {**{k: v for k, v in found.fit.changes.items() if k not in moved}, **begin}
     far = fit(near(train, start), names, start, settings.scale, settings.patience, exact=False)
+    if far.cost > HOPELESS * found.fit.cost:
+        return found
     again = briefly(near(train, far.changes), names, far.changes, settings, far.jacobian)
     if again.cost > (1.0 - CLEARLY) * found.fit.cost:
         return found
