@@ -69,7 +69,8 @@ def steady(test):
                     patch.object(Served, "answered", of_a_drive),
                 ):
                     return test(*given, **named)
-            except (AssertionError, HardwareError, Flaky):
+            except (AssertionError, HardwareError, Flaky, ExceptionGroup):
+                # a group: hypothesis found that the attempt failed in several ways
                 if Worst.seconds < HELD_UP:
                     raise
         return pytest.skip(
