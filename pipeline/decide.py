@@ -27,12 +27,8 @@ from spirob.identify.residual import Residual
 from spirob.logs import read_log
 
 SEARCH, OUT = Path("data/search"), Path("data/diagnosis")
-KEPT = (
-    "atlas",
-    "atlas_sentences",
-    "vague",
-    "asked",
-)  # of what a diagnosis says, once decided again
+# what a diagnosis goes on saying once it is decided again
+KEPT = ("atlas", "atlas_sentences", "vague", "asked")
 DONE: dict[str, Any] = {"next_experiment": "", "next_trials": []}
 
 

@@ -8,7 +8,7 @@ there may stay between them: of three tilts across the arm two were taken for ti
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from spirob.diagnose.confirm import CLEARLY, briefly, refitted
+from spirob.diagnose.confirm import CLEARLY, briefly, refitted, shaped
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Settings, label, line
 from spirob.diagnose.screen import amplitudes
@@ -19,6 +19,20 @@ from spirob.identify.problem import Problem
 
 HOPELESS = 2.0  # times the cost: what the cheap steps of a far fit may be off does not explain it
 ASIDE = 0.5  # of the way from absence to a bound: where a fit of either sign begins
+
+
+def to_the_end(
+    found: Confirmed,
+    residuals: Mapping[str, Problem],
+    settings: Settings,
+    progress: Callable[[str], None],
+) -> Confirmed:
+    """A leader fitted until it settles, from where it stands and from afar.
+
+    It may stand far from its rung: the cheap steps are put right at its own numbers.
+    """
+    here = {**residuals, "train": near(residuals["train"], found.fit.changes)}
+    return anew(shaped(found, here, settings, progress), residuals, settings, progress)
 
 
 def anew(

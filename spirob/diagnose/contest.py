@@ -60,9 +60,12 @@ def alone(search: Search) -> list[set[type[Effect]]]:
 
 
 def contestants(search: Search, verdict: Verdict) -> list[Confirmed]:
-    """The finalist that was found, then those that stand beside it, the most probable first."""
+    """The finalist that was found, then those that stand beside it, the most probable first.
+
+    Only where the first round found it `alone`.
+    """
     first, last = search.rounds[0], set(search.rungs[-1].effects)
-    best = max((c for c in first if set(c.effects) <= last), key=lambda c: c.probability)
+    best = next(c for c in first if set(c.effects) == last)
     names = {*verdict.rivals, *verdict.equivalents}
     others = [c for c in first if c is not best and _beside(c, names)]
     return [best, *sorted(others, key=lambda c: -c.probability)]

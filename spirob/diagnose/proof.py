@@ -136,10 +136,10 @@ def sifted(
 
 def proved(verdict: Verdict, proof: Proof) -> Verdict:
     """The verdict that stands after the proof of what was found."""
-    if proof.holds:
-        return replace(verdict, next_experiment="")
     if verdict.kind != "named":
         return verdict
+    if proof.holds:
+        return replace(verdict, next_experiment="")
     said = disproved(verdict.sentence, proof)
     return Verdict(
         "unknown", 0.0, [], said["sentence"], said["explanation"], said["next_experiment"]

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from spirob.diagnose.afar import anew
+from spirob.diagnose.afar import to_the_end
 from spirob.diagnose.backward import exchanged, fitted_again, pruned
-from spirob.diagnose.confirm import confirm, finished, shaped
+from spirob.diagnose.confirm import confirm, finished
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
 from spirob.diagnose.screen import Screened, amplitudes, screen
@@ -69,7 +69,7 @@ class Rounds:
             if (poor or not passed) and not self.afresh:
                 self.afresh = True
                 return True
-        leaders = [self._settled(c) for c in leading(passed)]
+        leaders = [to_the_end(c, self.residuals, settings, progress) for c in leading(passed)]
         improved = {c.effects: c for c in leaders}
         tried = [improved.get(c.effects, c) for c in tried]
         search.screened.append(ranked)
@@ -122,13 +122,6 @@ class Rounds:
         """Those that count as effects beside the last rung."""
         rung, least = search.rungs[-1], least_of(search, self.settings)
         return [c for c in tried if counts(c, rung, self.residuals, self.settings, least)]
-
-    def _settled(self, found: Confirmed) -> Confirmed:
-        """A leader fitted to the end, from where it stands, which may be far from its rung, and
-        from elsewhere."""
-        here = {**self.residuals, "train": near(self.residuals["train"], found.fit.changes)}
-        found = shaped(found, here, self.settings, self.progress)
-        return anew(found, self.residuals, self.settings, self.progress)
 
     def _grow(
         self, search: Search, leaders: Sequence[Confirmed], close: Mapping[str, Problem]

@@ -2,8 +2,8 @@
 
 When a detector speaks and what a current is are two questions.  In one motion the model moves as
 the robot did and recoils when it did.  Each in its own, a recoil that comes at another time counts
-as error; there the robot is played several times, and its plays against each other say how small
-such an error can be at all.
+as error; there the robot is played several times, and its plays against each other say how much of
+such an error is its own.
 """
 
 from collections.abc import Mapping, Sequence
@@ -48,7 +48,7 @@ def each_in_its_own(
 ) -> dict[str, Any]:
     """Row of the mean RMSE [A] over the robot's plays of one trial; of the robot, over their pairs.
 
-    A model without error can be no nearer to a play than another play of the same robot is.
+    What two plays of one robot differ by is no model's fault.
     """
     errors = {
         m: _mean([_between(models[m], robot, signal, motor) for robot in robots])

@@ -7,12 +7,11 @@ not be what fails, so it begins at the base and from afar too, as that of a lead
 
 from collections.abc import Mapping, Sequence
 
-from spirob.diagnose.afar import anew
-from spirob.diagnose.confirm import confirm, shaped
+from spirob.diagnose.afar import to_the_end
+from spirob.diagnose.confirm import confirm
 from spirob.diagnose.rungs import Rung, Search, Settings
 from spirob.diagnose.screen import screen
 from spirob.effects import Effect
-from spirob.identify.fit import Fit
 from spirob.identify.near import near
 from spirob.identify.problem import Problem
 
@@ -47,15 +46,10 @@ def _fitted(
     effects: Sequence[type[Effect]],
     settings: Settings,
 ) -> float:
-    close = _near(problems, base.fit)
-    started = screen(close["train"], base.fit, names, effects, settings.scale)
-    found = confirm(started, base, close, settings, _silent)
-    found = shaped(found, _near(problems, found.fit), settings, _silent)
-    return anew(found, problems, settings, _silent).scores["heldout"].rmse
-
-
-def _near(problems: Mapping[str, Problem], found: Fit) -> dict[str, Problem]:
-    return {**problems, "train": near(problems["train"], found.changes)}
+    train = near(problems["train"], base.fit.changes)
+    started = screen(train, base.fit, names, effects, settings.scale)
+    found = confirm(started, base, {**problems, "train": train}, settings, _silent)
+    return to_the_end(found, problems, settings, _silent).scores["heldout"].rmse
 
 
 def _silent(text: str) -> None:

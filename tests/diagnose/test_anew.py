@@ -59,13 +59,18 @@ def test_what_may_have_two_signs_is_begun_on_both_sides():
     ]
 
 
-def test_a_fit_on_the_wrong_side_is_replaced():
-    """A tilt to the left, taken for one to the right, is found again."""
-    plant = spirob([TILT])
-    tilted = {"mount_tilt.roll": 0.25}
-    residuals = {role: residual(plant, tilted, role) for role in ROLES}
-    names = ["winch.efficiency", "mount_tilt.roll", "mount_tilt.pitch"]
-    wrong = fit(residuals["train"], names, {"mount_tilt.roll": -0.25}, 0.05, 3, exact=False)
-    scores, missed, errors = scores_of(wrong, residuals)
-    found = anew(Confirmed((TILT,), 0.5, wrong, missed, errors, scores), residuals, SETTINGS, print)
-    assert found.fit.changes["mount_tilt.roll"] == pytest.approx(0.25, abs=0.01)
+@pytest.mark.parametrize(("missed", "begun"), [(1.0, [0.0, -0.25, 0.25]), (1e-6, [0.0])])
+def test_both_sides_are_begun_only_while_much_is_missed(monkeypatch, settled, missed, begun):
+    """Every start is hopeless here, so that what was found stands."""
+    residuals = {role: residual(spirob([FRICTION, TILT]), TRUE, role) for role in ROLES}
+    scores = {r: replace(s, rmse=missed) for r, s in settled.scores.items()}
+    found = replace(settled, effects=(TILT,), scores=scores)
+    rolls = []
+
+    def hopeless(problem, names, start, *given, **named):
+        rolls.append(start.get("mount_tilt.roll", 0.0))
+        return replace(settled.fit, cost=1e9)
+
+    monkeypatch.setattr("spirob.diagnose.afar.fit", hopeless)
+    assert anew(found, residuals, SETTINGS, print) is found
+    assert rolls == begun

@@ -166,8 +166,8 @@ def test_currents_are_compared_in_the_same_motion():
     assert drawn == {"robot", "named"}
 
 
-def test_a_robot_that_does_not_repeat_itself_bounds_every_model():
-    """Two early and two late steps: no model is nearer to all of them than they to each other."""
+def test_a_robot_that_does_not_repeat_itself_is_compared_with_itself():
+    """Two early and two late steps: four of six pairs differ, and two of four from a late model."""
     early, late = (side((TIME - at >= 0).astype(float)) for at in (1.0, 1.3))
     apart = rmse(early.driven("current", 1), late.driven("current", 1))
     assert apart == pytest.approx(np.sqrt(0.1))

@@ -81,10 +81,11 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
 NOTHING = {"experiment": "", "trials": []}
 
 
-def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=(), off=None):
+def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=(), off=None, far=("",)):
     """A copy of the project whose search ended with these models, and what it asks for was played.
 
-    off  numbers of the model without any effect that are not as they were identified
+    off  numbers that are not as they were identified, in the models `far`: by default in that
+         without any effect
     """
     project = Project.__new__(Project)
     project.root = folder / "asking"
@@ -93,13 +94,14 @@ def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=(), off=Non
         shutil.rmtree(project.root / stale)
     plain = json.loads((project.root / "data/identified/base.json").read_text())["changes"]
     sides = {
-        "": {**plain, **(off or {})},
+        "": plain,
         "coulomb_friction": {**plain, "coulomb_friction.coulomb_torque": 1e-4},
         "capstan_friction": {**plain, "capstan_friction.friction": 0.03},
     }
     models = [
-        {"effects": [name] * bool(name), "names": ["winch.efficiency"], "changes": sides[name]}
+        {"effects": [name] * bool(name), "names": ["winch.efficiency"], "changes": numbers}
         for name in ("", *effects)
+        for numbers in [{**sides[name], **(off or {})} if name in far else sides[name]]
     ]
     told = {**contest, "proof": proof, "models": [{**m, "gain": 0.1} for m in models]}
     (project.root / "data/search/contest.json").write_text(json.dumps(told))
@@ -159,6 +161,23 @@ def test_a_name_is_put_to_the_proof_on_the_robot(finished, tmp_path, stiffness, 
         model = json.loads((project.root / "data/diagnosis/model.json").read_text())
         assert model["effects"] == found["effects"] == []
         assert effect not in json.dumps(model)
+
+
+def test_of_rivals_the_one_that_holds_is_left(finished, tmp_path):
+    """As if dry friction, in a model that is far off, had been found, and stood beside another."""
+    identified = json.loads((finished.root / "data/identified/base.json").read_text())
+    off = {"arm.base_stiffness": 0.2 * identified["changes"]["arm.base_stiffness"]}
+    sides = ("coulomb_friction", "capstan_friction")
+    project = asking(
+        finished, tmp_path, proof=experiment("hold"), effects=sides, off=off, far=("", sides[0])
+    )
+    for file in ("diagnosis.json", "metrics.json"):
+        path = project.root / "data/search" / file
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"verdict": "undecided"}))
+    found = decided(project)
+    assert found["proof"]["holds"]
+    assert [c["name"] for c in found["candidates"]] == ["capstan_friction"]
+    assert found["verdict"] != "undecided"
 
 
 def test_a_run_that_is_killed_in_every_stage_ends_with_the_same_metrics(finished, tmp_path):
