@@ -106,6 +106,17 @@ def refused(read):
     return "accepted"
 
 
+def peak():
+    """Most memory that this process has held [bytes]."""
+    status = Path("/proc/self/status")
+    if (
+        status.exists()
+    ):  # what getrusage says begins with what the process held that started this one
+        held = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+        return 1024 * int(held.split()[1])
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
 def main(folder):
     bomb = mcap_bomb(folder / "bomb.mcap")
     heads = mcap_of_empty_heads(folder / "heads.mcap")
@@ -122,8 +133,7 @@ def main(folder):
         "mat": refused(lambda: read_foreign(mat, None, [])),
         "yaml": refused(lambda: read_mapping(yaml_bomb(folder / "bomb.yaml"))),
     }
-    peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(json.dumps({"said": said, "peak": peak}))
+    print(json.dumps({"said": said, "peak": peak()}))
 
 
 if __name__ == "__main__":
