@@ -46,6 +46,11 @@ def win_rates(errors: Mapping[str, np.ndarray], seed: int) -> dict[str, float]:
     return {n: float(np.mean(winners == k)) for k, n in enumerate(names)}
 
 
+def beaten(one: np.ndarray, two: np.ndarray, seed: int) -> float:
+    """How often the second model has the smaller mean error when the blocks are drawn again."""
+    return win_rates({"one": one, "two": two}, seed)["two"]
+
+
 def alike(one: np.ndarray, two: np.ndarray, size: float) -> float:
     """RMS difference of what two models miss, over the size of the effect that they explain.
 

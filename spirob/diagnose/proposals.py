@@ -71,14 +71,6 @@ TRIALS: tuple[Played, ...] = (
     ("deep bend", ((0.1, 0.0), (2.4, 0.07), (0.8, 0.055)), {"kind": "constant", "value": 0.65}),
 )
 
-# Under so soft a pull tendons go slack and taut again.  Rivals are compared by their errors in
-# ampere, among which those of so small a current would not count: it puts a name to the proof.
-SOFT_PULL: Played = (
-    "soft pull",
-    ((0.1, 0.0), (1.0, 0.02), (1.9, 0.005)),
-    {"kind": "constant", "value": 0.15},
-)
-
 ROLES = ("train", "validate")  # of the trial in which the left motor moves, and of the other
 
 
@@ -86,7 +78,7 @@ ROLES = ("train", "validate")  # of the trial in which the left motor moves, and
 class Proposal:
     """An experiment, and by how much two explanations differ on it.
 
-    trials      one for each side, as plain data
+    trials      on either side, as plain data
     difference  RMS of what the residual compares, in its unit;  share  of the effort's RMS there
     proves      the explanations are the models with a name and without
     """
@@ -99,28 +91,42 @@ class Proposal:
 
 
 def propose(
-    problem: Residual,
-    one: Mapping[str, float],
-    other: Mapping[str, float],
-    listed: Sequence[Played] = TRIALS,
+    problem: Residual, one: Mapping[str, float], other: Mapping[str, float]
 ) -> list[Proposal]:
     """All experiments, that in whose effort the models with these numbers differ most first.
 
     An experiment that one of the models cannot play to its end is left out.
     """
-    found = []
-    for name, moves, load in listed:
-        trials = tuple(
-            bend(f"{name.replace(' ', '_')}_{motor}", role, motor, moves, load)
-            for motor, role in zip(MOTORS, ROLES, strict=True)
-        )
-        try:
-            apart = [_difference(problem, trial, one, other) for trial in trials]
-        except SimulationError:
-            continue
-        difference, effort = np.sqrt(np.mean(np.square(apart), axis=0))
-        found.append(Proposal(name, trials, float(difference), float(difference / effort)))
-    return sorted(found, key=lambda p: -p.share)
+    every = [proposal(problem, p[0], on_either_side(p, ROLES), one, other) for p in TRIALS]
+    return sorted([p for p in every if p is not None], key=lambda p: -p.share)
+
+
+def on_either_side(played: Played, roles: Sequence[str]) -> tuple[dict[str, Any], ...]:
+    """The trial in which the left motor moves and that in which the right one does, as plain data.
+
+    roles  of the two
+    """
+    name, moves, load = played
+    return tuple(
+        bend(f"{name.replace(' ', '_')}_{motor}", role, motor, moves, load)
+        for motor, role in zip(MOTORS, roles, strict=True)
+    )
+
+
+def proposal(
+    problem: Residual,
+    name: str,
+    trials: tuple[dict[str, Any], ...],
+    one: Mapping[str, float],
+    other: Mapping[str, float],
+) -> Proposal | None:
+    """What an experiment of these trials would show; None where a model cannot play it."""
+    try:
+        apart = [_difference(problem, trial, one, other) for trial in trials]
+    except SimulationError:
+        return None
+    difference, effort = np.sqrt(np.mean(np.square(apart), axis=0))
+    return Proposal(name, trials, float(difference), float(difference / effort))
 
 
 def told(proposals: Sequence[Proposal], effort: Effort) -> str:

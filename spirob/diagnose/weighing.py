@@ -9,12 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from spirob.diagnose.evidence import block_errors, foreseen, improvement, win_rates
+from spirob.diagnose.evidence import beaten, block_errors, foreseen, improvement, win_rates
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
 from spirob.identify.fit import INDEPENDENT, Fit
 from spirob.identify.problem import Problem, effort_rms
 
 LEADERS = 2  # candidates fitted until they settle, with their shapes too
+SURELY = 0.95  # of draws in which a model with more numbers has to do better than a simpler one
 REACH = 4.0  # times the least mean square: who missed more is fitted no further
 
 
@@ -59,14 +60,14 @@ def least_of(search: Search, settings: Settings) -> float | None:
 
 
 def simplest(leaders: Sequence[Confirmed], train: Problem, settings: Settings) -> Confirmed:
-    """The best, or one with fewer numbers that is not surely worse, on all trials."""
+    """The best, or one with fewer numbers that it beats in less than `SURELY` of the draws."""
     errors = [_all_errors(c.errors, c.fit, train) for c in leaders]
     means = [float(e.mean()) for e in errors]
     best = errors[int(np.argmin(means))]
     equal = [
         k
         for k, own in enumerate(errors)
-        if own is best or improvement(own, best, settings.seed)[1] <= 0.0
+        if own is best or beaten(own, best, settings.seed) < SURELY
     ]
     return leaders[min(equal, key=lambda k: (len(leaders[k].fit.estimates), means[k]))]
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from spirob.diagnose.rungs import Confirmed, Settings
 from spirob.diagnose.weighing import counts, simplest
@@ -33,6 +34,12 @@ def test_fewer_numbers_win_where_both_do_as_well():
     assert chosen(found(SIMPLE, 3, 1.0), found(RICH, 6, 1.0)) is SIMPLE
     slightly = ERRORS * np.where(np.arange(10) % 2, 1.05, 0.94)
     assert chosen(found(SIMPLE, 3, 1.0), found(RICH, 6, 1.0, slightly)) is SIMPLE
+
+
+@pytest.mark.parametrize(("draws", "winner"), [(0.94, SIMPLE), (0.96, RICH)])
+def test_more_numbers_have_to_do_better_in_nineteen_of_twenty_draws(monkeypatch, draws, winner):
+    monkeypatch.setitem(simplest.__globals__, "beaten", lambda *_: draws)
+    assert chosen(found(SIMPLE, 3, 1.01), found(RICH, 6, 1.0)) is winner
 
 
 def test_a_short_validation_that_cannot_tell_is_overruled_by_the_fitted_trials():

@@ -84,8 +84,6 @@ def proof_sentence(diagnosis: dict[str, Any]) -> str:
     if not proof:
         return ""
     told = "the name holds" if proof["holds"] else "too little for a name"
-    if proof.get("beats"):
-        told = f"what stood beside it leaves more than twice as much; {told}"
     return (
         f"Put to the proof with '{proof['experiment']}', a trial of its own: it accounts for "
         f"{percent(max(proof['share'], 0.0))} of the squared error there; {told}."
