@@ -40,8 +40,8 @@ FOUND = ("named", "undecided")  # verdicts that hold names
 USUAL = 0.009
 
 # Share of the squared error that a name has to account for where more is left: of 15 right names
-# (seeds 3601 to 3605, 3701) ten left more, and accounted for 84 to 99 %, but for a tilt (69); play
-# called a soft tendon for 21 to 79.
+# (seeds 3601 to 3605, 3701) eight left more, and accounted for 84 to 97 %, but for a tilt (69);
+# play called a soft tendon for 21 to 79.
 HOLDS = 0.8
 
 # Under so soft a pull tendons go slack and taut again.  Rivals are compared by their errors in
@@ -57,9 +57,9 @@ TRIALS = (
 
 @dataclass(frozen=True)
 class Proof:
-    """What a name was worth on a trial of its own.
+    """What a name was worth in an experiment of its own.
 
-    experiment  name of the trial;  share  of the squared error there, above the sensor's noise and
+    experiment  its name;  share  of the squared error there, above the sensor's noise and
                 the floor, that the named effects account for; 1 where no more is left than of a
                 machine from which nothing is missing
     """
