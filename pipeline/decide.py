@@ -75,13 +75,13 @@ def _again(
 ) -> tuple[dict[str, Any], Sequence[Contestant]] | None:
     """Metrics once the contest is decided, and the models without any effect and with the winner's;
     none where the experiment tells nothing of the contestants."""
-    search = decided_again(models, own, joined(own, further), settings)
     before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
+    search = decided_again(models, own, joined(own, further), settings, before["verdict"])
     asked = {"experiment": experiment, "before": before["sentence"]}
     if search is None:
         aside = {**before, **DONE, "asked": {**asked, "aside": True}}
         write_json(root / OUT / "diagnosis.json", aside)
-        tell(f"'{experiment}' shows what no contestant explains; the verdict stands")
+        tell(f"'{experiment}' does not tell which it is; the verdict stands")
         return None
     verdict = judge(search, own, settings)
     found = _written(root, search, verdict, own, {"asked": asked})

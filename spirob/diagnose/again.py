@@ -6,7 +6,8 @@ cause of.  So they only say *which* of the contestants it is.  One of them, with
 the lead, joins those that are fitted, and the contestants are fitted again; the other, with the
 other motor, joins those on which they are compared.  How much is explained, and whether that is
 enough, is judged where the effect was found.  A further trial that no contestant explains says
-nothing of them and is set aside.
+nothing of them and is set aside; so is one that leaves two beside each other which said the same
+where they were found: it was to say which, and one name for both is the better answer.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +20,7 @@ from spirob.diagnose.contest import Contestant, alone, contestants
 from spirob.diagnose.noise import complete
 from spirob.diagnose.proposals import Proposal, propose
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label, rung_of, scores_of
-from spirob.diagnose.verdict import Verdict
+from spirob.diagnose.verdict import Verdict, judge
 from spirob.diagnose.weighing import simplest, with_probability
 from spirob.effects import Effect
 from spirob.identify.fit import STEPS, Fit, fit
@@ -66,19 +67,24 @@ def decided_again(
     own: Mapping[str, Residual],
     known: Mapping[str, Residual],
     settings: Settings,
+    before: str = "undecided",
 ) -> Search | None:
     """A contest settled by further trials, as a search of one round to be judged on the first ones.
 
-    own    the trials in which the effect was found;  known  the same with the further ones
+    own     the trials in which the effect was found;  known  the same with the further ones
+    before  the kind of verdict that stands on `own`: named, if they say the same there
     What each explains is taken from `own`, how it misses and how often it wins from `known`: two
     say the same only where they do so in the further trials, too.
-    None where the further trials show what no contestant explains.
+    None where the further trials show what no contestant explains, or do not tell which of those
+    that said the same it is.
     """
     wide_base, wide = compared(models, known, settings)
     if not _explained(wide_base.fit, [c.fit for c in wide], further_of(own, known), settings):
         return None
     winner = simplest(wide, known["train"], settings).effects
-    return settled(compared(models, own, settings), wide, winner, own, settings)
+    found = settled(compared(models, own, settings), wide, winner, own, settings)
+    open_still = before == "named" and judge(found, own, settings).kind == "undecided"
+    return None if open_still else found
 
 
 def settled(

@@ -98,7 +98,7 @@ def _widened(
     scaling = Scaling(problem.table, [*names, *further])
     values = dict(zip(problem.table.names, problem.table.values.tolist(), strict=True))
     u = scaling.scaled({**values, **known.changes})
-    points, widths = beside(scaling, u, [STEPS[0]] * len(further), known.changes)
+    points, widths = beside(scaling, u, [STEPS[-1]] * len(further), known.changes)
     seen = zip(problem.many(points), widths, strict=True)
     return np.column_stack([known.jacobian, *((r - known.residual) / w for r, w in seen)])
 

@@ -143,3 +143,15 @@ def test_a_trial_that_nobody_explains_is_set_aside(search, trials, plant):
         further[role] = [replace(log, current=log.current + slow)]
     known = joined(trials, further)
     assert decided_again(contest(search, undecided(search)), trials, known, SETTINGS) is None
+
+
+@pytest.mark.parametrize(("before", "aside"), [("named", True), ("undecided", False)])
+def test_a_further_trial_does_not_leave_open_what_was_named(
+    search, trials, monkeypatch, before, aside
+):
+    """Both foretell it about as well: of two that say the same where they were found one stands."""
+    monkeypatch.setitem(decided_again.__globals__, "judge", lambda *_: undecided(search))
+    models = contest(search, undecided(search))
+    known = joined(trials, {role: trials[role].trials[:1] for role in ("train", "validate")})
+    again = decided_again(models, trials, known, SETTINGS, before)
+    assert (again is None) is aside

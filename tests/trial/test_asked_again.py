@@ -34,8 +34,8 @@ def test_the_best_proposal_is_played_on_the_same_robot(problems, monkeypatch, an
         played.append((hidden, seed, trials))
         return {"train": logs, "validate": logs, "heldout": []}
 
-    def decided_again(models, own, known, settings):
-        assert (models, own) == ("contest", problems)
+    def decided_again(models, own, known, settings, before):
+        assert (models, own, before) == ("contest", problems, UNDECIDED.kind)
         for role in ASKED:
             assert known[role].trials == [*problems[role].trials, *logs]
         return answer

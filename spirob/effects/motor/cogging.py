@@ -46,7 +46,7 @@ class Cogging(Effect):
     second_cosine: float = bounded(0.0, -0.05, 0.05, "N·m", "B_2", "second wave in quadrature")
     third_sine: float = bounded(0.0, -0.05, 0.05, "N·m", "A_3", "third wave in phase")
     third_cosine: float = bounded(0.0, -0.05, 0.05, "N·m", "B_3", "third wave in quadrature")
-    order: float = bounded(1.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor")
+    order: float = bounded(1.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor", log=True)
     ratio: float = bounded(2.0, 1e-3, 1e3, "1", "κ", "order of the second wave over N", log=True)
     third_ratio: float = bounded(
         3.0, 1e-3, 1e3, "1", "κ_3", "order of the third wave over N", log=True

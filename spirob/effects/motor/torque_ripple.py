@@ -37,7 +37,7 @@ class TorqueRipple(Effect):
     cosine: float = bounded(0.0, -0.3, 0.3, "1", "b", "relative amplitude in quadrature")
     second_sine: float = bounded(0.0, -0.3, 0.3, "1", "a_2", "second wave in phase")
     second_cosine: float = bounded(0.0, -0.3, 0.3, "1", "b_2", "second wave in quadrature")
-    order: float = bounded(6.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor")
+    order: float = bounded(6.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor", log=True)
     ratio: float = bounded(2.0, 1e-3, 1e3, "1", "κ", "order of the second wave over N", log=True)
 
     @staticmethod

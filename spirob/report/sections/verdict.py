@@ -70,8 +70,8 @@ def asked_sentence(diagnosis: dict[str, Any]) -> str:
         return ""
     if asked.get("aside"):
         return (
-            f"To decide, '{asked['experiment']}' was played on either side. It shows what none of "
-            "those in question explains, so it says nothing of them, and the verdict stands."
+            f"To decide, '{asked['experiment']}' was played on either side. It does not tell which "
+            "of those in question it is, and the verdict stands."
         )
     return (
         f"Decided with '{asked['experiment']}', played on either side. Before it: {asked['before']}"
