@@ -27,9 +27,7 @@ def asked_again(
         return search, ""
     best = proposals[0]
     known = joined(problems, recorded(*robot, best.trials))
-    asked = decided_again(
-        contest(search, contested), problems, known, settings, contested.kind
-    )
+    asked = decided_again(contest(search, contested), problems, known, settings, contested.kind)
     return (search, f"{best.name}, set aside") if asked is None else (asked, best.name)
 
 
