@@ -62,10 +62,21 @@ def _plays(side: str, play: Play) -> bool:
     return not play.only or side in play.only
 
 
-def robot_side(config: Config, hidden: Mapping[str, Any], play: Play, log: Path) -> Side:
-    """What an emulated or simulated robot did, from its log."""
+def robot_side(
+    config: Config,
+    hidden: Mapping[str, Any],
+    play: Play,
+    log: Path,
+    moved: Mapping[str, np.ndarray] | None = None,
+) -> Side:
+    """What an emulated or simulated robot did, from its log.
+
+    moved  factors of an emulated robot's own numbers, for a twin of it that is not quite the same
+    """
     rig, trial = Rig.from_mapping(merged(config.rig, play.rig)), Trial.from_plain(play.trial)
     robot = build(config, rig, hidden)
+    if moved and isinstance(robot, EmulatedRobot):
+        robot.machine.move(moved)
 
     def prepare(scene: Scene) -> None:
         if isinstance(robot, EmulatedRobot):

@@ -5,6 +5,7 @@ seed and the trial's name, so trials can run in any order and in parallel.
 """
 
 import zlib
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from spirob.emulator.physics.layout import SCRATCH, STATE
 from spirob.emulator.physics.step import run_cycle
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
-from spirob.robot import CYCLE_NS, Scene, Weights
+from spirob.robot import CYCLE_NS, MOTORS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
 NOISE_BLOCK = 1000  # cycles whose noise is drawn at once
@@ -43,6 +44,17 @@ class Machine:
         self.counts = np.zeros((2, 4), dtype=np.int64)
         self._scratch = np.zeros(1, SCRATCH)
         self.start(Scene(), "trial")
+
+    def move(self, factors: Mapping[str, np.ndarray]) -> None:
+        """Multiply true numbers, by their names in the record, before a trial is started.
+
+        factors  one for all, or (2,) for left and right where the record tells them apart
+        """
+        for name, factor in factors.items():
+            number, sides = self.numbers[name][0], np.broadcast_to(factor, len(MOTORS))
+            apart = np.shape(number)[:1] == sides.shape
+            own = sides.reshape(-1, *[1] * (np.ndim(number) - 1)) if apart else sides.mean()
+            self.numbers[name][0] = number * own
 
     def start(self, scene: Scene, trial: str) -> None:
         """Bring the machine to rest in a scene, tendons just taut, currents zero."""
