@@ -87,4 +87,15 @@ def test_a_probability_is_that_of_one_contest(later):
     else:
         found.rounds = [[replace(best, probability=0.5), twin]]
     verdict = judge(found, PROBLEMS, SETTINGS)
-    assert verdict.probability == pytest.approx(0.8 * verdict.accounted)
+    assert verdict.probability == pytest.approx(0.8 * verdict.trust)
+
+
+@pytest.mark.parametrize(("left", "trust"), [(0.0029, 1.0), (0.0035, 1 - 0.35**2)])
+def test_only_what_leaves_structure_is_trusted_less(left, trust):
+    """Within what builds of one machine differ by, nothing is left that another law could be in."""
+    found = search(0.002)
+    found.rungs[-1] = replace(found.rungs[-1], errors=np.full(20, left**2))
+    found.rounds = [[replace(found.rounds[0][0], probability=0.9)]]
+    verdict = judge(found, PROBLEMS, SETTINGS)
+    assert verdict.kind == "named"
+    assert verdict.probability == pytest.approx(0.9 * trust, rel=1e-3)
