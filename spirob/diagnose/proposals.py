@@ -135,9 +135,8 @@ def told(proposals: Sequence[Proposal], effort: Effort) -> str:
         return ""
     first, *others = proposals
     why, who = PROVE if first.proves else DECIDE
-    line = (
-        f"To {why}: play '{first.name}' on either side; the {who} by {_worth(first, effort)} there"
-    )
+    names = ", ".join(trial["name"] for trial in first.trials)
+    line = f"To {why}: play '{first.name}' ({names}); the {who} by {_worth(first, effort)} there"
     if others:
         line += f" (on '{others[0].name}', the next best, by {_worth(others[0], effort)})"
     return f"{line}."

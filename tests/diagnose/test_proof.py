@@ -67,7 +67,8 @@ def test_a_name_is_put_to_a_softer_pull_than_any_it_was_found_under(named, trial
     assert best.name == "soft pull"
     assert best.share > SETTINGS.floor
     line = told([best], trials["validate"].effort)
-    assert line.startswith("To make sure: play 'soft pull' on either side")
+    assert line.startswith("To make sure: play 'soft pull' (")
+    assert all(trial["name"] in line for trial in best.trials)
 
 
 def test_what_is_asked_of_a_motor_was_seen_of_it(named, trials):
