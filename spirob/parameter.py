@@ -14,6 +14,8 @@ import numpy as np
 
 from spirob.errors import ConfigError
 
+ROUND = 0.9  # of the drum's turns: a short stroke tells an order to a tenth
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -24,6 +26,8 @@ class Parameter:
            to the stiffness that it belongs to
     tolerance  relative, of a number that the data sheet gives: a fit keeps it that near to its
            value, beyond it an effect is missing; 0 where the bounds are all that is known
+    geared  true where the number counts periods in a turn of the rotor, of anything that the rotor
+           turns: with a gear of ratio G nothing comes round less often than 1/G
     """
 
     nominal: float
@@ -36,6 +40,13 @@ class Parameter:
     log: bool = False
     times: str = ""
     tolerance: float = 0.0
+    geared: bool = False
+
+    def behind(self, gear_ratio: float) -> "Parameter":
+        """The same behind a gear of this ratio G, which bounds from below what is `geared`."""
+        if not self.geared:
+            return self
+        return dataclasses.replace(self, low=max(self.low, ROUND / gear_ratio))
 
     def reach(self, value: float) -> tuple[float, float]:
         """Between what a fit may move the number from `value`."""
@@ -73,9 +84,11 @@ def bounded(
     log: bool = False,
     times: str = "",
     tolerance: float = 0.0,
+    geared: bool = False,
 ) -> Any:
     """Declare one bounded number as a field of a `Numbers` class."""
-    about = Parameter(nominal, low, high, unit, symbol, meaning, source, log, times, tolerance)
+    known = (nominal, low, high, unit, symbol, meaning, source, log, times, tolerance, geared)
+    about = Parameter(*known)
     return dataclasses.field(default=nominal, metadata={"parameter": about})
 
 
@@ -146,6 +159,11 @@ class Table:
         """This table with further numbers at its end, at their nominal values."""
         values = dict(zip(self.names, self.values.tolist(), strict=True))
         return Table.of({**self.about, **about}, values)
+
+    def behind(self, gear_ratio: float) -> "Table":
+        """This table for a machine with a gear of this ratio."""
+        values = dict(zip(self.names, self.values.tolist(), strict=True))
+        return Table.of({n: p.behind(gear_ratio) for n, p in self.about.items()}, values)
 
     def _line_up(self, values: list[float]) -> None:
         self.names = list(self.about)

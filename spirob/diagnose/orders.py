@@ -23,13 +23,16 @@ SAME = 1e-10  # of the largest: waves that differ by less of their square are on
 WAVES = 0.4  # of the order's least: so many over the whole way, or it is a slope
 
 
-def best_orders(base: Fit, trials: Sequence[Waves], count: int = 1) -> list[float]:
-    """The orders that explain most of the residual, strongest first.
+def best_orders(
+    base: Fit, trials: Sequence[Waves], count: int = 1, least: float = LOWEST
+) -> list[float]:
+    """The orders that explain most of the residual, lowest first.
 
     base    the fit without the ripple;  trials  what each answers to waves of it
+    least   order that the ripple may have
     """
     way = max(float(np.ptp(r.angle)) for t in trials for r in t.rotors) / (2 * np.pi)
-    grid = _grid(way)
+    grid = _grid(way, least)
     waves = _columns(trials, grid)
     found: dict[int, float] = {}
     for place in list(range(count)) * (1 if count == 1 else 2):
@@ -41,13 +44,14 @@ def best_orders(base: Fit, trials: Sequence[Waves], count: int = 1) -> list[floa
         if free:
             best = grid[free[_strongest(base.residual, known, waves[free])]]
             near = best + _step(best, way) * np.arange(1 - FINER, FINER) / FINER
+            near = near[near >= grid[0]]
             found[place] = near[_strongest(base.residual, known, _columns(trials, near))]
-    return [float(n) for n in found.values()]
+    return sorted(float(n) for n in found.values())
 
 
-def _grid(way: float) -> np.ndarray:
+def _grid(way: float, least: float) -> np.ndarray:
     """Orders to try where the rotor makes `way` turns: no wave falls between two of them."""
-    orders = [max(LOWEST, WAVES / way)]
+    orders = [max(LOWEST, least, WAVES / way)]
     while orders[-1] < HIGHEST and len(orders) < MOST:
         orders.append(orders[-1] + _step(orders[-1], way))
     return np.array(orders)

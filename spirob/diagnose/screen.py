@@ -164,7 +164,8 @@ def _orders(
         trials = answers(problem, base, ripples[0])
         for effect in ripples:
             waves = [name for name in ORDERS if name in effect.parameters()]
-            orders = best_orders(base, following(trials, effect), len(waves))
+            least = problem.table.about[f"{effect.name()}.order"].low
+            orders = best_orders(base, following(trials, effect), len(waves), least)
             values = [orders[0] if k == 0 else n / orders[0] for k, n in enumerate(orders)]
             found[effect.name()] = {
                 f"{effect.name()}.{name}": float(np.clip(value, about.low, about.high))

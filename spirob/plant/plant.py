@@ -77,7 +77,7 @@ class Plant:
         self.substeps = substeps
         owners = [*rig.parts(), *((e.name(), e(**e.neutral)) for e in self.effects)]
         own = {f"{e.name()}.{f}": a for e in effects for f, a in differences(e).items()}
-        self.table = Table(owners).joined(own)
+        self.table = Table(owners).joined(own).behind(rig.winch.gear_ratio)
         self.geometry = spiral_arm(rig.units)
         self._run = assemble(self.effects, self.table.names)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])

@@ -11,7 +11,7 @@ class Cogging(Effect):
 
     Cogging is not a sine: its second harmonic (κ = 2) is often a third of the first.  The stages of
     a gear add waves of their own, whose orders have nothing to do with the magnets', so the κ need
-    not be whole.
+    not be whole; the slowest comes round with the gear's output.
     """
 
     port = "motor.torque"
@@ -46,10 +46,12 @@ class Cogging(Effect):
     second_cosine: float = bounded(0.0, -0.05, 0.05, "N·m", "B_2", "second wave in quadrature")
     third_sine: float = bounded(0.0, -0.05, 0.05, "N·m", "A_3", "third wave in phase")
     third_cosine: float = bounded(0.0, -0.05, 0.05, "N·m", "B_3", "third wave in quadrature")
-    order: float = bounded(1.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor", log=True)
-    ratio: float = bounded(2.0, 1e-3, 1e3, "1", "κ", "order of the second wave over N", log=True)
+    order: float = bounded(
+        1.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor", log=True, geared=True
+    )
+    ratio: float = bounded(2.0, 1.0, 1e3, "1", "κ", "order of the second wave over N", log=True)
     third_ratio: float = bounded(
-        3.0, 1e-3, 1e3, "1", "κ_3", "order of the third wave over N", log=True
+        3.0, 1.0, 1e3, "1", "κ_3", "order of the third wave over N", log=True
     )
 
     @staticmethod

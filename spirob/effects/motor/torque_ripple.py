@@ -10,7 +10,9 @@ class TorqueRipple(Effect):
     """τ → τ·(1 + a·sin Nθ + b·cos Nθ + a_2·sin κNθ + b_2·cos κNθ): k_t·i ripples with the angle.
 
     A weak magnet shows once a turn, an offset of a phase current once and its gain twice an
-    electrical turn, so a second wave of an order of its own (κN) stands beside the first.
+    electrical turn, so a second wave of an order of its own (κN) stands beside the first.  What k_t
+    does it does again with the next turn, so no wave is slower than that (0.9: a fit's margin);
+    slower ones stand for anything smooth, such as a drum that grows.
     """
 
     port = "motor.drive_torque"
@@ -37,8 +39,8 @@ class TorqueRipple(Effect):
     cosine: float = bounded(0.0, -0.3, 0.3, "1", "b", "relative amplitude in quadrature")
     second_sine: float = bounded(0.0, -0.3, 0.3, "1", "a_2", "second wave in phase")
     second_cosine: float = bounded(0.0, -0.3, 0.3, "1", "b_2", "second wave in quadrature")
-    order: float = bounded(6.0, 0.01, 100.0, "1", "N", "periods in a turn of the rotor", log=True)
-    ratio: float = bounded(2.0, 1e-3, 1e3, "1", "κ", "order of the second wave over N", log=True)
+    order: float = bounded(6.0, 0.9, 100.0, "1", "N", "periods in a turn of the rotor", log=True)
+    ratio: float = bounded(2.0, 1.0, 1e3, "1", "κ", "order of the second wave over N", log=True)
 
     @staticmethod
     def kernel(upstream, angle, sine, cosine, second_sine, second_cosine, order, ratio):

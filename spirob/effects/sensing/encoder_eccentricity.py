@@ -41,7 +41,14 @@ class EncoderEccentricity(Effect):
     second_sine: float = bounded(0.0, -1e-3, 1e-3, "m", "a_2", "twice a turn, in phase")
     second_cosine: float = bounded(0.0, -1e-3, 1e-3, "m", "b_2", "twice a turn, in quadrature")
     order: float = bounded(
-        1.0, 0.01, 20.0, "1", "N", "turns of the encoder per turn of the rotor", log=True
+        1.0,
+        0.01,
+        20.0,
+        "1",
+        "N",
+        "turns of the encoder per turn of the rotor",
+        log=True,
+        geared=True,
     )
 
     @staticmethod
