@@ -15,7 +15,7 @@ from spirob.diagnose.confirm import confirm, finished
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
 from spirob.diagnose.screen import Screened, amplitudes, screen
-from spirob.diagnose.weighing import counts, leading, least_of, simplest, with_probability
+from spirob.diagnose.weighing import counts, leading, least_of, periodic, simplest, with_probability
 from spirob.effects import Effect
 from spirob.identify.near import near
 from spirob.identify.problem import Problem, effort_rms
@@ -69,9 +69,11 @@ class Rounds:
             if (poor or not passed) and not self.afresh:
                 self.afresh = True
                 return True
-        leaders = [to_the_end(c, self.residuals, settings, progress) for c in leading(passed)]
+        ended = [to_the_end(c, self.residuals, settings, progress) for c in leading(passed)]
+        leaders = [c for c in ended if periodic(c, self.residuals["train"])]
         improved = {c.effects: c for c in leaders}
-        tried = [improved.get(c.effects, c) for c in tried]
+        smooth = {c.effects for c in ended} - set(improved)
+        tried = [improved.get(c.effects, c) for c in tried if c.effects not in smooth]
         search.screened.append(ranked)
         search.rounds.append(with_probability(tried, rung, close["train"], settings))
         if leaders:

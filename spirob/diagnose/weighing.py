@@ -10,12 +10,15 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.diagnose.evidence import beaten, block_errors, foreseen, improvement, win_rates
+from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
 from spirob.identify.fit import INDEPENDENT, Fit
 from spirob.identify.problem import Problem, effort_rms
 
 LEADERS = 2  # candidates fitted until they settle, with their shapes too
+SLOWEST = 1.01  # times the lowest order that a wave may have: no more than that
 SURELY = 0.95  # of draws in which a model with more numbers has to do better than a simpler one
+NEARLY = 0.7  # of the least size, of an effect without which a model is incomplete, and not with it
 REACH = 4.0  # times the least mean square: who missed more is fitted no further
 
 
@@ -41,10 +44,30 @@ def counts(
     """
     validate, train = residuals["validate"], residuals["train"]
     floor = settings.floor * effort_rms(validate) if least is None else least
+    enough = complete(validate, settings.floor)
+    if _rms(found.errors) <= enough < _rms(below.errors):
+        floor *= NEARLY
     if _size(below.errors, found.errors) < floor:
         return False
     before, after = (_all_errors(r.errors, r.fit, train) for r in (below, found))
     return improvement(before, after, settings.seed)[1] > 0.0
+
+
+def periodic(found: Confirmed, train: Problem) -> bool:
+    """Whether the waves among its effects come round as often as something in the machine does.
+
+    A wave that a fit takes to the slowest that its bounds allow stands for what is smooth: half a
+    period of it passes for a constant, a slope or a bend.
+    """
+    orders = [f"{effect.name()}.order" for effect in found.effects]
+    about, values = train.table.about, train.table.vector(found.fit.changes)
+    return not any(
+        values[train.table.position(n)] <= SLOWEST * about[n].low for n in orders if n in about
+    )
+
+
+def _rms(errors: np.ndarray) -> float:
+    return float(np.sqrt(errors.mean()))
 
 
 def _size(before: np.ndarray, after: np.ndarray) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spirob.diagnose.rungs import Confirmed, Settings
-from spirob.diagnose.weighing import counts, simplest
+from spirob.diagnose.weighing import counts, periodic, simplest
 from spirob.effects import find_effects
 
 SIMPLE, RICH = find_effects(["current_offset", "capstan_friction"])
@@ -15,7 +15,12 @@ BLOCKS, BLOCK = 40, 500
 TRAIN = SimpleNamespace(
     rows=np.ones(BLOCKS * BLOCK, bool), edges=np.array([0, BLOCKS * BLOCK]), block=BLOCK
 )
-VALIDATE = SimpleNamespace(rows=np.ones(10, bool), measured=lambda: np.ones(10))
+VALIDATE = SimpleNamespace(  # an effort of 1 without noise
+    rows=np.ones(10, bool),
+    measured=lambda: np.ones(10),
+    raw=lambda: [np.ones(10)],
+    filter=lambda values: values,
+)
 PROBLEMS = {"train": TRAIN, "validate": VALIDATE}
 ERRORS = np.random.default_rng(0).uniform(0.5, 1.5, 10)  # of the few validation blocks
 
@@ -68,3 +73,31 @@ def test_an_effect_in_one_block_of_ten_counts_where_the_fitted_trials_show_it_to
 
 def test_what_only_the_fitted_trials_show_does_not_count():
     assert not counts(rare(1.0, 1.0), rare(5.0, 1.0), PROBLEMS, Settings())
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (0.110, 0.060, True),  # 0.092 of 0.1, from incomplete to complete
+        (0.099, 0.030, False),  # complete before: 0.094 of a model from which nothing is missing
+        (0.140, 0.105, False),  # 0.093, and incomplete after it, too
+        (0.102, 0.080, False),  # 0.063 only
+        (0.200, 0.150, True),  # larger than the floor, whatever is left
+    ],
+)
+def test_what_makes_a_model_complete_counts_from_a_smaller_size_on(before, after, said):
+    less = replace(Settings(), floor=0.1)
+    one, two = (found(SIMPLE, 3, 100 * e, np.full(10, e**2)) for e in (before, after))
+    assert counts(two, one, PROBLEMS, less) is said
+
+
+@pytest.mark.parametrize(("order", "said"), [(0.05, False), (0.0504, False), (0.06, True)])
+def test_a_wave_as_slow_as_its_bounds_allow_is_none(order, said):
+    (wave,) = find_effects(["cogging"])
+    about = {"cogging.order": SimpleNamespace(low=0.05)}
+    table = SimpleNamespace(
+        about=about, vector=lambda changes: [changes["cogging.order"]], position=lambda name: 0
+    )
+    fit = SimpleNamespace(changes={"cogging.order": order})
+    one = Confirmed((wave, SIMPLE), 0.0, fit, np.zeros(1), ERRORS, {})
+    assert periodic(one, SimpleNamespace(table=table)) is said
