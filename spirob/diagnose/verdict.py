@@ -21,12 +21,12 @@ class Verdict:
     """What is missing.
 
     kind         "named", "undecided", "nothing_missing" or "unknown"
-    probability  how often the named effect wins on resampled errors, times `trust`
+    probability  how often the named effect wins on resampled errors, times the share of the
+                 squared error above the sensor's noise that it accounts for: a law that leaves
+                 structure behind may stand for another, which the library does not hold
     rivals       effects that explain the data as well in another way
     equivalents  effects that say the same of these data, under another name
-    trust        share of the squared error above the sensor's noise that the named account for: a
-                 law that leaves structure behind may stand for another, which the library does not
-                 hold; 1 where no more is left than builds of one machine differ by
+    accounted    share of the squared error above the sensor's noise that the named explain
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
     """
 
@@ -37,7 +37,7 @@ class Verdict:
     explanation: str
     next_experiment: str
     equivalents: tuple[str, ...] = ()
-    trust: float = 1.0
+    accounted: float = 1.0
 
     @property
     def contested(self) -> bool:
@@ -75,11 +75,12 @@ def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) 
     if rivals and len(last.effects) == 1 and alone:
         return _undecided(best, rivals, share, effort)
     whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
-    trust = 1.0 if accounted >= 1.0 else whole  # complete: what is left has no structure
-    if (chance := best.probability * trust) < settings.sure:
+    # a complete model leaves no structure in which another law could be; how sure its name is said
+    # to be stays cut, because another may do the same
+    if (chance := best.probability * (1.0 if accounted >= 1.0 else whole)) < settings.sure:
         told = f"is right with a probability of {chance:.0%} only"
         return _poorly_explained(share, told, last.effects, effort)
-    return _named(search, best, (whole, trust), same, share, effort)
+    return _named(search, best, whole, same, share, effort)
 
 
 def _brought(search: Search) -> Confirmed:
@@ -162,12 +163,11 @@ def _poorly_explained(
 def _named(
     search: Search,
     best: Confirmed,
-    worth: tuple[float, float],
+    whole: float,
     same: Sequence[Confirmed],
     share: float,
     effort: Effort,
 ) -> Verdict:
-    whole, trust = worth
     base, last = search.rungs[0], search.rungs[-1]
     before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
     own = set(last.effects)
@@ -182,7 +182,7 @@ def _named(
     added = "the effect" if len(own) == 1 else "these effects"
     return Verdict(
         "named",
-        best.probability * trust,
+        best.probability * whole,
         [],
         f"Missing: {' and '.join(e.title for e in last.effects)}.",
         f"{story} With fitted numbers alone the model misses "
@@ -194,7 +194,7 @@ def _named(
         + (f" On these data {' or '.join(map(_titles, same))} would say the same." if same else ""),
         f"To make sure: {experiment}." if experiment else "",
         tuple(label(c.effects) for c in same),
-        trust,
+        whole,
     )
 
 
