@@ -13,7 +13,6 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
-from pipeline.features import SENSOR_NOISE
 from pipeline.schema import Config
 from pipeline.sides import model_side, robot_side
 from pipeline.stage import (
@@ -26,6 +25,7 @@ from pipeline.stage import (
     workers,
     write_json,
 )
+from pipeline.wraps import SENSOR_NOISE
 from spirob.errors import ConfigError
 from spirob.experiments.contact_rates import (
     SIGNALS,

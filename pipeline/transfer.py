@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.features import features_of, wrapped
+from pipeline.features import features_of
 from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.train import stack
 from pipeline.trials import compared_wraps
+from pipeline.wraps import wrapped
 from spirob.parameter import Table
 from spirob.perceive.bootstrap import mean_error, mean_gain
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported

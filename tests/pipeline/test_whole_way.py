@@ -22,6 +22,7 @@ STAGES = {  # in the order in which they run: about how long each takes [s]
     "ask": 3,
     "decide": 4,
     "experiments": 6,
+    "wraps": 5,
     "features": 5,
     "train": 4,
     "transfer": 8,

@@ -1,0 +1,113 @@
+"""Stage `wraps`: the wraps that size is learned from, played in the diagnosed model by multirun.
+
+    python -m pipeline.wraps -m "part=range(8)"
+
+Each job of the Hydra multirun plays one share and writes its features to data/wraps; stage
+`features` puts them together.  How many shares there are changes no bit of them.  The launcher runs
+as many jobs at once as there are cores; another launcher (SLURM, Dask) is a choice of the command
+line, `hydra/launcher=...`.
+"""
+
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import hydra
+import numpy as np
+import pandas as pd
+from omegaconf import DictConfig
+
+from pipeline.model import plant
+from pipeline.schema import Config
+from pipeline.stage import FAILED, public_config, read_json, tell, workers
+from pipeline.trials import train_wraps
+from spirob.bench import Trial
+from spirob.bench.simulate import simulate
+from spirob.effects import find_effects
+from spirob.errors import ConfigError, MissingLog, SpirobError
+from spirob.logs.atomic import replacing
+from spirob.perceive.features import table
+
+SENSOR_NOISE = 0.005  # A, of a drive of this class; the robot's own is not known
+SHARES = Path("data/wraps")
+
+
+@hydra.main(version_base="1.3", config_path="../conf", config_name="wraps")
+def main(shared: DictConfig) -> None:
+    """Play one share."""
+    try:
+        share(Path("."), shared.part, shared.parts)
+    except SpirobError as error:
+        print(f"wraps: {error}", file=sys.stderr)
+        sys.exit(FAILED)
+
+
+def share(root: Path, part: int, parts: int) -> None:
+    """Play the share `part` of `parts`, neighbours in the order of the training wraps.
+
+    Raises ConfigError where there is no such share.
+    """
+    if not 0 <= part < parts:
+        raise ConfigError(f"share {part} of {parts}: shares are counted from 0 to {parts - 1}")
+    config = public_config(root)
+    model = read_json(root / "data/diagnosis/model.json", "decide")
+    trials = train_wraps(config)
+    mine = np.array_split(np.arange(len(trials)), parts)[part]
+    if len(mine):
+        features = wrapped(config, model, [trials[k] for k in mine], first=int(mine[0]), threads=1)
+        write(root / SHARES / f"{part:03d}_of_{parts:03d}.parquet", features)
+        tell(f"wraps {mine[0] + 1} to {mine[-1] + 1} of {len(trials)}")
+
+
+def together(root: Path, config: Config) -> pd.DataFrame:
+    """Features of all training wraps in their order, of the shares that were played.
+
+    Raises MissingLog where they are not all there, or not of this configuration.
+    """
+    shares = [pd.read_parquet(path) for path in sorted((root / SHARES).glob("*_of_*.parquet"))]
+    wanted = [trial["name"] for trial in train_wraps(config)]
+    played = [name for features in shares for name in features.index]
+    if played != wanted:
+        raise MissingLog(
+            f"{SHARES} holds {len(played)} wraps where the configuration asks for {len(wanted)}, "
+            "or others; empty it, and the stage 'wraps' writes it"
+        )
+    return pd.concat(shares)
+
+
+def wrapped(
+    config: Config,
+    model: Mapping[str, Any],
+    trials: Sequence[dict[str, Any]],
+    first: int = 0,
+    threads: int | None = None,
+) -> pd.DataFrame:
+    """Features of wraps in a model `{effects: [...], changes: {...}}`, with sensor noise.
+
+    first    number of the first wrap, which its noise is drawn by;  threads  all cores by default
+    Each wrap is given up as soon as its features are known: a thousand of them need no gigabyte.
+    """
+    machine = plant(config, find_effects(model["effects"]))
+    known = set(machine.table.names)
+    changes = {k: v for k, v in model["changes"].items() if k in known}
+
+    def one(job: tuple[int, dict[str, Any]]) -> pd.DataFrame:
+        number, plain = job
+        trial = Trial.from_plain(plain)
+        seed = config.perceive.seed + number
+        return table([simulate(machine, trial, changes, SENSOR_NOISE, seed)])
+
+    with ThreadPoolExecutor(threads or workers()) as pool:
+        return pd.concat(list(pool.map(one, enumerate(trials, first))))
+
+
+def write(path: Path, features: pd.DataFrame) -> None:
+    """A table of features, whole or not at all."""
+    with replacing(path) as temporary:
+        features.to_parquet(temporary, compression="zstd")
+
+
+if __name__ == "__main__":
+    main()
