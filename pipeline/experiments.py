@@ -69,7 +69,8 @@ def _one(
 
 
 def _figures(row: dict[str, Any]) -> dict[str, Any]:
-    return {k: row[k] for k in COLUMNS if row[k] is not None} | {"unit": row["unit"]}
+    told = {k: row[k] for k in COLUMNS if row[k] is not None} | {"unit": row["unit"]}
+    return told | ({"note": row["note"]} if row["note"] else {})
 
 
 if __name__ == "__main__":

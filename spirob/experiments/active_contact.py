@@ -209,6 +209,7 @@ class ActiveContact(Experiment):
             play = "free" if place is None else f"peg at {place:.0%}"
             for s, side in sides[self._name(place)].items():
                 if s in SIDES and side.current is not None:
-                    felt = side.driven("current", RIGHT)
-                    out.append(curve(play, "current", "A", s, side.seconds, felt))
+                    for signal in SIGNALS:
+                        felt = side.driven(signal, RIGHT)
+                        out.append(curve(play, signal, "A", s, side.seconds, felt))
         return out

@@ -53,14 +53,15 @@ class Delay(Experiment):
     def times(self, side: Side, commanded: float) -> dict[str, float]:
         """Delays and rises [ms] of one side and the force that it holds [N].
 
-        The baseline has no force but the commanded one.
+        The baseline has no force but the commanded one, heard through the same mean.
         """
         end = self.rest + self.hold
         shape = step_times(side.driven("displacement", 0), self.rest, (end - 0.1, end))
         found = {"displacement": 1e3 * shape["delay"], "displacement rise": 1e3 * shape["rise"]}
         if side.current is None:
-            return found | {"raw": 0.0, "filtered": 0.0, "filtered rise": 0.0, "held": commanded}
-        force = self.force(side)
+            force = np.where(side.seconds >= self.rest, commanded, 0.0)
+        else:
+            force = self.force(side)
         first = round(self.rest / PERIOD)
         mean = moving_average(force, WINDOW)[first:] / commanded
         tenth, half, most = (crossing(mean, share) for share in (0.1, 0.5, 0.9 * mean.max()))
@@ -86,12 +87,13 @@ class Delay(Experiment):
                 ("filtered rise", None, ""),
                 ("raw", None, "without the mean"),
                 ("displacement", None, "half of what it moves while the force holds"),
+                ("displacement rise", None, "from a tenth to nine tenths of it"),
             ):
                 values = {s: t[key] for s, t in times.items()}
                 judged = key in ("filtered", "displacement")
                 met = within(values.get("named"), values.get("robot"), AIM) if judged else None
                 aim = "named within 5 % of the robot" if judged else None
-                name = "displacement" if key == "displacement" else f"force, {key}"
+                name = key if key.startswith("displacement") else f"force, {key}"
                 what = f"delay of {name} at {force:g} N"
                 rows.append(row(what, "ms", values, paper=paper, aim=aim, met=met, note=note))
             held = {s: t["held"] for s, t in times.items()}

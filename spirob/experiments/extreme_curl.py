@@ -73,6 +73,7 @@ class ExtremeCurl(Experiment):
         for key, unit, paper, note in (
             ("velocity knee", "s", None, ""),
             ("current knee", "s", None, ""),
+            ("filtered current knee", "s", None, "100-sample mean"),
             ("free velocity", "m/s", None, "the paper does not give its velocity"),
             ("free current", "A", None, ""),
             ("last current", "A", LIMIT, "saturation of the drive"),
@@ -85,8 +86,11 @@ class ExtremeCurl(Experiment):
         return [*rows, row("stroke at the end", "mm", stroke)]
 
     def _knee(self, side: Side) -> dict[str, float]:
-        current = None if side.current is None else side.driven("current", 0)
-        return knee(side.driven("velocity", 0), current)
+        velocity = side.driven("velocity", 0)
+        if side.current is None:
+            return knee(velocity, None)
+        mean = knee(velocity, side.driven("filtered", 0))["current knee"]
+        return knee(velocity, side.driven("current", 0)) | {"filtered current knee": mean}
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []

@@ -2,7 +2,8 @@
 
 Both motors hold the same constant current without a gearbox.  The apparent period is that of the
 strongest line of what the motor reports; the paper's 100-sample mean has a null at exactly 10 Hz,
-so the true period cannot be seen behind it, and what is seen instead is something else.
+so the true period cannot be seen behind it, and what is seen instead is something else.  A line of
+less than one count is none that the drive could show: the sensor's noise has a strongest one, too.
 """
 
 from dataclasses import dataclass
@@ -78,9 +79,11 @@ class PeriodicContact(Experiment):
                 periods, sizes, lines = self._lines(sides, place, signal)
                 filtered = signal in ("filtered", "displacement, mean")
                 paper = PAPER[k] if signal == "filtered" and len(self.places) == 3 else None
-                hidden = [s for s, size in sizes.items() if size < 1.0]
+                hidden = [s for s, period in periods.items() if np.isnan(period)]
                 notes = ["10 Hz is a null of the mean"] if filtered else []
-                notes += [f"below one count: {', '.join(hidden)}"] if hidden else []
+                notes += (
+                    [f"not visible, no line of one count: {', '.join(hidden)}"] if hidden else []
+                )
                 note = "; ".join(notes)
                 at = f"{signal}, at {place:.0%}"
                 rows.append(row(f"apparent period of {at}", "s", periods, paper=paper, note=note))
@@ -99,7 +102,9 @@ class PeriodicContact(Experiment):
             time = np.arange(len(values))
             level = values - np.polyval(np.polyfit(time, values, 1), time)
             sizes[s] = float(np.sqrt(2) * level.std())
-            periods[s] = strongest_period(values, *BAND)
+            period = strongest_period(values, *BAND)
+            shown = np.isfinite(period) and amplitude(values, period) >= 1.0
+            periods[s] = period if shown else float("nan")
             lines[s] = amplitude(values, self.period)
         return periods, sizes, lines
 

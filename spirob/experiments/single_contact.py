@@ -3,9 +3,10 @@
     v = √(k_s/m) Δx        all of the spring's energy goes into the ball (paper)
 
 Both motors hold the same constant current without a gearbox.  What the drive reports is read in
-its own counts: the steady shift of the current, its peak, and the peak of the angle.  A drive that
-holds its current hides a contact there, so it is played at several bandwidths; the model also plays
-a drive without feed-forward of the back-EMF, which the emulated one does not offer.
+its own counts: the steady shift of the current, its peak, that of the paper's 100-sample mean of
+it, and the peak of the angle; beside them stands the arm's profile, which explains them.  A drive
+that holds its current hides a contact there, so it is played at several bandwidths; the model plays
+also a drive without feed-forward of the back-EMF, which the emulated one does not offer.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from scipy.stats import spearmanr
 from spirob.bench.wrap import beside
 from spirob.experiments.direct_drive import both, difference, direct
 from spirob.experiments.experiment import Experiment, Play, Sides, curve, row, trial
+from spirob.experiments.profile import profile
 from spirob.experiments.response import smooth
 from spirob.experiments.side import Side
 from spirob.geometry import ARM_LENGTH, spiral_arm
@@ -24,6 +26,13 @@ from spirob.geometry import ARM_LENGTH, spiral_arm
 SHIFT = (0.3, 0.6)  # s after the hit: the paper's steady shift
 PEAK = 0.3  # s after the hit
 SMOOTHING = 11  # samples
+READ = (  # key of a response -> what it is called
+    ("angle", "angle"),
+    ("peak", "current peak"),
+    ("filtered", "filtered current peak"),
+    ("shift", "shift"),
+)
+PROFILE = (("stiffness", "N·m/rad"), ("inertia", "kg·m²"), ("give", "m/N"))
 
 
 def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
@@ -31,8 +40,9 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
 
     angle   largest change within `PEAK`
     peak    largest change of the current within `PEAK`, over `SMOOTHING` samples
+    filtered  largest change within `PEAK` of the current after the paper's 100-sample mean
     shift   mean change of the current within `SHIFT`
-    angle, peak and shift error   what noise alone makes of them
+    ... error   what noise alone makes of each
     A side without a motor has an angle only.
     """
     first = round(1e3 * at)
@@ -43,10 +53,13 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
         return found
     current = difference(hit, free, "current")
     steady = current[first + round(1e3 * SHIFT[0]) : first + round(1e3 * SHIFT[1])]
-    calm = smooth(current, SMOOTHING)[100 : first - SMOOTHING]
+    mean = difference(hit, free, "filtered")
+    calm = slice(100, first - SMOOTHING)
     return found | {
         "peak": float(np.abs(smooth(current, SMOOTHING)[soon]).max()),
-        "peak error": float(1.5 * np.abs(calm).max()),
+        "peak error": float(1.5 * np.abs(smooth(current, SMOOTHING)[calm]).max()),
+        "filtered": float(np.abs(mean[soon]).max()),
+        "filtered error": float(1.5 * np.abs(mean[calm]).max()),
         "shift": float(steady.mean()),
         "shift error": float(3 * steady.std() / np.sqrt(len(steady))),
     }
@@ -125,7 +138,7 @@ class SingleContact(Experiment):
         rows = []
         for bandwidth in self.bandwidths:
             found = self._responses(sides, bandwidth)
-            for key, what in (("angle", "angle"), ("peak", "current peak"), ("shift", "shift")):
+            for key, what in READ:
                 for k, place in enumerate(self.places):
                     told = {s: r[k] for s, r in found.items() if key in r[k]}
                     rows.append(self._row(f"{what}, {bandwidth:g} Hz, at {place:.0%}", key, told))
@@ -133,7 +146,7 @@ class SingleContact(Experiment):
                     sides_with = {s: r for s, r in found.items() if key in r[0]}
                     rows.append(self._agreement(f"{what}, {bandwidth:g} Hz", key, sides_with))
         plain = self._responses(sides, 0.0)
-        for key, what in (("peak", "current peak"), ("shift", "shift")):
+        for key, what in READ[1:]:
             for k, place in enumerate(self.places):
                 told = {s: r[k] for s, r in plain.items()}
                 where = f"{self.bandwidths[0]:g} Hz, at {place:.0%}"
@@ -150,12 +163,14 @@ class SingleContact(Experiment):
     ) -> dict[str, Any]:
         """Rank order of all places, model against robot; the paper's claim is a rise to the tip."""
         order = {s: [abs(r[key]) for r in rows] for s, rows in found.items()}
-        agree = {s: rank_agreement(order[s], order["robot"]) for s in found if s != "robot"}
-        agree["robot"] = rank_agreement(order["robot"], list(self.places))
         note = "robot: against the distance from the base"
         judged = all(visible(r[key], r[f"{key} error"]) for r in found["robot"])
-        if not judged:
-            note += "; not visible everywhere, so this order says nothing"
+        agree = {}
+        if judged:
+            agree = {s: rank_agreement(order[s], order["robot"]) for s in found if s != "robot"}
+            agree["robot"] = rank_agreement(order["robot"], list(self.places))
+        else:
+            note = "not visible everywhere on the robot, so there is no order"
         met = bool(agree.get("named", np.nan) >= 1.0 - 1e-9) if judged else None
         aim = "same order" if judged else None
         return row(
@@ -170,12 +185,15 @@ class SingleContact(Experiment):
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
-        fastest = self.bandwidths[-1]
+        fastest, at = self.bandwidths[-1], 100 * np.array(self.places)
         for s, found in self._responses(sides, fastest).items():
-            at = 100 * np.array(self.places)
             for key, quantity in (("angle", "angle response"), ("peak", "current peak")):
                 if key not in found[0]:
                     continue
                 values = np.array([r[key] for r in found])
                 out.append(curve(f"{fastest:g} Hz", quantity, "counts", s, at, values, 1))
+        along = profile(self.places)
+        for key, unit in PROFILE:
+            values = getattr(along, key)
+            out.append(curve("nominal arm", f"{key} along the arm", unit, "single", at, values, 1))
         return out

@@ -16,10 +16,23 @@ LOOKS = {
 }
 AXES = {
     "displacement over force": "force [N]",
+    "current over force": "force [N]",
+    "filtered current over force": "force [N]",
     "angle response": "place of the hit [% of length]",
     "current peak": "place of the hit [% of length]",
+    "stiffness along the arm": "place [% of length]",
+    "inertia along the arm": "place [% of length]",
+    "give along the arm": "place [% of length]",
 }
-UPRIGHT = {"displacement over force": "displacement", "filtered": "filtered current"}
+UPRIGHT = {
+    "displacement over force": "displacement",
+    "current over force": "current",
+    "filtered current over force": "filtered current",
+    "filtered": "filtered current",
+    "stiffness along the arm": "stiffness of the hinge",
+    "inertia along the arm": "inertia beyond",
+    "give along the arm": "give of the arm",
+}
 POINTS = 12  # a line of fewer points shows them
 COLUMNS = 2
 ROW = 250  # pixels

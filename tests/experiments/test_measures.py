@@ -7,14 +7,15 @@ from hypothesis import strategies as st
 
 from spirob.experiments.active_contact import ActiveContact
 from spirob.experiments.current_error import each_in_its_own, rmse
+from spirob.experiments.delay import Delay
 from spirob.experiments.experiment import repeating
 from spirob.experiments.extreme_curl import knee
-from spirob.experiments.hysteresis import loop_area
+from spirob.experiments.hysteresis import Hysteresis, loop_area
 from spirob.experiments.onset import detected, onset
-from spirob.experiments.periodic_contact import seen
+from spirob.experiments.periodic_contact import PeriodicContact, seen
 from spirob.experiments.response import amplitude, crossing, step_times, strongest_period
 from spirob.experiments.side import Side
-from spirob.experiments.single_contact import rank_agreement, responses, visible
+from spirob.experiments.single_contact import SingleContact, rank_agreement, responses, visible
 from spirob.perceive.contact import ContactSettings
 from spirob.trace import moving_average
 
@@ -88,7 +89,8 @@ def test_a_hit_is_the_difference_to_the_trial_without_it():
     assert found["angle"] == pytest.approx(counts)
     assert found["shift"] == pytest.approx(0.0061 * 16384 / 20)
     nothing = responses(free, free, 0.5)
-    assert nothing["angle"] == nothing["peak"] == nothing["shift"] == 0.0
+    assert nothing["angle"] == nothing["peak"] == nothing["filtered"] == nothing["shift"] == 0.0
+    assert found["filtered"] == pytest.approx(found["shift"])  # a step is whole after the mean
     bare = Side(None, hit.displacement, hit.velocity, hit.command)
     assert responses(bare, free, 0.5) == {"angle": found["angle"], "angle error": 0.0}
 
@@ -123,6 +125,56 @@ def test_ten_hertz_is_a_null_of_the_papers_mean():
     raw, mean = (seen(hit, free, s, 0.5) for s in ("current", "filtered"))
     assert amplitude(raw, 0.1) == pytest.approx(0.1 * 16384 / 20, rel=1e-3)
     assert amplitude(mean, 0.1) < 1e-9 * amplitude(raw, 0.1)
+
+
+def test_what_no_count_shows_has_neither_period_nor_order():
+    """The sensor's noise has a strongest line, and an order of places, that mean nothing."""
+    rng = np.random.default_rng(0)
+    count = 20 / 16384
+    experiment = PeriodicContact()
+    names = [p.name for p in experiment.plays()]
+    sides = {n: {"robot": side(4 * count * rng.normal(size=4500), cycles=4500)} for n in names}
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    assert rows["apparent period of current, at 55%"]["robot"] is None
+    assert "not visible" in rows["apparent period of current, at 55%"]["note"]
+    hits = SingleContact()
+    calm = {
+        p.name: {"robot": side(0.2 * count * rng.normal(size=1200), cycles=1200)}
+        for p in hits.plays()
+    }
+    for play in calm.values():
+        play["base"] = play["named"] = play["robot"]
+    rows = {r["what"]: r for r in hits.measure(calm)}
+    told = rows["rank agreement of current peak, 50 Hz"]
+    assert (told["robot"], told["named"], told["met"]) == (None, None, None)
+    assert "there is no order" in told["note"]
+
+
+def test_the_baseline_of_the_delay_hears_through_the_same_mean():
+    still = Side(None, np.zeros((2500, 2)), np.zeros((2500, 2)), np.zeros((2500, 2)))
+    found = Delay().times(still, 2.0)
+    assert found["raw"] == 0.0
+    assert found["filtered"] == pytest.approx(49.0, abs=1.0)
+    assert found["held"] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("alone", "met"), [(0.0, True), (0.04, True), (0.06, False), (-0.2, False)]
+)
+def test_a_baseline_without_a_loop_is_told(alone, met):
+    experiment = Hysteresis(period=2.0, periods=1.0)
+    time = np.arange(2000) * 1e-3
+    force = experiment.low + (experiment.high - experiment.low) * (1 - np.abs(time - 1.0))
+    late = np.roll(force, 100)
+    moved = {"robot": late, "single": force + alone * (late - force)}
+    flat = np.zeros((2000, 2))
+    sides = {
+        s: Side(flat if s == "robot" else None, np.column_stack([x, x]), flat, flat)
+        for s, x in moved.items()
+    }
+    rows = {r["what"]: r for r in experiment.measure({"hysteresis": sides})}
+    assert rows["area of the baseline's loop"]["met"] is met
+    assert rows["area of the loop"]["met"] is None  # no model played
 
 
 def test_onset_and_detection_of_a_contact():
