@@ -49,8 +49,8 @@ def stage(root: Path) -> None:
     named = read_json(root / "data/diagnosis/model.json", "decide")
     moved = []
     if set(named["effects"]) > set(config.plant.effects):
-        identified = before["identified"]["changes"]
-        moved = stood_in(identified, named["changes"], plant(config).table)
+        fitted = read_json(root / "data/identified/base.json", "identify")["parameters"]
+        moved = stood_in(fitted, named["changes"], plant(config).table)
     metrics: dict[str, Any] = {
         "robot": steps,
         "samples": len(wraps),
@@ -75,19 +75,26 @@ def _before(root: Path, config: Config) -> dict[str, dict[str, Any]]:
 
 
 def stood_in(
-    identified: Mapping[str, float], named: Mapping[str, float], table: Table
+    fitted: Mapping[str, Mapping[str, Any]], named: Mapping[str, float], table: Table
 ) -> list[dict[str, Any]]:
-    """Fitted numbers that the named effect moved by a fifth and more, at most three, most first."""
-    both = [n for n in identified if n in named and min(identified[n], named[n]) > 0.0]
-    moved = {n: abs(math.log(identified[n] / named[n])) for n in both}
+    """Fitted numbers that the named effect moved by a fifth and more, at most three, most first.
+
+    fitted  "value" and "at_bound" of what was fitted without the effect; a number left at nominal
+            is not in it: no fit has moved it, so it can stand for nothing
+    named   all numbers of the model with the effect
+    """
+    values = {n: float(one["value"]) for n, one in fitted.items()}
+    both = [n for n in values if n in named and min(values[n], named[n]) > 0.0]
+    moved = {n: abs(math.log(values[n] / named[n])) for n in both}
     most = sorted((n for n in both if moved[n] > math.log(MOVED)), key=lambda n: -moved[n])[:3]
     return [
         {
             "name": n,
             "meaning": table.about[n].meaning,
-            "identified": float(f"{identified[n]:.6g}"),
+            "identified": float(f"{values[n]:.6g}"),
             "named": float(f"{named[n]:.6g}"),
             "unit": table.about[n].unit,
+            "at_bound": bool(fitted[n]["at_bound"]),
         }
         for n in most
     ]

@@ -229,7 +229,16 @@ def _transfer() -> dict:
                 "identified": 0.401429,
                 "named": 0.146,
                 "unit": "N·m/rad",
-            }
+                "at_bound": False,
+            },
+            {
+                "name": "winch.efficiency",
+                "meaning": "torque transmitted by the gear",
+                "identified": 0.89,
+                "named": 0.702123,
+                "unit": "1",
+                "at_bound": True,
+            },
         ],
         "robot": {"nominal": step, "identified": gained, "named": {**gained, "mae": 1.58}},
         "interval": {"confidence": 0.9, "simulation": held, "robot": held},

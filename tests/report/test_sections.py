@@ -238,6 +238,7 @@ def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
     told = text("transfer", replace(data, transfer=data.transfer | {"robot": worse}))
     assert "does not fall" in told
     assert "stiffness of the base hinge 0.401 for 0.146 N·m/rad" in told
+    assert "torque transmitted by the gear 0.890, where its bound held it, for 0.702" in told
     assert "stiffness of the base hinge" not in shown
     assert "was not learned from the other models" in text("transfer", sparse)
 

@@ -59,7 +59,8 @@ class Transfer(Section):
 def _moved(one: dict[str, Any]) -> str:
     stood, stands = number(one["identified"]), number(one["named"])
     unit = "" if one["unit"] == "1" else f" {unit_text(one['unit'])}"
-    return f"{one['meaning'].split(';')[0]} {stood} for {stands}{unit}"
+    bound = ", where its bound held it," if one.get("at_bound") else ""
+    return f"{one['meaning'].split(';')[0]} {stood}{bound} for {stands}{unit}"
 
 
 def held(interval: dict[str, Any]) -> str:
