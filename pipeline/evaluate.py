@@ -6,15 +6,15 @@ Only here is the truth opened, after everything has been decided.
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pipeline.features import features_of
 from pipeline.stage import read_json, run, tell, write_json
 from spirob.logs.atomic import replacing
-from spirob.perceive.bootstrap import mean_error
+from spirob.perceive.bootstrap import mean_gain, scored
 from spirob.perceive.model_file import load_model
 from spirob.perceive.rivals import rivals
-from spirob.perceive.score import score
 from spirob.perceive.size import TARGET, predict
 from spirob.perceive.study import importance, learning_curve
 from spirob.trial.answers import right
@@ -35,26 +35,57 @@ def _size(root: Path) -> None:
     for domain, features in tests.items():
         true, found = features[TARGET].to_numpy(), predict(model, features)
         others = rivals(model, known, listed, features)
-        low, high = mean_error(true, found)
         metrics[domain] = {
-            **_rounded({**score(true, found), "mae_low": low, "mae_high": high}),
+            **_rounded(scored(true, found)),
             "unit": "mm",
             "samples": len(true),
-            "other": {name: _rounded(score(true, values)) for name, values in others.items()},
+            "other": {name: rival(true, values, found) for name, values in others.items()},
         }
         columns = {"true_mm": 1e3 * true, "predicted_mm": 1e3 * found}
         rows.append(pd.DataFrame({"domain": domain, **columns}))
         tell(f"size, {domain}: MAE {metrics[domain]['mae']:.2f} mm, R2 {metrics[domain]['r2']:.3f}")
+    robot = tests["robot"]
+    metrics["robot"] |= unlisted(robot, predict(model, robot), listed)
     curve = learning_curve(known, tests, model.settings, model.predictor)
     metrics["training"] = {
         "samples": len(known),
         "importance": _rounded(importance(model, tests["simulation"])),
-        "learning_curve": {str(n): _rounded(errors) for n, errors in curve.items()},
+        "learning_curve": {
+            str(n): {domain: _rounded(one) for domain, one in errors.items()}
+            for n, errors in curve.items()
+        },
         "unit": "mm",
     }
     with replacing(root / "data/features/predictions.parquet") as temporary:
         pd.concat(rows, ignore_index=True).to_parquet(temporary, compression="zstd", index=False)
     write_json(root / "reports/metrics/size.json", metrics)
+
+
+def rival(true: np.ndarray, found: np.ndarray, shipped: np.ndarray) -> dict[str, float]:
+    """Errors of another predictor, and what the shipped one gains over it on the same wraps [mm].
+
+    true, found, shipped  diameters (n,) [m]
+    """
+    errors = scored(true, found)
+    low, high = mean_gain(true, found, shipped)
+    gain = errors["mae"] - scored(true, shipped)["mae"]
+    return _rounded({**errors, "gain": gain, "gain_low": low, "gain_high": high})
+
+
+def unlisted(
+    wraps: pd.DataFrame, found: np.ndarray, listed: pd.DataFrame
+) -> dict[str, dict[str, Any]]:
+    """Errors on the wraps whose diameter the training does not list, as {"unlisted": ...}.
+
+    Drawn wraps lie about every diameter; only of the listed ones has it several just as large.
+    Empty where every diameter is listed.
+    """
+    true, known = wraps[TARGET].to_numpy(float), listed[TARGET].to_numpy(float)
+    new = ~np.isclose(true[:, None], known[None, :], rtol=1e-6, atol=0.0).any(axis=1)
+    if not new.any():
+        return {}
+    errors = _rounded(scored(true[new], found[new]))
+    return {"unlisted": {**errors, "unit": "mm", "samples": int(new.sum())}}
 
 
 def _verdict(root: Path) -> None:

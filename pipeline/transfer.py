@@ -23,7 +23,7 @@ from pipeline.train import stack
 from pipeline.trials import compared_wraps
 from pipeline.wraps import wrapped
 from spirob.parameter import Table
-from spirob.perceive.bootstrap import mean_error, mean_gain
+from spirob.perceive.bootstrap import mean_gain, scored
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
@@ -105,8 +105,7 @@ def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict
     steps: dict[str, Any] = {}
     before = None
     for name, found in sizes.items():
-        low, high = mean_error(true, found, seed)
-        one = {**score(true, found), "mae_low": low, "mae_high": high}
+        one = scored(true, found, seed)
         if before is not None:
             low, high = mean_gain(true, before, found, seed)
             gain = score(true, before)["mae"] - one["mae"]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from spirob.perceive.score import MILLIMETRES
+from spirob.perceive.score import MILLIMETRES, score
 
 DRAWS = 2000
 CONFIDENCE = 0.95
@@ -14,6 +14,12 @@ def mean_error(true: np.ndarray, predicted: np.ndarray, seed: int = 0) -> tuple[
     true, predicted  (n,) [m];  seed  of the draws
     """
     return _interval(np.abs(predicted - true), seed)
+
+
+def scored(true: np.ndarray, predicted: np.ndarray, seed: int = 0) -> dict[str, float]:
+    """What `score` tells, and the interval of the mean absolute error: mae_low, mae_high [mm]."""
+    low, high = mean_error(true, predicted, seed)
+    return {**score(true, predicted), "mae_low": low, "mae_high": high}
 
 
 def mean_gain(

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from sklearn.base import BaseEstimator, RegressorMixin
 
-from spirob.perceive.score import MILLIMETRES
+from spirob.perceive.bootstrap import mean_error
+from spirob.perceive.score import MILLIMETRES, score
 from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
 from spirob.perceive.trust import used_features
 
@@ -56,9 +57,11 @@ def learning_curve(
     tests: Mapping[str, pd.DataFrame],
     settings: SizeSettings | None = None,
     predictor: str = "remainder",
-) -> dict[int, dict[str, float]]:
-    """Mean absolute error [mm] of each test by the number of training samples.
+) -> dict[int, dict[str, dict[str, float]]]:
+    """Mean absolute error of each test by the number of training samples, with its interval.
 
+    Each is {"mae", "mae_low", "mae_high"} [mm]; the interval is one over the test's wraps, and
+    does not tell how much another draw of the samples would have moved it.
     The samples are the first ones of one drawn order, so that each step contains the one before
     it; the last is the whole table.
     """
@@ -70,9 +73,11 @@ def learning_curve(
         chosen = table.iloc[order[:n]]
         if chosen[TARGET].nunique() >= 3:
             model = train(chosen, settings, predictor)
-            found[n] = {name: _mae(model, test) for name, test in tests.items()}
+            found[n] = {name: _errors(model, test) for name, test in tests.items()}
     return found
 
 
-def _mae(model: SizeModel, table: pd.DataFrame) -> float:
-    return float(MILLIMETRES * np.mean(np.abs(predict(model, table) - table[TARGET].to_numpy())))
+def _errors(model: SizeModel, table: pd.DataFrame) -> dict[str, float]:
+    true, found = table[TARGET].to_numpy(float), predict(model, table)
+    low, high = mean_error(true, found)
+    return {"mae": score(true, found)["mae"], "mae_low": low, "mae_high": high}

@@ -40,9 +40,12 @@ def test_more_samples_tell_better_and_the_last_step_is_the_model_itself():
     known, test = made_up(150), made_up(80, 1)
     curve = learning_curve(known, {"test": test})
     assert list(curve) == [20, 35, 50, 100, 150]
-    assert curve[150]["test"] < 0.8 * curve[20]["test"]
+    assert curve[150]["test"]["mae"] < 0.8 * curve[20]["test"]["mae"]
     order = np.random.default_rng(0).permutation(150)
-    assert curve[150]["test"] == pytest.approx(error(train(known.iloc[order]), test))
+    assert curve[150]["test"]["mae"] == pytest.approx(error(train(known.iloc[order]), test))
+    assert all(
+        e["test"]["mae_low"] < e["test"]["mae"] < e["test"]["mae_high"] for e in curve.values()
+    )
 
 
 def test_rivals_know_what_they_should():
