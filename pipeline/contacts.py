@@ -27,12 +27,11 @@ from pipeline.stage import (
 )
 from pipeline.wraps import SENSOR_NOISE
 from spirob.errors import ConfigError
+from spirob.experiments.contact_parts import in_parts
 from spirob.experiments.contact_rates import (
     SIGNALS,
     Uncurling,
-    by_place,
     outcomes,
-    rates,
     roc,
     scaled,
     tuned,
@@ -62,7 +61,10 @@ def stage(root: Path) -> None:
 
 
 def judged(domains: dict[str, tuple[list[Uncurling], list[Side]]]) -> dict[str, Any]:
-    """Rates by signal and domain, with the paper's thresholds and with tuned ones."""
+    """Rates by signal and domain, with the paper's thresholds and with tuned ones.
+
+    Each are told together and by place, gap and motion; the ROC is that of one common factor.
+    """
     out: dict[str, Any] = {}
     for signal in SIGNALS:
         scale = tuned(outcomes(*domains["simulation"], signal))
@@ -70,9 +72,8 @@ def judged(domains: dict[str, tuple[list[Uncurling], list[Side]]]) -> dict[str, 
         for domain, played in domains.items():
             found = outcomes(*played, signal)
             out[signal][domain] = {
-                "paper": rates(found, scaled(1.0)),
-                "tuned": rates(found, scaled(scale)),
-                "by_place": by_place(found, scaled(1.0)),
+                "paper": in_parts(found, scaled(1.0)),
+                "tuned": in_parts(found, scaled(scale)),
                 "roc": roc(found),
             }
     return out

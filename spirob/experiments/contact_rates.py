@@ -9,7 +9,6 @@ pressed on by no more than a given travel is a hit, so travel stands for strengt
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -51,13 +50,16 @@ class Outcome:
     """What one trial offers to a detector on one signal.
 
     seen   levels from the start of its watch;  begins  onset after that [s], NaN without contact
-    speed  of the tendon [m/s];  place  along the arm, None without a peg
+    speed  of the tendon [m/s];  load  current of the other motor, which gives way [A]
+    place  along the arm, None without a peg;  gap  between the straight arm and the peg [m]
     """
 
     seen: Levels
     begins: float
     speed: float
+    load: float
     place: float | None
+    gap: float
 
 
 def uncurlings(pegs: int, seed: int) -> list[Uncurling]:
@@ -91,7 +93,8 @@ def outcomes(trials: Sequence[Uncurling], sides: Sequence[Side], signal: str) ->
         if trial.place is not None:
             alone = free[trial.number].driven("current", RIGHT)[:last]
             begins = onset(side.driven("current", RIGHT)[:last], alone, first) - first * PERIOD
-        out.append(Outcome(seen, begins, trial.about.speed, trial.place))
+        about = trial.about
+        out.append(Outcome(seen, begins, about.speed, about.low, trial.place, about.gap))
     return out
 
 
@@ -146,17 +149,6 @@ def tuned(found: Sequence[Outcome]) -> float:
     """The least scale without a false alarm; the paper's own, 1, where none is."""
     calm = [point["scale"] for point in roc(found) if point["alarms"] == 0.0]
     return min(calm) if calm else 1.0
-
-
-def by_place(found: Sequence[Outcome], rules: ContactSettings) -> list[dict[str, Any]]:
-    """Rates in five equal parts of the places."""
-    edges = np.linspace(*PLACES, 6)
-    parts = []
-    for low, high in pairwise(edges):
-        there = [o for o in found if o.place is not None and low <= o.place < high]
-        told = rates(there, rules)
-        parts.append({"place": float((low + high) / 2), **told})
-    return parts
 
 
 def _share(holds: np.ndarray) -> float:

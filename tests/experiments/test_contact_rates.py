@@ -8,7 +8,6 @@ from spirob.experiments.contact_rates import (
     MOTIONS,
     SCALES,
     Outcome,
-    by_place,
     outcomes,
     rates,
     roc,
@@ -24,11 +23,11 @@ SAMPLES = 4000
 TIME = np.arange(SAMPLES) * 1e-3
 
 
-def outcome(begins, steepness=10.0, bump=0.0, place=0.5):
+def outcome(begins, steepness=10.0, bump=0.0, place=0.5, gap=0.01, motion=2):
     """0.6 A, then a line of that many A/s from `begins` on; a bump of the load at 1 s."""
     rise = 0.0 if np.isnan(begins) else steepness * np.maximum(TIME - begins, 0)
     current = 0.6 + rise + bump * ((TIME > 1.0) & (TIME < 1.5))
-    return Outcome(levels(current, ContactSettings()), begins, 0.05, place)
+    return Outcome(levels(current, ContactSettings()), begins, *MOTIONS[motion], place, gap)
 
 
 def test_every_contact_is_told_and_none_invented():
@@ -65,13 +64,6 @@ def test_tuning_falls_back_to_the_paper_where_nothing_is_calm():
     assert tuned([outcome(np.nan, bump=40.0)]) == 1.0
 
 
-def test_places_are_counted_once():
-    found = [outcome(2.0, place=p) for p in np.linspace(0.46, 0.94, 20)]
-    parts = by_place(found, ContactSettings())
-    assert sum(p["contacts"] for p in parts) == 20
-    assert [p["place"] for p in parts] == sorted(p["place"] for p in parts)
-
-
 def test_trials_are_drawn_alike_and_can_be_played():
     drawn = uncurlings(2, seed=3)
     assert len(drawn) == 4 * len(MOTIONS)
@@ -100,5 +92,7 @@ def test_an_onset_counts_from_the_start_of_the_watch():
     sides = [Side(current, flat, flat, flat) for current in (free, contact)]
     alone, met = outcomes(drawn, sides, "current")
     assert np.isnan(alone.begins)
+    assert [(o.speed, o.load) for o in (alone, met)] == [MOTIONS[0]] * 2
+    assert (alone.place, met.place, met.gap) == (None, drawn[1].place, drawn[1].about.gap)
     assert met.begins == pytest.approx(1.0, abs=0.02)
     assert rates([met], ContactSettings())["ever"] == 1.0
