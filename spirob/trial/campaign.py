@@ -14,7 +14,7 @@ from spirob.trial.answers import ANSWERS
 from spirob.trial.case import Case, run
 from spirob.trial.rates import is_right
 
-ATTEMPTS = 3  # at a case whose worker was killed
+ATTEMPTS = 3  # in a row in which workers were killed and no case was finished
 PAIRS = (
     ("guide_friction", "current_lag"),
     ("rotor_friction", "joint_creep"),
@@ -53,21 +53,36 @@ def play(
     settings: Settings | None = None,
     tell: Callable[[str], None] = lambda text: None,
 ) -> list[dict[str, Any]]:
-    """Run the cases that have no result yet; all results in the order of `chosen`."""
-    for attempt in range(ATTEMPTS):
-        todo = left(chosen, folder)
-        if not todo:
-            break
-        jobs = (delayed(_one)(case, folder, settings) for case in todo)
+    """Run the cases that have no result yet; all results in the order of `chosen`.
+
+    Where a worker is killed (as a machine does that runs out of memory) the cases without a result
+    are run again; raises TerminatedWorkerError where that brings nothing, three times in a row.
+    """
+    todo, fruitless = left(chosen, folder), 0
+    while todo:
         try:
-            done = Parallel(n_jobs=workers, return_as="generator_unordered")(jobs)
-            for k, text in enumerate(done, 1):
-                tell(f"{k} of {len(todo)}: {text}")
+            _run(todo, folder, workers, settings, tell)
+            break
         except TerminatedWorkerError:
             tell("a worker was killed; the cases without a result are run again")
-            if attempt == ATTEMPTS - 1:
+            before, todo = len(todo), left(chosen, folder)
+            fruitless = fruitless + 1 if len(todo) == before else 0
+            if fruitless == ATTEMPTS:
                 raise
     return [one for case in chosen for one in json.loads(_path(folder, case).read_text())]
+
+
+def _run(
+    todo: Sequence[Case],
+    folder: Path,
+    workers: int,
+    settings: Settings | None,
+    tell: Callable[[str], None],
+) -> None:
+    jobs = (delayed(_one)(case, folder, settings) for case in todo)
+    done = Parallel(n_jobs=workers, return_as="generator_unordered")(jobs)
+    for k, text in enumerate(done, 1):
+        tell(f"{k} of {len(todo)}: {text}")
 
 
 def _one(case: Case, folder: Path, settings: Settings | None) -> str:

@@ -1,0 +1,64 @@
+"""A worker that is killed in the midst of a case loses nothing: the case is run again."""
+
+import os
+import signal
+import time
+from pathlib import Path
+from unittest.mock import patch
+
+import pytest
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from spirob.trial import campaign
+from spirob.trial.case import Case
+
+CASES = [Case("none", seed) for seed in range(4)]
+PLAY_ONE = campaign._one  # pickled by its name: what a worker really runs
+
+
+def fake(case, settings):
+    result = {"kind": "none", "seed": case.seed, "robot": case.robot, "without": False}
+    result |= {"verdict": "nothing_missing", "named": [], "probability": 1.0}
+    return [{**result, "heldout": {"base": 0.01, "named": 0.01, "oracle": 0.01}}]
+
+
+def killed_at_the_last(case, folder, settings):
+    """In a worker: the last case kills it the first time, once the first case has its result."""
+    (folder / f"begun-{case.seed}").open("a").write("x")
+    if case == CASES[-1] and not (folder / "killed").exists():
+        _wait_for(folder / f"{CASES[0].name}.json")
+        (folder / "killed").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    with patch.object(campaign, "run", fake):
+        return PLAY_ONE(case, folder, settings)
+
+
+def killed_always(case, folder, settings):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _wait_for(path: Path) -> None:
+    for _ in range(1000):
+        if path.exists():
+            return
+        time.sleep(0.02)
+
+
+def test_a_killed_worker_loses_no_case(tmp_path, monkeypatch):
+    monkeypatch.setattr(campaign, "_one", killed_at_the_last)
+    said = []
+    results = campaign.play(CASES, tmp_path, workers=2, tell=said.append)
+    assert [one["seed"] for one in results] == [0, 1, 2, 3]
+    assert sum(text.startswith("a worker was killed") for text in said) == 1
+    assert campaign.left(CASES, tmp_path) == []
+    times = {case.seed: len((tmp_path / f"begun-{case.seed}").read_text()) for case in CASES}
+    assert times[3] == 2  # the one that was killed
+    assert times[0] == 1  # what had its result was not run again
+
+
+def test_a_case_that_kills_every_worker_ends_the_trial(tmp_path, monkeypatch):
+    monkeypatch.setattr(campaign, "_one", killed_always)
+    said = []
+    with pytest.raises(TerminatedWorkerError):
+        campaign.play(CASES[:2], tmp_path, workers=2, tell=said.append)
+    assert len(said) == campaign.ATTEMPTS
