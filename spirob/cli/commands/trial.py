@@ -1,8 +1,9 @@
 """Test the diagnosis: robots with a hidden effect, diagnosed blind, and scored.
 
 Every case is a robot of its own (kind and seed), recorded over the bus, fitted, diagnosed and then
-compared with what was hidden.  A case takes one to three minutes of processor time; results that
-are there already are kept, so a trial that was stopped goes on.
+compared with what was hidden.  A case takes about a minute of processor time, and with
+`--without` most robots are two cases; results that are there already are kept, so a trial that was
+stopped goes on.
 """
 
 import argparse
