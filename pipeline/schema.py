@@ -134,6 +134,7 @@ class TrialConfig(Strict):
     seeds: tuple[int, int] = (0, 1)
     nulls: int = Field(0, ge=0, le=10_000)
     without: bool = False
+    scheduler: str | None = None  # address of a Dask cluster; else the cores of this machine
 
 
 class Config(Strict):

@@ -17,7 +17,7 @@ def stage(root: Path) -> None:
     folder = root / "data/trial"
     folder.mkdir(parents=True, exist_ok=True)
     picked = cases(chosen.kinds, seeds, chosen.nulls, chosen.without)
-    results = play(picked, folder, workers(), tell=tell)
+    results = play(picked, folder, workers(), tell=tell, scheduler=chosen.scheduler)
     write_json(root / "reports/metrics/trial.json", rates(results))
 
 

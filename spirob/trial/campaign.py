@@ -12,6 +12,7 @@ from spirob.diagnose.rungs import Settings
 from spirob.logs.atomic import replacing
 from spirob.trial.answers import ANSWERS
 from spirob.trial.case import Case, run
+from spirob.trial.cluster import cluster
 from spirob.trial.rates import is_right
 
 ATTEMPTS = 3  # in a row in which workers were killed and no case was finished
@@ -52,8 +53,12 @@ def play(
     workers: int,
     settings: Settings | None = None,
     tell: Callable[[str], None] = lambda text: None,
+    scheduler: str | None = None,
 ) -> list[dict[str, Any]]:
     """Run the cases that have no result yet; all results in the order of `chosen`.
+
+    workers    processes on this machine
+    scheduler  address of a Dask cluster that plays them instead, see `spirob.trial.cluster`
 
     Where a worker is killed (as a machine does that runs out of memory) the cases without a result
     are run again; raises TerminatedWorkerError where that brings nothing, three times in a row.
@@ -61,7 +66,8 @@ def play(
     todo, fruitless = left(chosen, folder), 0
     while todo:
         try:
-            _run(todo, folder, workers, settings, tell)
+            with cluster(scheduler):
+                _run(todo, folder, workers, settings, tell)
             break
         except TerminatedWorkerError:
             tell("a worker was killed; the cases without a result are run again")
@@ -79,16 +85,19 @@ def _run(
     settings: Settings | None,
     tell: Callable[[str], None],
 ) -> None:
-    jobs = (delayed(_one)(case, folder, settings) for case in todo)
+    jobs = (delayed(_one)(case, settings) for case in todo)
     done = Parallel(n_jobs=workers, return_as="generator_unordered")(jobs)
-    for k, text in enumerate(done, 1):
-        tell(f"{k} of {len(todo)}: {text}")
+    for k, (case, results) in enumerate(done, 1):
+        with replacing(_path(folder, case)) as temporary:  # here: workers may share no disk
+            temporary.write_text(json.dumps(results, indent=1) + "\n")
+        tell(f"{k} of {len(todo)}: {_told(case, results)}")
 
 
-def _one(case: Case, folder: Path, settings: Settings | None) -> str:
-    results = run(case, settings)
-    with replacing(_path(folder, case)) as temporary:
-        temporary.write_text(json.dumps(results, indent=1) + "\n")
+def _one(case: Case, settings: Settings | None) -> tuple[Case, list[dict[str, Any]]]:
+    return case, run(case, settings)
+
+
+def _told(case: Case, results: Sequence[Mapping[str, Any]]) -> str:
     whole, error = results[0], results[0]["heldout"]
     mark = "right" if is_right(whole) else "" if case.kind == "none" else "not right"
     blind = "".join(f"; without it: {_said(r)}" for r in results[1:])

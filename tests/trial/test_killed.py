@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 
@@ -22,7 +23,7 @@ def fake(case, settings):
     return [{**result, "heldout": {"base": 0.01, "named": 0.01, "oracle": 0.01}}]
 
 
-def killed_at_the_last(case, folder, settings):
+def killed_at_the_last(folder, case, settings):
     """In a worker: the last case kills it the first time, once the first case has its result."""
     (folder / f"begun-{case.seed}").open("a").write("x")
     if case == CASES[-1] and not (folder / "killed").exists():
@@ -30,10 +31,10 @@ def killed_at_the_last(case, folder, settings):
         (folder / "killed").touch()
         os.kill(os.getpid(), signal.SIGKILL)
     with patch.object(campaign, "run", fake):
-        return PLAY_ONE(case, folder, settings)
+        return PLAY_ONE(case, settings)
 
 
-def killed_always(case, folder, settings):
+def killed_always(case, settings):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
@@ -45,7 +46,7 @@ def _wait_for(path: Path) -> None:
 
 
 def test_a_killed_worker_loses_no_case(tmp_path, monkeypatch):
-    monkeypatch.setattr(campaign, "_one", killed_at_the_last)
+    monkeypatch.setattr(campaign, "_one", partial(killed_at_the_last, tmp_path))
     said = []
     results = campaign.play(CASES, tmp_path, workers=2, tell=said.append)
     assert [one["seed"] for one in results] == [0, 1, 2, 3]

@@ -42,6 +42,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rates there")
     parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes; all cores")
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="play the cases on the Dask cluster of this scheduler, tcp://10.0.0.5:8786",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -57,7 +62,13 @@ def run(arguments: argparse.Namespace) -> int:
     kinds = _kinds(arguments.kinds)
     chosen = cases(kinds, seeds, arguments.nulls, arguments.without, arguments.pairs)
     with Progress([case.name for case in left(chosen, arguments.out)]) as progress:
-        results = play(chosen, arguments.out, arguments.workers, tell=_told(progress))
+        results = play(
+            chosen,
+            arguments.out,
+            arguments.workers,
+            tell=_told(progress),
+            scheduler=arguments.scheduler,
+        )
     found = rates(results)
     for name, one in found.items():
         if isinstance(one, dict) and "low" in one and one["n"]:
