@@ -5,6 +5,7 @@ from functools import cache
 
 import numba
 import numpy as np
+from numba.core.errors import NumbaError
 from scipy.optimize import minimize_scalar
 
 from spirob.can_protocol import AMPERE_PER_COUNT
@@ -29,14 +30,20 @@ def check_in_model(effect: type[Effect], plant: Plant | None = None) -> list[Fin
 
     plant  a model that holds the effect among others; without one, one is made and compiled
     """
-    plant = plant or Plant(Rig(), [effect])
-    out = [Finding("compiled", sentence) for sentence in compiled(effect)]
     try:
-        out += [Finding("nested", sentence) for sentence in nested(effect, plant)]
-        out += [Finding("seen", sentence) for sentence in seen(effect, plant)]
-        out += [Finding("found", sentence) for sentence in found(effect, plant)]
-    except SimulationError as wrong:
-        out.append(Finding("stays finite", str(wrong)))
+        out = [Finding("compiled", sentence) for sentence in compiled(effect)]
+        plant = plant or Plant(Rig(), [effect])
+    except NumbaError as wrong:
+        return [Finding("compiled", f"it cannot be compiled: {str(wrong).splitlines()[0]}")]
+    for law in LAWS:
+        try:
+            out += [Finding(law.__name__, sentence) for sentence in law(effect, plant)]
+        except SimulationError as wrong:
+            out.append(Finding(law.__name__, str(wrong)))
+        if out:
+            return (
+                out  # what does not run has no strength to be seen, what is not seen none to find
+            )
     return out
 
 
@@ -69,7 +76,7 @@ def nested(effect: type[Effect], plant: Plant) -> Iterator[str]:
 def seen(effect: type[Effect], plant: Plant) -> Iterator[str]:
     """At its nominal numbers a reading changes by more than its resolution in some trial."""
     if max(_changes(effect, plant).values()) < 1.0:
-        yield "no trial shows it: no reading changes by its resolution at nominal numbers"
+        yield "the arm does not show it: no reading changes by its resolution at nominal numbers"
 
 
 def found(effect: type[Effect], plant: Plant) -> Iterator[str]:
@@ -86,6 +93,9 @@ def found(effect: type[Effect], plant: Plant) -> Iterator[str]:
     best = minimize_scalar(miss, bounds=(0.5, 1.3), method="bounded", options={"xatol": 1e-3}).x
     if abs(best - 1.0) > 0.01:
         yield f"in trial '{trial}' its strength is found as {best:.3f} of the true one"
+
+
+LAWS = (nested, seen, found)
 
 
 def _changes(effect: type[Effect], plant: Plant) -> dict[str, float]:

@@ -17,6 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     new.add_argument("file", help="file to write, such as brush_bounce.py")
     check = actions.add_parser("check", help="run the tests that every effect has to pass")
     check.add_argument("file", help="file of your own effect, or the name of one of the library")
+    check.add_argument(
+        "--alone",
+        action="store_true",
+        help="the kernel's own laws only: for a machine that is not the arm, whose model cannot "
+        "show the effect",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -76,17 +82,17 @@ def _new(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> int:
+    from spirob.cli.battery import battery
     from spirob.effects import find_effects
-    from spirob.effects.check import check
 
-    effects = find_effects([arguments.file])
-    broken = 0
-    for effect in effects:
+    sound = True
+    for effect in find_effects([arguments.file]):
         # being loaded means that the declaration holds: port, reads, arguments, numbers, neutral
-        findings = check(effect)
-        for finding in findings:
-            print(f"{effect.name()}: {finding.law}: {finding.sentence}")
-        broken += len(findings)
-        if not findings:
-            print(f"{effect.name()}: declared well, keeps every law")
-    return 2 if broken else 0
+        lines, kept = battery(effect, arguments.alone)
+        for line in lines:
+            print(f"{effect.name()}: {line}")
+        if kept:
+            rest = " of its own; the model of the arm was not asked" if arguments.alone else ""
+            print(f"{effect.name()}: declared well, keeps every law{rest}")
+        sound = sound and kept
+    return 0 if sound else 2
