@@ -20,6 +20,7 @@ from spirob.diagnose.proposals import Proposal
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
+from spirob.identify.sense import refuse_senseless
 
 OUT = Path("data/search")
 
@@ -33,6 +34,8 @@ def stage(root: Path) -> None:
     candidates = [c for c in candidates if c not in find_effects(config.plant.effects)]
     model = plant(config, candidates)
     residuals = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
+    for role in ("validate", "heldout"):  # the stage `identify` asked it of those that are fitted
+        refuse_senseless(residuals[role], residuals[role](identified["changes"]))
     settings = settings_of(config)
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]

@@ -10,6 +10,7 @@ from spirob.identify.fit import Fit, best_start, fit_identifiable
 from spirob.identify.identifiability import probe
 from spirob.identify.near import near
 from spirob.identify.polish import polished
+from spirob.identify.sense import refuse_senseless
 from spirob.parameter import Table
 from spirob.score import score
 
@@ -28,6 +29,7 @@ def stage(root: Path) -> None:
     begin = best_start(near(train, begin), names, begin, settings.scale, settings.starts)
     found, vague = fit_identifiable(train, names, begin, settings.scale, settings.iterations, tell)
     found = polished(train, found, settings.scale)
+    refuse_senseless(train, found.residual)
     measured = train.measured()[train.rows]
     quality = score(measured, measured + found.residual[train.rows]).as_dict() | {"unit": "A"}
     sentence = gate.sentence

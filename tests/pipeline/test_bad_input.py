@@ -2,13 +2,17 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
 import pytest
 
-from pipeline.stage import run
+from pipeline.stage import public_config, run, write_json
+from spirob.bench import Trial
+from spirob.bench.simulate import simulate
 from spirob.logs import read_parquet, write_parquet
+from spirob.plant import Plant, Rig
 from spirob.trace import Trace
 from tests.pipeline.project import SHORT, SOURCE
 
@@ -122,6 +126,32 @@ def test_a_damaged_trace(configured):
     path.write_bytes(b"PAR1 nothing")
     spoken = configured.refused("identify")
     assert "train_left.parquet" in spoken
+
+
+def exchanged(trace: Trace) -> Trace:
+    """The trace with each motor's current in the other's column."""
+    other = {"left.current": "right.current", "right.current": "left.current"}
+    signals = {name: trace.signals[other.get(name, name)] for name in trace.signals}
+    return replace(trace, signals=signals)
+
+
+@pytest.mark.parametrize(
+    ("role", "stage"),
+    [("train", "identify"), ("validate", "diagnose"), ("heldout", "diagnose")],
+)
+def test_two_motors_exchanged(configured, role, stage):
+    config = public_config(configured.root)
+    plant = Plant(Rig.from_mapping(config.rig))
+    for k, plain in enumerate(config.experiment.trials):
+        log = simulate(plant, Trial.from_plain(plain), {}, 0.005, seed=k)
+        log = exchanged(log) if log.meta["role"] == role else log
+        write_parquet(log, configured.root / f"data/traces/{log.name}.parquet")
+    fitted = {"changes": {}, "gate": {"silent": [], "held": []}}
+    write_json(configured.root / "data/identified/base.json", fitted)
+    spoken = configured.refused(stage)
+    assert "explains 0% of the current's variance" in spoken
+    assert f"least in {role}_" in spoken
+    assert "are the columns of the two motors exchanged" in spoken
 
 
 def test_the_process_says_one_sentence_and_no_traceback(tmp_path):
