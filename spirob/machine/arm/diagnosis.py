@@ -17,12 +17,12 @@ from spirob.errors import ConfigError
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
+from spirob.identify.sense import SENSE, SUSPECTS, explained
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.replay import read_arm_trial
 from spirob.machine.arm.roles import roles
 from spirob.plant import Plant
 
-SENSE = 0.3  # R² below which the currents do not belong to this motion
 SENSELESS = "No verdict: the data or the model do not fit together."
 
 
@@ -93,7 +93,7 @@ def written(
         },
         "effects": found["effects"] or _contested(verdict, search, found["verdict"]),
         "ladder": [{**rung, "test": rung["heldout"]} for rung in found["ladder"]],
-        "repairs": said,
+        "repairs": [*said, *_strangers(search, residuals)],
         "excluded": {},
         "numbers": _numbers(search),
         "motion": None,
@@ -106,10 +106,24 @@ def _senseless(r2: float) -> dict[str, Any]:
         "sentence": SENSELESS,
         "explanation": (
             f"With fitted numbers the arm's model explains {max(0.0, r2):.0%} of the current's "
-            "variance: are the columns of the two motors exchanged, a sign or a unit wrong?"
+            f"variance: {SUSPECTS}"
         ),
         "effects": [],
     }
+
+
+def _strangers(search: Search, residuals: Mapping[str, Residual]) -> list[str]:
+    """A sentence for each log whose currents do not follow from its motion."""
+    base = search.rungs[0].fit
+    return [
+        f"{name}: with fitted numbers the arm's model explains {max(0.0, r2):.0%} of its current's "
+        f"variance: {SUSPECTS}"
+        for role, residual in residuals.items()
+        for name, r2 in explained(
+            residual, base.residual if role == "train" else residual(base.changes)
+        ).items()
+        if r2 < SENSE
+    ]
 
 
 def _contested(verdict: Verdict, search: Search, kind: str) -> list[dict[str, Any]]:

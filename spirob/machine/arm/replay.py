@@ -54,6 +54,7 @@ def arm_trial(
     )
     velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
     _at_rest(name, velocity)
+    _currents(name, current, rig, said)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
     schedule = Schedule(
@@ -110,6 +111,19 @@ def _si(motor: MotorColumns, key: str, machine: Rig) -> float:
     if unit in LENGTHS:
         return LENGTHS[unit]
     return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
+
+
+def _currents(name: str, current: np.ndarray, rig: ArmFile, said: list[str]) -> None:
+    """A constant current may have been commanded, and is said; raise where both are constant."""
+    stuck = [m for m in range(len(MOTORS)) if np.ptp(current[:, m]) == 0.0]
+    columns = [c.effort.column for c in rig.motors().values()]
+    if len(stuck) == len(MOTORS):
+        both = "' and '".join(columns)
+        raise DataError(f"{name}: '{both}' are constant; nothing can be told from them")
+    said += [
+        f"{name}: '{columns[m]}' is constant at {current[0, m]:.3g} A, taken as commanded."
+        for m in stuck
+    ]
 
 
 def _at_rest(name: str, velocity: np.ndarray) -> None:
