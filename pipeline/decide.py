@@ -100,7 +100,7 @@ def _written(
     before = read_json(root / OUT / "diagnosis.json", "decide")
     kept = {key: before[key] for key in KEPT if key in before}
     effort = own["train"].effort
-    now = document(search, verdict, [], noise_floor(own["train"]), effort)
+    now = document(search, verdict, [], noise_floor(own["train"]), own)
     write_json(root / OUT / "diagnosis.json", {**now, **kept, **more})
     _model(root, own, search.rungs[0].fit.changes, model_of(search, verdict))
     if verdict.kind == "named":

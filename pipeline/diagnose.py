@@ -47,7 +47,7 @@ def stage(root: Path) -> None:
     contested = proposed(search, verdict, residuals["validate"], settings)
     proofs = to_prove(search, residuals["validate"], settings) if verdict.kind in FOUND else []
     floor, further = noise_floor(residuals["train"]), contested or proofs
-    written = document(search, verdict, regimes, floor, effort, further)
+    written = document(search, verdict, regimes, floor, residuals, further)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)
     write_json(root / OUT / "contest.json", _contest(search, verdict, contested, proofs))

@@ -1,13 +1,14 @@
 """The diagnosis as plain data, for the report, the metrics and other programs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from spirob.diagnose.atlas import Regime, worst
 from spirob.diagnose.proposals import Proposal, told
 from spirob.diagnose.rungs import Confirmed, Rung, Search, label, parameters_of
+from spirob.diagnose.steps import steps
 from spirob.diagnose.verdict import Verdict
-from spirob.identify.problem import Effort
+from spirob.identify.problem import Effort, Problem
 
 
 def document(
@@ -15,15 +16,17 @@ def document(
     verdict: Verdict,
     regimes: Sequence[Regime],
     noise_floor: float,
-    effort: Effort,
+    problems: Mapping[str, Problem],
     proposals: Sequence[Proposal] = (),
 ) -> dict[str, Any]:
     """All of a diagnosis; errors in the unit of the effort.
 
+    problems   by role: those that the rungs were scored on
     proposals  experiments that would tell the rivals apart, or put a name to the proof, best first
     """
     added = search.rungs[-1].effects if verdict.kind == "named" else []
-    last = search.rungs[-1]
+    last, effort = search.rungs[-1], problems["train"].effort
+    ladder, ceiling = steps(search, problems)
     return {
         "verdict": verdict.kind,
         "sentence": verdict.sentence,
@@ -41,7 +44,8 @@ def document(
             for k, effect in enumerate(added)
         ],
         "candidates": [_candidate(c) for c in (search.rounds[0] if search.rounds else [])],
-        "ladder": [_rung(r) for r in search.rungs],
+        "ladder": ladder,
+        "left": {"share": ceiling.share},
         "noise_floor": noise_floor,
         "atlas": [r.as_dict() for r in regimes],
         "atlas_sentences": worst(regimes, effort),
@@ -102,8 +106,3 @@ def _candidate(found: Confirmed) -> dict[str, Any]:
         "heldout_rmse": found.scores["heldout"].rmse,
         "screen_gain": found.gain,
     }
-
-
-def _rung(rung: Rung) -> dict[str, Any]:
-    scores = {role: s.as_dict() for role, s in rung.scores.items()}
-    return {"label": rung.label, "effects": [e.name() for e in rung.effects], **scores}

@@ -12,7 +12,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from spirob.identify.problem import Problem
+
 DRAWS = 2000
+HALF = 0.5  # s, over which a residual is correlated at most
+FAR = 10**9  # more half seconds than any trial has
 
 
 def block_errors(residual: np.ndarray, edges: np.ndarray, block: int) -> np.ndarray:
@@ -22,6 +26,19 @@ def block_errors(residual: np.ndarray, edges: np.ndarray, block: int) -> np.ndar
         for k in range(start, stop, block):
             means.append(np.mean(residual[k : min(k + block, stop)] ** 2))
     return np.array(means)
+
+
+def half_seconds(problem: Problem) -> np.ndarray:
+    """Number of the half second of its trial in which each sample of the effort lies, (n,).
+
+    Motors of one trial share it: what disturbs one disturbs the other at the same time.
+    """
+    trials: dict[str, int] = {}
+    found = []
+    for piece in problem.stretches():
+        trial = trials.setdefault(piece.trial, len(trials))
+        found.append(trial * FAR + (piece.seconds / HALF).astype(int))
+    return np.concatenate(found)
 
 
 def foreseen(errors: np.ndarray, numbers: int, samples: int) -> np.ndarray:

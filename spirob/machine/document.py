@@ -7,13 +7,17 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnose.atlas import Regime, worst
+from spirob.diagnose.evidence import half_seconds
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.steps import CEILING
+from spirob.diagnose.trees import worth
 from spirob.machine.flexible import Ceiling
 from spirob.machine.judgement import Judgement
 from spirob.machine.models import Model
 from spirob.machine.rig import RigFile
 from spirob.machine.search import Found, Search
 from spirob.score import score
+from spirob.score_interval import Interval, score_interval
 
 
 def document(
@@ -48,7 +52,7 @@ def document(
             for e in (found.chosen.effects if named else ())
         ],
         "candidates": _candidates(search, found, judgement),
-        "ladder": [*_ladder(search, found), _flexible(search, rest)],
+        "ladder": [*_ladder(search, found), _flexible(search, found, rest)],
         "noise_floor": noise_floor(search.train),
         "atlas": [r.as_dict() for r in regimes],
         "atlas_sentences": worst(regimes, effort),
@@ -115,20 +119,39 @@ def _ladder(search: Search, found: Found) -> list[dict[str, Any]]:
         names = [e.name() for e in model.effects]
         label = " + ".join(["fitted numbers", *(n.replace("_", " ") for n in names)])
         both = {role: s.as_dict() for role, s in search.models.scores(model).items()}
-        rungs.append({"label": label, "effects": names, **both})
+        intervals = _intervals(search, model.fit.residual, model.heldout)
+        rungs.append({"label": label, "effects": names, **both, "interval": intervals})
     return rungs
 
 
-def _flexible(search: Search, rest: Ceiling) -> dict[str, Any]:
+def _flexible(search: Search, found: Found, rest: Ceiling) -> dict[str, Any]:
     """The ceiling: what a flexible residual on top of the chosen model would reach."""
     measured, held = search.train.measured(), search.heldout.measured()
+    before = found.chosen.fit.residual
+    guess = before - rest.left
+    left = before - worth(before, guess) * guess  # as on the held-out trials
     return {
-        "label": "flexible residual on top (ceiling)",
+        "label": CEILING,
         "effects": [],
-        "train": score(measured, measured + rest.left).as_dict(),
+        "train": score(measured, measured + left).as_dict(),
         "test": score(held, held + rest.heldout).as_dict(),
+        "interval": _intervals(search, left, rest.heldout),
         "ceiling": True,
     }
+
+
+def _intervals(
+    search: Search, train: np.ndarray, heldout: np.ndarray
+) -> dict[str, dict[str, Interval]]:
+    """95 % intervals of the scores of what a model misses on either role, (N,) and (M,)."""
+    found = {}
+    for role, problem, missed in (
+        ("train", search.train, train),
+        ("test", search.heldout, heldout),
+    ):
+        measured = problem.measured()
+        found[role] = score_interval(measured, measured + missed, half_seconds(problem))
+    return found
 
 
 def _rms(values: np.ndarray) -> float:

@@ -8,8 +8,8 @@ and the signals that they need describe an effect that the library does not hold
 from dataclasses import dataclass
 
 import numpy as np
-from sklearn.ensemble import HistGradientBoostingRegressor
 
+from spirob.diagnose.trees import left_out, share, tree, worth
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.shapes import spectrum
 
@@ -55,21 +55,21 @@ def ceiling(
     """
     features, held = _features(train), _features(heldout)
     names = list(features)
-    whole = _left_out(np.column_stack([features[n] for n in names]), residual, folds)
+    whole = left_out(np.column_stack([features[n] for n in names]), residual, folds)
     alone = {
-        group: _share(
-            residual, _left_out(np.column_stack([features[n] for n in own]), residual, folds)
+        group: share(
+            residual, left_out(np.column_stack([features[n] for n in own]), residual, folds)
         )
         for group, own in (SIGNALS.items() if split else ())
     }
-    tree = _tree().fit(np.column_stack([features[n] for n in names]), residual)
+    trees = tree().fit(np.column_stack([features[n] for n in names]), residual)
     # as much of it as it was worth on the folds left out: trees know nothing of a time to come
-    guess = tree.predict(np.column_stack([held[n] for n in names]))
-    rest = other - _worth(residual, residual - whole) * guess
+    guess = trees.predict(np.column_stack([held[n] for n in names]))
+    rest = other - worth(residual, residual - whole) * guess
     orders, power = spectrum(residual, train.signals()["angle"], 0.01, 100.0)
     top = int(np.argmax(power)) if len(power) else 0
     order, wave = (float(orders[top]), float(power[top])) if len(power) else (0.0, 0.0)
-    return Ceiling(whole, rest, _share(residual, whole), alone, order, wave)
+    return Ceiling(whole, rest, share(residual, whole), alone, order, wave)
 
 
 def depends_on(found: Ceiling) -> str:
@@ -83,33 +83,7 @@ def depends_on(found: Ceiling) -> str:
     return said
 
 
-def _worth(residual: np.ndarray, predicted: np.ndarray) -> float:
-    """The factor, 0 to 1, with which predictions of folds left out come closest."""
-    power = float(np.dot(predicted, predicted))
-    return float(np.clip(np.dot(residual, predicted) / power, 0.0, 1.0)) if power > 0 else 0.0
-
-
 def _features(problem: InverseProblem) -> dict[str, np.ndarray]:
     signals = problem.signals()
     signals["direction"] = np.tanh(signals["speed"] / problem.rest_speed)
     return {n: signals[n] for n in ("position", "speed", "direction", "acceleration", "time")}
-
-
-def _tree() -> HistGradientBoostingRegressor:
-    # shallow and slow: noise must not look like structure
-    return HistGradientBoostingRegressor(
-        max_iter=60, learning_rate=0.1, max_leaf_nodes=12, min_samples_leaf=30, random_state=0
-    )
-
-
-def _left_out(features: np.ndarray, residual: np.ndarray, folds: np.ndarray) -> np.ndarray:
-    out = np.empty_like(residual)
-    for k in np.unique(folds):
-        inside = folds == k
-        found = _tree().fit(features[~inside], residual[~inside])
-        out[inside] = residual[inside] - found.predict(features[inside])
-    return out
-
-
-def _share(before: np.ndarray, after: np.ndarray) -> float:
-    return max(0.0, 1.0 - float(np.sum(after**2) / max(np.sum(before**2), 1e-300)))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.diagnose.evidence import block_errors
+from spirob.diagnose.trees import folds_of
 from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit
 from spirob.machine.inverse import InverseProblem
@@ -13,7 +14,6 @@ from spirob.machine.laws import shares_inertia
 from spirob.machine.screening import left_out, room
 from spirob.score import Score, score
 
-BLOCKS = 5  # folds of one or two trials
 ITERATIONS = 12  # of a fit
 # of differences, in scaled numbers: an inverse model is smooth, and the order of a ripple over many
 # turns needs a fine one
@@ -114,12 +114,3 @@ class Models:
             "train": score(measured[0], measured[0] + model.fit.residual),
             "test": score(measured[1], measured[1] + model.heldout),
         }
-
-
-def folds_of(edges: np.ndarray) -> np.ndarray:
-    """Label of the fold of each sample: its trial, or a block of the whole where trials are few."""
-    trials = len(edges) - 1
-    if trials >= 3:
-        return np.repeat(np.arange(trials), np.diff(edges))
-    samples = int(edges[-1])
-    return np.arange(samples) * BLOCKS // samples

@@ -76,6 +76,10 @@ def test_diagnose_writes_what_was_promised(done):
     for rung in document["ladder"]:
         assert {"effects", "train", "test"} <= set(rung)
         assert set(rung["train"]) == set(rung["test"]) == {"mae", "rmse", "r2"}
+        for role in ("train", "test"):
+            assert set(rung["interval"][role]) == {"mae", "rmse", "r2"}
+            for name, (low, high) in rung["interval"][role].items():
+                assert low < rung[role][name] < high
     keys = {"noise_floor", "atlas", "next_experiment", "explanation", "unit"}
     assert keys <= set(document)
 

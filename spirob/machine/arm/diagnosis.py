@@ -78,7 +78,7 @@ def written(
     further = proposed(search, verdict, residuals["validate"], settings)
     if not further and verdict.kind == "named":
         further = to_prove(search, residuals["validate"], settings)
-    found = document(search, verdict, regimes, noise_floor(train), train.effort, further)
+    found = document(search, verdict, regimes, noise_floor(train), residuals, further)
     if base.scores["validate"].r2 < SENSE:
         found |= _senseless(base.scores["validate"].r2)
     for effect in found["effects"]:
@@ -92,7 +92,7 @@ def written(
             r: effort_rms(residuals[h]) for r, h in (("train", "train"), ("test", "heldout"))
         },
         "effects": found["effects"] or _contested(verdict, search, found["verdict"]),
-        "ladder": [{**rung, "test": rung["heldout"]} for rung in found["ladder"]],
+        "ladder": [_tested(rung) for rung in found["ladder"]],
         "repairs": [*said, *_strangers(search, residuals)],
         "excluded": {},
         "numbers": _numbers(search),
@@ -124,6 +124,16 @@ def _strangers(search: Search, residuals: Mapping[str, Residual]) -> list[str]:
         ).items()
         if r2 < SENSE
     ]
+
+
+def _tested(rung: dict[str, Any]) -> dict[str, Any]:
+    """A rung in the words of any rig's: the held-out logs are those given to test."""
+    intervals = rung["interval"]
+    return {
+        **rung,
+        "test": rung["heldout"],
+        "interval": {**intervals, "test": intervals["heldout"]},
+    }
 
 
 def _contested(verdict: Verdict, search: Search, kind: str) -> list[dict[str, Any]]:

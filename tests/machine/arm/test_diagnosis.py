@@ -30,8 +30,12 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     (found,) = document["effects"]
     assert found["name"] == "coulomb_friction"
     assert found["parameters"]["coulomb_torque"]["value"] == pytest.approx(0.004, rel=0.1)
-    before, after = (rung["test"]["rmse"] for rung in document["ladder"])
+    before, after, ceiling = (rung["test"]["rmse"] for rung in document["ladder"])
     assert after < 0.4 * before
+    assert ceiling < 1.05 * after
+    assert document["ladder"][-1]["ceiling"]
+    for rung in document["ladder"]:
+        assert set(rung["interval"]) == {"train", "validate", "heldout", "test"}
     assert any("read with ';'" in text for text in document["repairs"])
     shown = overlay(search, residuals, named=True)
     assert {"trial", "role", "time", "measured", "base", "named"} <= set(shown.columns)
