@@ -11,8 +11,6 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from spirob.report.numbers import EFFORT, column, is_number
-
 MEASURED, BASE, NAMED = "var(--measured)", "var(--base)", "var(--named)"
 NEUTRAL, GRID, INK = "var(--neutral)", "var(--grid)", "var(--ink)"
 CLEAR = "rgba(0,0,0,0)"
@@ -60,59 +58,6 @@ def blank(height: int, **layout: Any) -> go.Figure:
         dragmode=False,
     )
     figure.update_layout(**layout)
-    return figure
-
-
-def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str) -> go.Figure:
-    """Error of each rung on held-out trials, with the training error and the noise floor."""
-    figure = bars(150 + 38 * len(rungs))
-    labels = [wrap(rung["label"].replace("_", " ")) for rung in rungs]
-    heldout = [(rung.get("heldout") or {}).get("rmse") for rung in rungs]
-    counts = [0, *(len(rung.get("effects") or ()) for rung in rungs)]
-    # blue where an effect is added; a flexible residual on top of them adds none
-    colours = [
-        NAMED if counts[k + 1] > max(counts[: k + 1]) else NEUTRAL for k in range(len(rungs))
-    ]
-    if colours and not counts[1]:
-        colours[0] = BASE
-    figure.add_bar(
-        x=heldout,
-        y=labels,
-        orientation="h",
-        name="held-out trials",
-        marker={"color": colours},
-        text=column(heldout),
-        textposition="outside",
-        cliponaxis=False,
-        showlegend=False,
-        hovertemplate=f"%{{x:.3g}} {unit}<extra>%{{y}}, held-out</extra>",
-    )
-    figure.add_scatter(
-        x=[(rung.get("train") or {}).get("rmse") for rung in rungs],
-        y=labels,
-        mode="markers",
-        name="training trials",
-        marker={"symbol": "line-ns", "size": 16, "line": {"width": 2, "color": INK}},
-        hovertemplate=f"%{{x:.3g}} {unit}<extra>%{{y}}, training</extra>",
-    )
-    top = max((v for v in heldout if is_number(v)), default=1.0)
-    figure.update_xaxes(
-        title_text=f"held-out RMSE of {EFFORT.get(unit, 'effort')} [{unit}]",
-        range=[0, 1.22 * top],
-    )
-    if noise_floor is not None and is_number(noise_floor):
-        figure.add_shape(
-            type="line",
-            xref="x",
-            yref="paper",
-            x0=noise_floor,
-            x1=noise_floor,
-            y0=0,
-            y1=1,
-            name=f"sensor noise, {column([noise_floor], 2)[0]} {unit}",
-            showlegend=True,
-            line={"color": INK, "dash": "dot", "width": 1.5},
-        )
     return figure
 
 

@@ -315,10 +315,17 @@ IDENTIFIED = {
 
 def _rung(label, effects, train, validate, heldout) -> dict:
     splits = {"train": train, "validate": validate, "heldout": heldout}
-    return {"label": label, "effects": effects} | {
-        name: {"mae": 0.76 * rmse, "rmse": rmse, "r2": 1 - (rmse / 0.51) ** 2}
-        for name, rmse in splits.items()
+    scores = {name: _scores(rmse) for name, rmse in splits.items()}
+    ends = {name: (_scores(0.9 * rmse), _scores(1.15 * rmse)) for name, rmse in splits.items()}
+    interval = {
+        name: {score: sorted((low[score], high[score])) for score in low}
+        for name, (low, high) in ends.items()
     }
+    return {"label": label, "effects": effects, **scores, "interval": interval}
+
+
+def _scores(rmse) -> dict:
+    return {"mae": 0.76 * rmse, "rmse": rmse, "r2": 1 - (rmse / 0.51) ** 2}
 
 
 def _candidate(name, title, probability, rmse, gain) -> dict:
@@ -369,8 +376,9 @@ DIAGNOSIS = {
         _rung("base model", [], 0.149, 0.171, 0.1834),
         _rung("all parameters refitted", [], 0.131, 0.162, 0.1742),
         _rung("with capstan friction", ["capstan_friction"], 0.0462, 0.0493, 0.0512),
-        _rung("flexible residual", [], 0.031, 0.0401, 0.0431),
+        _rung("flexible residual", [], 0.031, 0.0401, 0.0431) | {"ceiling": True},
     ],
+    "left": {"share": 0.29},
     "noise_floor": 0.0124,
     "atlas": [
         _regime("winding in", 0.58, 0.21, 0.231, 0.304),

@@ -42,7 +42,7 @@ def test_the_page_is_written_whole(data, tmp_path):
 
 
 def test_every_figure_has_units_on_its_axes(page):
-    assert "held-out RMSE of current [A]" in page
+    assert "RMSE of current [A]" in page
     assert all(unit in page for unit in ("share [%]", "time [s]", "diameter [mm]"))
 
 

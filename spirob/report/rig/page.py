@@ -76,5 +76,10 @@ def build_rig_page(
 
 def _with_heldout(document: dict[str, Any]) -> dict[str, Any]:
     """The page's sections call the test logs held out."""
-    rungs = [{**rung, "heldout": rung["test"]} for rung in document["ladder"]]
-    return {**document, "ladder": rungs}
+    return {**document, "ladder": [_rung(rung) for rung in document["ladder"]]}
+
+
+def _rung(rung: dict[str, Any]) -> dict[str, Any]:
+    intervals = rung["interval"]
+    held = {"heldout": rung["test"], "interval": {**intervals, "heldout": intervals["test"]}}
+    return {**rung, **held}

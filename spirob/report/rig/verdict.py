@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from spirob.report import figures
 from spirob.report.data import ReportData
+from spirob.report.ladder_figure import ladder_plot
 from spirob.report.sections.section import Section
 from spirob.report.sections.verdict import KINDS, gain_sentence
 
@@ -24,10 +24,6 @@ class RigVerdict(Section):
             "sentence": diagnosis["sentence"],
             "explanation": diagnosis["explanation"],
             "gain": gain_sentence(rungs, noise_floor, unit),
-            "ladder": figures.Plot(
-                "steps",
-                "Bars of the held-out error of each model; the table of section Ladder has them",
-                figures.ladder(rungs, noise_floor, unit),
-            ),
+            "ladder": ladder_plot(rungs, noise_floor, unit),
             "repairs": diagnosis["repairs"],
         }

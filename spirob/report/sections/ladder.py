@@ -5,7 +5,8 @@ from typing import Any
 from spirob.effects import all_effects
 from spirob.report.data import ReportData
 from spirob.report.effect_card import card
-from spirob.report.numbers import column, fixed, interval, is_number, percent, unit_text
+from spirob.report.numbers import column, interval, is_number, percent, unit_text
+from spirob.report.rung_table import ceiling_sentence, rows
 from spirob.report.sections.section import Section
 
 SPLITS = ("train", "validate", "heldout")
@@ -20,13 +21,15 @@ class Ladder(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         diagnosis = data.diagnosis
+        left = diagnosis.get("left") or {}
         chosen = {effect["name"] for effect in diagnosis["effects"]}
         return {
             "unit": diagnosis["unit"],
             "explanation": diagnosis.get("explanation", ""),
             "next_experiment": diagnosis.get("next_experiment", ""),
             "candidates": candidates(diagnosis["candidates"], chosen),
-            "rungs": rungs(diagnosis["ladder"]),
+            "rungs": rows(diagnosis["ladder"], diagnosis.get("noise_floor")),
+            "ceiling": ceiling_sentence(diagnosis["ladder"], left.get("share")),
             "effects": [effect_entry(effect, declared(data)) for effect in diagnosis["effects"]],
         }
 
@@ -56,17 +59,6 @@ def candidates(found: list[dict[str, Any]], chosen: set[str]) -> list[dict[str, 
             "gain": percent(candidate.get("screen_gain")),
         }
         for k, candidate in enumerate(found)
-    ]
-
-
-def rungs(ladder: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rungs as rows: RMSE of three splits, then MAE and R² on held-out trials."""
-    errors = [column([(rung.get(s) or {}).get("rmse") for rung in ladder]) for s in SPLITS]
-    errors.append(column([(rung.get("heldout") or {}).get("mae") for rung in ladder]))
-    errors.append([fixed((rung.get("heldout") or {}).get("r2"), 3) for rung in ladder])
-    return [
-        {"label": rung["label"].replace("_", " "), "cells": [texts[k] for texts in errors]}
-        for k, rung in enumerate(ladder)
     ]
 
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from spirob.report import arm, figures
+from spirob.report import arm
 from spirob.report.data import ReportData
+from spirob.report.ladder_figure import ladder_plot
 from spirob.report.numbers import EFFORT, column, fixed, is_number, percent
 from spirob.report.sections.section import Section
 
@@ -39,11 +40,7 @@ class Verdict(Section):
             "proof": proof_sentence(diagnosis),
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
-            "ladder": figures.Plot(
-                "steps",
-                "Bars of the held-out error of each model; the table of section Ladder has them",
-                figures.ladder(rungs, noise_floor, unit),
-            ),
+            "ladder": ladder_plot(rungs, noise_floor, unit),
             "arm": None if data.motion is None else arm.payload(data.motion, data.posture),
             "clip": None if data.clip is None else base64.b64encode(data.clip).decode("ascii"),
             "no_clip": data.absent.get("clip", NOT_ASKED),
