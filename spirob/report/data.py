@@ -44,6 +44,7 @@ class ReportData:
     laws: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
     experiments: dict[str, Any] | None = None
+    contacts: dict[str, Any] | None = None
     transfer: dict[str, Any] | None = None
     sweep: dict[str, Any] | None = None
     trial: dict[str, Any] | None = None

@@ -78,6 +78,12 @@ SOURCES = {
         (),
         "the paper's experiments were not played in this run",
     ),
+    "contacts": Source(
+        "reports/metrics/contacts.json",
+        "contacts",
+        ("current", "filtered"),
+        "the contact detector was not tested here",
+    ),
     "transfer": Source(
         "data/transfer/transfer.json",
         "transfer",

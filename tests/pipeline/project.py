@@ -22,7 +22,8 @@ SHORT = [
     "trial=short",
 ]
 READMES = ("data/sweep/README.md", "data/recorded/README.md")
-SCORED = "reports/metrics/trial_full.json"  # of the release, in its report
+# of the release, in its report; no stage makes them
+MEASURED = ("reports/metrics/trial_full.json", "reports/metrics/contacts.json")
 TRIES = 3  # of a run that DVC refuses
 DECIDING = ("identify", "compare", "diagnose", "decide")  # stages that must not know the truth
 
@@ -35,7 +36,7 @@ class Project:
         ignored = shutil.ignore_patterns("__pycache__")
         for folder in ("conf", "pipeline", "spirob"):
             shutil.copytree(SOURCE / folder, root / folder, ignore=ignored)
-        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", SCORED, *READMES):
+        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", *MEASURED, *READMES):
             (root / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(SOURCE / file, root / file)
         self.override(overrides)

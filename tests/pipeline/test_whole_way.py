@@ -10,7 +10,7 @@ import pytest
 
 from spirob.diagnose.proposals import ROLES, TRIALS, bend
 from spirob.robot import MOTORS
-from tests.pipeline.project import DECIDING, SCORED, SHORT, Project
+from tests.pipeline.project import DECIDING, MEASURED, SHORT, Project
 
 STAGES = {  # in the order in which they run: about how long each takes [s]
     "config": 3,
@@ -43,7 +43,7 @@ def finished(tmp_path_factory):
 def test_report_and_metrics_are_there(finished):
     page = (finished.root / "reports/index.html").read_text()
     assert "<html" in page
-    made = set(finished.metrics()) - {Path(SCORED).name}
+    made = set(finished.metrics()) - {Path(path).name for path in MEASURED}
     assert sorted(made) == [f"{name}.json" for name in METRICS]
     size = json.loads(finished.metrics()["size.json"])
     assert {"mae", "rmse", "r2", "std"} <= set(size["robot"])

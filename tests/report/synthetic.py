@@ -43,9 +43,8 @@ def _optional(root: Path, rng: np.random.Generator, overlay: pd.DataFrame) -> No
     _json(root, "reports/metrics/trial_full.json", TRIAL)
     _table(root, "data/truth/posture/hysteresis_left.parquet", _posture())
     _table(root, "data/features/predictions.parquet", _predictions(rng))
-    simulation = {"mae": 1.31, "rmse": 1.74, "r2": 0.992, "std": 1.73}
-    robot = {"mae": 3.42, "rmse": 4.36, "r2": 0.934, "std": 3.9}
-    _json(root, "reports/metrics/size.json", {"simulation": simulation, "robot": robot})
+    _json(root, "reports/metrics/size.json", size())
+    _json(root, "reports/metrics/contacts.json", contacts())
     _json(root, "reports/metrics/score.json", {"hidden": "capstan friction", "verdict_right": True})
     _json(root, "data/experiments/experiments.json", _experiments())
     _json(root, "data/transfer/transfer.json", _transfer())
@@ -214,6 +213,74 @@ def _experiments() -> dict:
     ]
     rows = [{"what": "delay at 1 N", **about}, {"what": "rise at 1 N", **plain}]
     return {"delay": {"title": "Delay under constant force", "rows": rows, "curves": curves}}
+
+
+def size() -> dict:
+    simulation = {"mae": 1.31, "rmse": 1.74, "r2": 0.992, "std": 1.73}
+    robot = {"mae": 3.42, "rmse": 4.36, "r2": 0.934, "std": 3.9, "samples": 28}
+    for one, shipped, svr in ((simulation, 1.31, 1.25), (robot, 3.42, 3.6)):
+        one["mae_low"], one["mae_high"] = 0.8 * shipped, 1.2 * shipped
+        one["other"] = {
+            "svr": rival(svr, svr - shipped, 0.1),
+            "mean": rival(15.0, 15.0 - shipped, 2.0),
+        }
+    robot["unlisted"] = {"mae": 2.9, "mae_low": 2.1, "mae_high": 3.8, "samples": 12}
+    step = {"mae": 2.0, "mae_low": 1.5, "mae_high": 2.6}
+    training = {
+        "samples": 35,
+        "importance": {"stall_time": 11.2, "onset_stroke": 5.0},
+        "learning_curve": {n: {"simulation": step, "robot": step} for n in ("20", "35")},
+        "unit": "mm",
+    }
+    return {"simulation": simulation, "robot": robot, "training": training}
+
+
+def rival(mae: float, gain: float, half: float) -> dict:
+    return {
+        "mae": mae,
+        "mae_low": 0.9 * mae,
+        "mae_high": 1.1 * mae,
+        "gain": gain,
+        "gain_low": gain - half,
+        "gain_high": gain + half,
+    }
+
+
+def contacts() -> dict:
+    signals = {}
+    for signal, scale in (("current", 0.26), ("filtered", 0.22)):
+        signals[signal] = {"tuned_scale": scale}
+        for domain, contacts in (("simulation", 200), ("robot", 50)):
+            signals[signal][domain] = {
+                "paper": _detector(contacts, 0.36, 569.0),
+                "tuned": _detector(contacts, 0.64, 198.5),
+                "roc": [
+                    {"scale": 0.1, "hits": 0.0, "alarms": 140.0},
+                    {"scale": 0.2, "hits": 0.78, "alarms": 0.06},
+                    {"scale": scale, "hits": 0.64, "alarms": 0.0},
+                    {"scale": 1.0, "hits": 0.36, "alarms": 0.0},
+                ],
+            }
+    return signals
+
+
+def _detector(contacts: int, hits: float, delay: float) -> dict:
+    rates = {
+        "contacts": contacts,
+        "hits": {"10": hits / 2, "20": hits, "40": 0.97},
+        "ever": 0.99,
+        "delay": [delay, 2 * delay],
+        "alarms": 0.0,
+        "minutes": 29.2,
+    }
+    never = {**rates, "hits": dict.fromkeys(rates["hits"], 0.0), "ever": 0.0, "delay": None}
+    empty = {**never, "contacts": 0, "minutes": 0.0}
+    return {
+        **rates,
+        "by_place": [{"place": 0.5, **never}, {"place": 0.7, **empty}, {"place": 0.9, **rates}],
+        "by_gap": [{"gap": 0.0056, **rates}, {"gap": 0.0184, **empty}],
+        "by_motion": [{"speed": 0.035, "load": 0.1, **rates}],
+    }
 
 
 def _transfer() -> dict:

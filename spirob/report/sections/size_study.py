@@ -1,0 +1,104 @@
+"""What the estimate of size rests on: its rivals, its features, the number of samples."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from spirob.perceive.features import FEATURES
+from spirob.report import size_figures
+from spirob.report.data import ReportData
+from spirob.report.figures import Plot
+from spirob.report.numbers import fixed
+from spirob.report.sections.section import Section
+from spirob.report.size_figures import DOMAINS
+
+SHIPPED = "shipped: both, boosting the rest"
+RIVALS = {
+    "ridge": "Ridge alone",
+    "svr": "SVR alone",
+    "gaussian_process": "Gaussian process",
+    "few": "shipped kind, the paper's wraps",
+    "paper": "the paper's stack and wraps",
+    "mean": "the mean of the training",
+}
+
+
+class SizeStudy(Section):
+    """The shipped predictor beside others, its learning curve, what shuffled features cost."""
+
+    order = 61
+    title = "What size rests on"
+    template = "size_study.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        metrics = data.metrics.get("size") or {}
+        return {
+            "plots": plots(metrics),
+            "better": better(metrics),
+            "unlisted": unlisted(metrics.get("robot") or {}),
+            "reason": data.absent.get("size_metrics", "This run compared no predictors."),
+        }
+
+
+def plots(metrics: Mapping[str, Any]) -> list[Plot]:
+    """The figures that the metrics hold numbers for."""
+    shown = []
+    errors = side_by_side(metrics)
+    if len(errors) > 1:
+        label = "The shipped predictor beside others; bars are 95 % intervals over wraps"
+        shown.append(Plot("size-predictors", label, size_figures.predictors(errors)))
+    training = metrics.get("training") or {}
+    if training.get("learning_curve"):
+        label = "Error over the number of wraps learned from; bars are 95 % intervals"
+        figure = size_figures.learning_curve(training["learning_curve"])
+        shown.append(Plot("size-learning", label, figure))
+    if training.get("importance"):
+        label = "What it costs to shuffle one feature among the wraps"
+        meanings = {name: f"{one.meaning} [{one.unit}]" for name, one in FEATURES.items()}
+        figure = size_figures.importance(training["importance"], meanings)
+        shown.append(Plot("size-importance", label, figure))
+    return shown
+
+
+def side_by_side(metrics: Mapping[str, Any]) -> dict[str, dict[str, Mapping[str, float]]]:
+    """Errors by predictor and domain, the shipped one first."""
+    there = {domain: metrics[domain] for domain in DOMAINS if "other" in metrics.get(domain, {})}
+    if not there:
+        return {}
+    found: dict[str, dict[str, Mapping[str, float]]] = {SHIPPED: dict(there)}
+    for key, label in RIVALS.items():
+        found[label] = {d: one["other"][key] for d, one in there.items() if key in one["other"]}
+    return {label: errors for label, errors in found.items() if errors}
+
+
+def better(metrics: Mapping[str, Any]) -> str:
+    """Which other predictors are better than the shipped one, and whether that is sure."""
+    told, sure = [], []
+    for domain, where in (("simulation", "in simulation"), ("robot", "on the robot")):
+        shipped = metrics.get(domain) or {}
+        for key, label in RIVALS.items():
+            one = (shipped.get("other") or {}).get(key)
+            if one and one["gain"] < 0.0:
+                mae, than = fixed(one["mae"], 2), fixed(shipped["mae"], 2)
+                told.append(f"{label} {where} ({mae} for {than} mm)")
+                sure += [f"{label} {where}"] if one["gain_high"] < 0.0 else []
+    if not told:
+        return "None of the others is better on these tests."
+    held = f"sure only of {', '.join(sure)}" if sure else "of none of them sure"
+    return (
+        f"Better on these tests: {', '.join(told)}. By the 95 % interval of the difference on "
+        f"the same wraps that is {held}."
+    )
+
+
+def unlisted(robot: Mapping[str, Any]) -> str:
+    """The error on the robot's wraps of diameters that the training does not list."""
+    one = robot.get("unlisted")
+    if not one:
+        return ""
+    count, every = fixed(one["samples"], 0), fixed(robot["samples"], 0)
+    span = f"{fixed(one['mae_low'], 2)} to {fixed(one['mae_high'], 2)}"
+    return (
+        f"{count} of the robot's {every} wraps have diameters that the training does not list: "
+        f"on these the MAE is {fixed(one['mae'], 2)} mm ({span}), on all {every} "
+        f"{fixed(robot['mae'], 2)} mm."
+    )
