@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from spirob.cli.reference import features
 from spirob.cli.reference.ports import renewed
+from spirob.perceive.features import FEATURES
 from tests.docs.blocks import follow
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -29,6 +31,15 @@ def test_the_ports_of_the_conventions_are_those_of_the_program():
     text = (DOCS / "conventions.md").read_text(encoding="utf-8")
     assert renewed(text) == text
     assert renewed(text.replace("N·m", "Nm")) != text.replace("N·m", "Nm")
+
+
+def test_the_features_of_the_experiments_are_those_of_the_program():
+    text = (DOCS / "experiments.md").read_text(encoding="utf-8")
+    assert features.renewed(text) == text
+    for name, one in FEATURES.items():
+        assert text.count(f"| {one.kind} | `{name}` | {one.unit} | ") == 1
+    gone = text.replace("`stall_time`", "`stalled`")
+    assert features.renewed(gone) != gone
 
 
 @pytest.mark.parametrize("page", OWN)
