@@ -2,7 +2,8 @@
 
 description.py  which columns the two motors have, and which machine drives them
 replay.py       a log as a trial that the model can play again
-roles.py        which logs are fitted, chosen by, held out
+roles.py        which logs, or parts of one, are fitted, chosen by, held out
+blocks.py       a part of a log, played from rest and compared from where it begins
 diagnosis.py    the arm's own search and verdict, as the document of a rig
 page.py         what the page shows besides: overlay and fitted numbers
 """

@@ -1,6 +1,7 @@
 """The arm's own search (`spirob.diagnose`) on logs from elsewhere, as the document of a rig."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.identify.sense import SENSE, SUSPECTS, explained
+from spirob.machine.arm.blocks import Blocks, block
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.replay import read_arm_trial
 from spirob.machine.arm.roles import roles
@@ -26,27 +28,42 @@ from spirob.plant import Plant
 SENSELESS = "No verdict: the data or the model do not fit together."
 
 
+@dataclass(frozen=True)
+class Trials:
+    """What a search is given.
+
+    of      trials by role;  begins  trial's name -> first cycle that counts, where it is a block
+    """
+
+    of: dict[str, list[Measurement]]
+    begins: dict[str, int]
+
+
 def read(
     rig: ArmFile, train: Sequence[Path | str], test: Sequence[Path | str]
-) -> tuple[dict[str, list[Measurement]], list[str]]:
+) -> tuple[Trials, list[str]]:
     """The logs by role, and what was repaired in them."""
+    parts, divided = roles(train, test)
+    logs = {log: read_arm_trial(log, rig, "train") for log in (*train, *test)}
     trials: dict[str, list[Measurement]] = {}
-    said: list[str] = []
-    for role, paths in roles(train, test).items():
-        found = [read_arm_trial(path, rig, role) for path in paths]
-        trials[role] = [trial for trial, _ in found]
-        said += [text for _, texts in found for text in texts]
+    begins: dict[str, int] = {}
+    for role, of in parts.items():
+        found = [block(logs[part.log][0], part) for part in of]
+        trials[role] = [replace(trial, role=role) for trial, _ in found]
+        begins |= {trial.name: begin for trial, begin in found if begin}
+    said = [text for _, texts in logs.values() for text in texts]
     names = ", ".join(t.name for t in trials["validate"])
-    return trials, [*said, f"Effects are chosen by {names}, which no fit has seen."]
+    chosen = f"Effects are chosen by {names}, which no fit has seen."
+    return Trials(trials, begins), [*said, *divided, chosen]
 
 
 def searched(
     rig: ArmFile,
-    trials: Mapping[str, Sequence[Measurement]],
+    trials: Trials,
     settings: Settings,
     progress: Callable[[str], None],
     candidates: Sequence[type[Effect]] | None = None,
-) -> tuple[Search, dict[str, Residual]]:
+) -> tuple[Search, dict[str, Blocks]]:
     """The search on these trials; candidates are those of the library where none are given.
 
     Raises ConfigError where `fit` names no number of the model.
@@ -59,7 +76,9 @@ def searched(
     for name in rig.fit:
         if name not in plant.table.about:
             raise ConfigError(f"fit: the arm's model has no number '{name}'")
-    residuals = {role: Residual(plant, found) for role, found in trials.items()}
+    residuals = {
+        role: Blocks(plant, found, begins=trials.begins) for role, found in trials.of.items()
+    }
     found = climb(residuals, [*rig.fit, *start], absent, start, settings, progress)
     return found, residuals
 

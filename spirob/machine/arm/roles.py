@@ -1,23 +1,54 @@
 """Which logs of the arm are fitted, which choose, and which are held out."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from spirob.errors import ConfigError
+from spirob.machine.splitting import KEPT
 
 Log = Path | str
+CHOOSING = 0.2  # of a log that is the only one to fit: it chooses between effects
 
 
-def roles(train: Sequence[Log], test: Sequence[Log]) -> dict[str, list[Log]]:
-    """Logs by role; the last third of the training logs chooses between effects.
+@dataclass(frozen=True)
+class Part:
+    """A part of a log, from one share of its length up to another."""
 
-    A log of the arm is played from rest, so none can be divided.  Raises ConfigError where there
-    are fewer than two training logs and one held out.
+    log: Log
+    begin: float = 0.0
+    end: float = 1.0
+
+    @property
+    def whole(self) -> bool:
+        """No block of it, but all."""
+        return (self.begin, self.end) == (0.0, 1.0)
+
+
+def roles(train: Sequence[Log], test: Sequence[Log]) -> tuple[dict[str, list[Part]], list[str]]:
+    """Parts of logs by role, and sentences that say where a log was divided.
+
+    The last third of the training logs chooses between effects; of a single one its last block
+    does.  Where nothing is held out the end of each training log is.
     """
-    if len(train) < 2 or not test:
-        raise ConfigError(
-            "body: arm needs two logs in --train, one to fit and one to choose by, and one in "
-            f"--test; got {len(train)} and {len(test)}"
+    end = 1.0 if test else 1.0 - KEPT
+    said = []
+    if len(train) > 1:
+        cut = len(train) - max(1, len(train) // 3)
+        fitted = [Part(log, 0.0, end) for log in train[:cut]]
+        choosing = [Part(log, 0.0, end) for log in train[cut:]]
+    else:
+        between = end - CHOOSING
+        fitted = [Part(log, 0.0, between) for log in train]
+        choosing = [Part(log, between, end) for log in train]
+        said.append(
+            f"One training log was given: {between:.0%} of it are fitted, the next {CHOOSING:.0%} "
+            "choose between effects."
         )
-    cut = len(train) - max(1, len(train) // 3)
-    return {"train": list(train[:cut]), "validate": list(train[cut:]), "heldout": list(test)}
+    held = [Part(log) for log in test] or [Part(log, end, 1.0) for log in train]
+    if not test:
+        said.append(
+            f"No held-out log was given: the last {KEPT:.0%} of each training log was kept aside."
+        )
+    if said:
+        said.append("Blocks of one trial share its start, load and temperature.")
+    return {"train": fitted, "validate": choosing, "heldout": held}, said

@@ -7,7 +7,7 @@ from spirob.bench import Trial
 from spirob.bench.simulate import simulate
 from spirob.machine.arm.description import ArmFile
 from spirob.plant import Plant, Rig
-from tests.identify.known import TRIALS
+from tests.identify.known import TRIALS, moves
 
 TURN = Rig().winch.gear_ratio / Rig().winch.radius  # rad of the rotor a metre wound in
 
@@ -34,7 +34,18 @@ def rig(**changes):
 
 def log(role, k, true, effects=(), every=2):
     """Columns of a trial that the model played, at 500 Hz."""
-    plain = {"name": f"{role}_{k}", "role": role, **TRIALS[role][k]}
+    return played({"name": f"{role}_{k}", "role": role, **TRIALS[role][k]}, true, effects, k, every)
+
+
+def long_log(true, effects=()):
+    """Columns of ten seconds of strokes of the left motor."""
+    strokes = [[0.3, 0.0]] + [[2.4, 0.05], [2.4, 0.02]] * 2
+    plain = {"name": "long", "role": "train", **moves("left", strokes, 0.3), "duration": 10.0}
+    return played(plain, true, effects)
+
+
+def played(plain, true, effects=(), k=0, every=2):
+    """Columns of this trial, played by the model with noise of seed `k`."""
     trace = simulate(Plant(Rig(), list(effects)), Trial.from_plain(plain), true, 0.002, seed=k)
     columns = {"ms": 1e3 * trace.seconds[::every] + 5000.0}
     for motor in ("left", "right"):

@@ -8,7 +8,6 @@ from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.page import overlay, parameters
-from spirob.machine.arm.roles import roles
 from spirob.machine.loading import load_rig
 from tests.machine.arm.elsewhere import log, rig, write
 
@@ -42,16 +41,6 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     assert parameters(search, residuals["train"].table)["winch.efficiency"]["unit"] == "1"
 
 
-def test_roles_are_told_apart_or_asked_for():
-    assert roles(["a", "b", "c", "d"], ["e"]) == {
-        "train": ["a", "b", "c"],
-        "validate": ["d"],
-        "heldout": ["e"],
-    }
-    with pytest.raises(ConfigError, match="needs two logs in --train"):
-        roles(["a"], ["b"])
-
-
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
@@ -68,4 +57,4 @@ def test_a_mistake_in_the_description_names_its_place(tmp_path, changes, sentenc
 def test_an_unknown_number_is_named(tmp_path):
     arm = rig(fit=["winch.colour"])
     with pytest.raises(ConfigError, match=r"no number 'winch\.colour'"):
-        diagnosis.searched(arm, {}, Settings(), print, [])
+        diagnosis.searched(arm, diagnosis.Trials({}, {}), Settings(), print, [])
