@@ -26,7 +26,7 @@ from spirob.machine.plausible import doubts, oddities
 from spirob.machine.recording import Recording
 from spirob.machine.rig import ANGLES, RigFile
 from spirob.machine.search import Found, Search
-from spirob.machine.shown import overlay, parameters
+from spirob.machine.shown import laws, overlay, parameters
 from spirob.machine.sizes_of import sizes_of
 from spirob.machine.splitting import split
 from spirob.machine.standstill import without_holds
@@ -39,12 +39,14 @@ class Diagnosis:
 
     overlay     per sample: trial, role, time, position, measured, base, named
     parameters  of the bare model, for the page
+    laws        per held-out sample what each effect of the chosen model does; None for our arm
     """
 
     document: dict[str, Any]
     overlay: pd.DataFrame
     parameters: dict[str, Any]
     identifiability: str
+    laws: pd.DataFrame | None = None
 
 
 def diagnose_recordings(
@@ -121,6 +123,7 @@ def _finish(
         overlay(search, bare.fit, chosen.fit),
         parameters(search, bare.fit),
         gate.sentence,
+        laws(search, chosen),
     )
 
 

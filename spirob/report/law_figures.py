@@ -11,7 +11,6 @@ from spirob.report.packing import stride
 MOST = 1200  # dots of one kind
 BINS = 20  # along the signal, as many samples in each
 HEIGHT = 360
-MILLI = 1e3
 
 
 def over_signal(law: Law) -> go.Figure:
@@ -21,30 +20,30 @@ def over_signal(law: Law) -> go.Figure:
     x = factor * law.x
     step = stride(len(x), MOST)
     figure = blank(HEIGHT, legend_itemsizing="constant")
-    figure.add_scatter(**_dots(x[::step], law.shown[::step], "residual without it", NEUTRAL, 4))
-    figure.add_scatter(**_dots(x[::step], law.law[::step], "fitted law", NAMED, 4))
-    middle, median = medians(x, MILLI * law.shown)
+    seen, said = law.factor * law.shown, law.factor * law.law
+    figure.add_scatter(**_dots(x[::step], seen[::step], "residual without it", NEUTRAL, 4))
+    figure.add_scatter(**_dots(x[::step], said[::step], "fitted law", NAMED, 4))
+    middle, median = medians(x, seen)
     figure.add_scatter(
         x=_rounded(middle),
         y=_rounded(median),
         mode="markers",
         name="median of the residual",
         marker={"color": INK, "size": 9, "symbol": "diamond-open", "line": {"width": 2}},
-        hovertemplate="%{y:.3g} mA at %{x:.3g}<extra>median</extra>",
+        hovertemplate=f"%{{y:.3g}} {law.unit} at %{{x:.3g}}<extra>median</extra>",
     )
     figure.update_xaxes(title_text=law.against.title.replace(f"[{unit}]", f"[{name}]"))
-    figure.update_yaxes(title_text="current [mA]")
+    figure.update_yaxes(title_text=f"{law.effort} [{law.unit}]")
     return figure
 
 
 def against_itself(law: Law) -> go.Figure:
     """What was shown over what the law says, with the line on which both are equal."""
     step = stride(len(law.law), MOST)
-    low, high = MILLI * float(law.law.min()), MILLI * float(law.law.max())
+    seen, said = law.factor * law.shown, law.factor * law.law
+    low, high = float(said.min()), float(said.max())
     figure = blank(HEIGHT, legend_itemsizing="constant")
-    figure.add_scatter(
-        **_dots(MILLI * law.law[::step], law.shown[::step], "samples of unseen trials", NAMED, 4)
-    )
+    figure.add_scatter(**_dots(said[::step], seen[::step], "samples of unseen trials", NAMED, 4))
     figure.add_scatter(
         x=[low, high],
         y=[low, high],
@@ -53,8 +52,8 @@ def against_itself(law: Law) -> go.Figure:
         line={"color": INK, "width": 1.5, "dash": "dot"},
         hoverinfo="skip",
     )
-    figure.update_xaxes(title_text="fitted law [mA]")
-    figure.update_yaxes(title_text="residual without it [mA]")
+    figure.update_xaxes(title_text=f"fitted law [{law.unit}]")
+    figure.update_yaxes(title_text=f"residual without it [{law.unit}]")
     return figure
 
 
@@ -64,10 +63,10 @@ def medians(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array([np.median(x[o]) for o in order]), np.array([np.median(y[o]) for o in order])
 
 
-def _dots(x: np.ndarray, current: np.ndarray, name: str, colour: str, size: int) -> dict:
+def _dots(x: np.ndarray, y: np.ndarray, name: str, colour: str, size: int) -> dict:
     return {
         "x": _rounded(x),
-        "y": _rounded(MILLI * current),
+        "y": _rounded(y),
         "mode": "markers",
         "name": name,
         "marker": {"color": colour, "size": size, "opacity": 0.55},

@@ -38,16 +38,22 @@ TIME = Against("time", "time since the trial began [s]")
 
 @dataclass(frozen=True)
 class Law:
-    """Samples of driven motors: the signal it is drawn over, what was shown and the law [A]."""
+    """Samples of driven motors: the signal it is drawn over, what was shown and the law.
+
+    effort, unit, factor  what both are called, the unit that they are drawn in, from their own
+    """
 
     against: Against
     x: np.ndarray
     shown: np.ndarray
     law: np.ndarray
+    effort: str = "current"
+    unit: str = "mA"
+    factor: float = 1e3
 
     @property
     def accounted(self) -> float:
-        """Share of the squared current shown that the law takes away; negative if it adds."""
+        """Share of the squared effort shown that the law takes away; negative if it adds."""
         return 1.0 - float(np.mean((self.shown - self.law) ** 2) / np.mean(self.shown**2))
 
 

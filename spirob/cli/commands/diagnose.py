@@ -52,6 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         [Path(log) for log in logs],
         command,
         out / "index.html",
+        found.laws,
     )
     for repair in found.document["repairs"]:
         if not arguments.quiet:

@@ -10,6 +10,7 @@ from spirob.logs.atomic import write_text
 from spirob.report.builder import render
 from spirob.report.data import ReportData
 from spirob.report.provenance import collect
+from spirob.report.rig.laws import RigLaws
 from spirob.report.rig.overlay import RigOverlay
 from spirob.report.rig.repairs import Repairs
 from spirob.report.rig.verdict import RigVerdict
@@ -24,6 +25,7 @@ SECTIONS = (
     RigOverlay,
     Failure,
     Ladder,
+    RigLaws,
     Parameters,
     Repairs,
     Library,
@@ -40,11 +42,13 @@ def build_rig_page(
     logs: Sequence[Path],
     command: str,
     out: Path,
+    laws: pd.DataFrame | None = None,
 ) -> Path:
     """Write the page, whole or not at all.
 
     document    what diagnosis.json holds;  parameters  fitted numbers of the bare model
     overlay     per sample: trial, role, time, measured, base, named, in the unit of the effort
+    laws        per held-out sample: effect, time, position, velocity, effort, shown, law, in SI
     command     that makes the page again
     """
     config = rig_file.read_text(encoding="utf-8")
@@ -67,6 +71,7 @@ def build_rig_page(
         compare={},
         diagnosis=_with_heldout(document),
         overlay=overlay,
+        laws=laws,
         metrics={},
         provenance=provenance,
     )
