@@ -34,12 +34,22 @@ class MotorColumns(Entry):
         return self
 
 
+class ArmFilter(Entry):
+    """The zero-phase low-pass that both sides of the residual pass, and the motion to follow.
+
+    cutoff  [Hz]; above it a coarse encoder's steps or another controller's ringing are left out
+    """
+
+    cutoff: float = Field(default=30.0, ge=5.0, le=200.0)
+
+
 class ArmFile(Entry):
     """A whole description.
 
     left, right  the two motors; the left one bends the arm to the left
     arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...}
     fit          numbers of the model to fit;  effects  those that it holds already
+    filter       of what is compared
     """
 
     name: str
@@ -50,6 +60,7 @@ class ArmFile(Entry):
     arm: dict[str, Any] = {}
     fit: list[str] = Field(default=list(FITTED), min_length=1)
     effects: list[str] = []
+    filter: ArmFilter = ArmFilter()
 
     @field_validator("time")
     @classmethod

@@ -17,7 +17,7 @@ from spirob.effects import Effect, all_effects, find_effects
 from spirob.errors import ConfigError
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Filter, Residual
 from spirob.identify.sense import SENSE, SUSPECTS, explained
 from spirob.machine.arm.blocks import Blocks, block
 from spirob.machine.arm.description import ArmFile
@@ -77,7 +77,8 @@ def searched(
         if name not in plant.table.about:
             raise ConfigError(f"fit: the arm's model has no number '{name}'")
     residuals = {
-        role: Blocks(plant, found, begins=trials.begins) for role, found in trials.of.items()
+        role: Blocks(plant, found, Filter(cutoff=rig.filter.cutoff), begins=trials.begins)
+        for role, found in trials.of.items()
     }
     found = climb(residuals, [*rig.fit, *start], absent, start, settings, progress)
     return found, residuals

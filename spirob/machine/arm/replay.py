@@ -25,7 +25,6 @@ from spirob.plant import Rig
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
-CUTOFF = 30.0  # Hz, of the motion to follow; that of the residual's filter
 BEGIN = 0.05  # s at the beginning, in which the arm has to stand
 MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
 ROOM = 2.0  # times the largest current: the model's command never reaches its limit
@@ -49,7 +48,7 @@ def arm_trial(
     displacement = np.column_stack([values[f"{m}.position"] for m in MOTORS])
     current = np.column_stack([values[f"{m}.effort"] for m in MOTORS])
     motion, held = (
-        np.column_stack([smooth(x, CUTOFF, CYCLE) for x in both.T])
+        np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in both.T])
         for both in (displacement, current)
     )
     velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])

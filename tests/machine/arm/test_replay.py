@@ -49,3 +49,21 @@ def test_gaps_missing_columns_and_unknown_parts_are_named(columns):
         arm_trial("log", less, rig(), "train", [])
     with pytest.raises(ConfigError, match="rig has no part 'wheel'"):
         rig(arm={"wheel": {}}).machine()
+
+
+def test_the_cutoff_is_that_of_the_motion_to_follow(columns):
+    """A shake of 60 Hz passes a filter of 120 Hz and not one of 20 Hz."""
+    seconds = 1e-3 * (columns["ms"] - columns["ms"][0])
+    shake = 5.0 * (seconds > 1.0) * np.sin(2 * np.pi * 60.0 * (seconds - 1.0))  # deg
+    shaken = {**columns, "left angle": columns["left angle"] + shake}
+    left = {}
+    for cutoff in (20.0, 120.0):
+        arm = rig(filter={"cutoff": cutoff})
+        moved, still = (arm_trial("log", c, arm, "train", [])[0] for c in (shaken, columns))
+        left[cutoff] = np.std((moved.schedule.reference - still.schedule.reference)[1300:-300, 0])
+    assert left[20.0] < 0.05 * left[120.0]
+
+
+def test_a_cutoff_out_of_range_is_refused():
+    with pytest.raises(ValueError, match=r"filter\.cutoff"):
+        rig(filter={"cutoff": 1.0})
