@@ -43,9 +43,9 @@ def _size(root: Path) -> None:
         }
         columns = {"true_mm": 1e3 * true, "predicted_mm": 1e3 * found}
         rows.append(pd.DataFrame({"domain": domain, **columns}))
+        if domain == "robot":
+            metrics[domain] |= unlisted(features, found, listed)
         tell(f"size, {domain}: MAE {metrics[domain]['mae']:.2f} mm, R2 {metrics[domain]['r2']:.3f}")
-    robot = tests["robot"]
-    metrics["robot"] |= unlisted(robot, predict(model, robot), listed)
     curve = learning_curve(known, tests, model.settings, model.predictor)
     metrics["training"] = {
         "samples": len(known),

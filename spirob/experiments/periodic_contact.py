@@ -81,9 +81,8 @@ class PeriodicContact(Experiment):
                 paper = PAPER[k] if signal == "filtered" and len(self.places) == 3 else None
                 hidden = [s for s, period in periods.items() if np.isnan(period)]
                 notes = ["10 Hz is a null of the mean"] if filtered else []
-                notes += (
-                    [f"not visible, no line of one count: {', '.join(hidden)}"] if hidden else []
-                )
+                if hidden:
+                    notes.append(f"not visible, no line of one count: {', '.join(hidden)}")
                 note = "; ".join(notes)
                 at = f"{signal}, at {place:.0%}"
                 rows.append(row(f"apparent period of {at}", "s", periods, paper=paper, note=note))

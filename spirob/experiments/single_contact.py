@@ -53,11 +53,11 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
         return found
     current = difference(hit, free, "current")
     steady = current[first + round(1e3 * SHIFT[0]) : first + round(1e3 * SHIFT[1])]
-    mean = difference(hit, free, "filtered")
+    level, mean = smooth(current, SMOOTHING), difference(hit, free, "filtered")
     calm = slice(100, first - SMOOTHING)
     return found | {
-        "peak": float(np.abs(smooth(current, SMOOTHING)[soon]).max()),
-        "peak error": float(1.5 * np.abs(smooth(current, SMOOTHING)[calm]).max()),
+        "peak": float(np.abs(level[soon]).max()),
+        "peak error": float(1.5 * np.abs(level[calm]).max()),
         "filtered": float(np.abs(mean[soon]).max()),
         "filtered error": float(1.5 * np.abs(mean[calm]).max()),
         "shift": float(steady.mean()),

@@ -5,11 +5,9 @@ from typing import Any
 import pandas as pd
 
 from spirob.effects import all_effects
-from spirob.report import law_figures
 from spirob.report.data import ReportData
-from spirob.report.figures import Plot
 from spirob.report.laws import LOAD, PLACE, SPEED, TIME, Against, Law, against
-from spirob.report.sections.laws import sentence
+from spirob.report.sections.laws import plots, sentence
 from spirob.report.sections.section import Section
 
 ABSENT = "Laws are drawn where an effect is named on a plain rig."
@@ -47,21 +45,9 @@ def law_of(rows: pd.DataFrame, diagnosis: dict[str, Any]) -> Law:
 
 
 def _entry(name: str, title: str, found: Law) -> dict[str, Any]:
-    over = found.against.title.partition(" [")[0]
     return {
         "title": title,
         "sentence": sentence(found),
         "rivals": [],
-        "plots": [
-            Plot(
-                f"law-{name}",
-                f"Residual and fitted law of {title} over {over}",
-                law_figures.over_signal(found),
-            ),
-            Plot(
-                f"law-{name}-itself",
-                f"Residual over the fitted law of {title}",
-                law_figures.against_itself(found),
-            ),
-        ],
+        "plots": plots(name, title, found),
     }

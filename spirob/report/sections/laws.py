@@ -40,25 +40,30 @@ def entry(name: str, found: Law, data: ReportData) -> dict[str, Any]:
     known = all_effects()
     titles = {c["name"]: c["title"] for c in data.diagnosis["candidates"]}
     title = titles.get(name) or (known[name].title if name in known else name.replace("_", " "))
-    over = found.against.title.partition(" [")[0]
     return {
         "name": name,
         "title": title,
         "sentence": sentence(found),
         "rivals": rivals(name, data),
-        "plots": [
-            Plot(
-                f"law-{name}",
-                f"Residual and fitted law of {title} over {over}",
-                law_figures.over_signal(found),
-            ),
-            Plot(
-                f"law-{name}-itself",
-                f"Residual over the fitted law of {title}",
-                law_figures.against_itself(found),
-            ),
-        ],
+        "plots": plots(name, title, found),
     }
+
+
+def plots(name: str, title: str, found: Law) -> list[Plot]:
+    """The two figures of an effect: over the signal that it depends on, and over its own law."""
+    over = found.against.title.partition(" [")[0]
+    return [
+        Plot(
+            f"law-{name}",
+            f"Residual and fitted law of {title} over {over}",
+            law_figures.over_signal(found),
+        ),
+        Plot(
+            f"law-{name}-itself",
+            f"Residual over the fitted law of {title}",
+            law_figures.against_itself(found),
+        ),
+    ]
 
 
 def sentence(found: Law) -> str:
