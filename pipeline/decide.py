@@ -17,10 +17,11 @@ from pipeline.stage import ASKED, public_config, read_json, run, tell, write_jso
 from pipeline.switches import laws
 from spirob.diagnose.again import decided_again, joined
 from spirob.diagnose.contest import Contestant, in_question
-from spirob.diagnose.document import document, metrics
+from spirob.diagnose.document import described, document, metrics
 from spirob.diagnose.noise import noise_floor
 from spirob.diagnose.proof import FOUND, Proof, Proofs, disproved, put_to_proof, sifted
 from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.survey import KEYS
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
@@ -28,7 +29,7 @@ from spirob.logs import read_log
 
 SEARCH, OUT = Path("data/search"), Path("data/diagnosis")
 # what a diagnosis goes on saying once it is decided again
-KEPT = ("atlas", "atlas_sentences", "vague", "asked")
+KEPT = ("vague", "asked")
 DONE: dict[str, Any] = {"next_experiment": "", "next_trials": []}
 
 
@@ -100,7 +101,8 @@ def _written(
     before = read_json(root / OUT / "diagnosis.json", "decide")
     kept = {key: before[key] for key in KEPT if key in before}
     effort = own["train"].effort
-    now = document(search, verdict, [], noise_floor(own["train"]), own)
+    where = {key: before[key] for key in KEYS if key in before}
+    now = document(search, verdict, where, noise_floor(own["train"]), own)
     write_json(root / OUT / "diagnosis.json", {**now, **kept, **more})
     _model(root, own, search.rungs[0].fit.changes, model_of(search, verdict))
     if verdict.kind == "named":
@@ -141,6 +143,7 @@ def _proved(
     if found["verdict"] == "named" and not proof.holds:
         found = {**found, "verdict": "unknown", "effect": "", "effects": "", "probability": 0.0}
         after |= {"verdict": "unknown", "effects": [], **disproved(before["sentence"], proof)}
+        after["explanation"] = described("unknown", after["explanation"], before)
         _model(root, own, base.changes, {"effects": [], "changes": dict(base.changes)})
         tell(after["sentence"])
     write_json(root / OUT / "diagnosis.json", after)

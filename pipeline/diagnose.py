@@ -10,7 +10,6 @@ from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnose.again import proposed
-from spirob.diagnose.atlas import atlas
 from spirob.diagnose.contest import in_question
 from spirob.diagnose.document import document, metrics
 from spirob.diagnose.ladder import climb
@@ -18,6 +17,7 @@ from spirob.diagnose.noise import noise_floor
 from spirob.diagnose.proof import FOUND, to_prove
 from spirob.diagnose.proposals import Proposal
 from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.survey import survey
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
 from spirob.identify.sense import refuse_senseless
@@ -42,12 +42,12 @@ def stage(root: Path) -> None:
     search = climb(residuals, names, candidates, identified["changes"], settings, tell)
     verdict = judge(search, residuals, settings)
     base = search.rungs[0].fit
-    effort = residuals["train"].effort
-    regimes = atlas(residuals["train"], base.residual[residuals["train"].rows])
+    train, effort = residuals["train"], residuals["train"].effort
+    where = survey(train, base.changes, base.residual[train.rows])
     contested = proposed(search, verdict, residuals["validate"], settings)
     proofs = to_prove(search, residuals["validate"], settings) if verdict.kind in FOUND else []
-    floor, further = noise_floor(residuals["train"]), contested or proofs
-    written = document(search, verdict, regimes, floor, residuals, further)
+    floor, further = noise_floor(train), contested or proofs
+    written = document(search, verdict, where, floor, residuals, further)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)
     write_json(root / OUT / "contest.json", _contest(search, verdict, contested, proofs))

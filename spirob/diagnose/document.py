@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from spirob.diagnose.atlas import Regime, worst
 from spirob.diagnose.proposals import Proposal, told
 from spirob.diagnose.rungs import Confirmed, Rung, Search, label, parameters_of
 from spirob.diagnose.steps import steps
@@ -14,7 +13,7 @@ from spirob.identify.problem import Effort, Problem
 def document(
     search: Search,
     verdict: Verdict,
-    regimes: Sequence[Regime],
+    where: Mapping[str, Any],
     noise_floor: float,
     problems: Mapping[str, Problem],
     proposals: Sequence[Proposal] = (),
@@ -22,6 +21,7 @@ def document(
     """All of a diagnosis; errors in the unit of the effort.
 
     problems   by role: those that the rungs were scored on
+    where      the residual lies, as `survey` tells it; an unknown effect is described by it
     proposals  experiments that would tell the rivals apart, or put a name to the proof, best first
     """
     added = search.rungs[-1].effects if verdict.kind == "named" else []
@@ -30,7 +30,7 @@ def document(
     return {
         "verdict": verdict.kind,
         "sentence": verdict.sentence,
-        "explanation": verdict.explanation,
+        "explanation": described(verdict.kind, verdict.explanation, where),
         "next_experiment": told(proposals, effort) or verdict.next_experiment,
         "next_trials": [t for p in proposals[:1] for t in p.trials],
         "effects": [
@@ -47,11 +47,16 @@ def document(
         "ladder": ladder,
         "left": {"share": ceiling.share},
         "noise_floor": noise_floor,
-        "atlas": [r.as_dict() for r in regimes],
-        "atlas_sentences": worst(regimes, effort),
+        **where,
         "vague": search.vague,
         "unit": effort.unit,
     }
+
+
+def described(kind: str, explanation: str, where: Mapping[str, Any]) -> str:
+    """The explanation; of an unknown effect also what the residual depends on, where known."""
+    depends = where.get("depends", {}).get("sentence", "")
+    return f"{explanation} {depends}" if kind == "unknown" and depends else explanation
 
 
 def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:

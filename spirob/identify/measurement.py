@@ -20,6 +20,7 @@ class Measurement:
 
     current [A], displacement [m], velocity [m/s] as the drives reported them, raw
     first_angle  of the rotors when the trial began [rad], where the log tells
+    temperature  of the windings [°C], (T, 2), where the log tells
     """
 
     name: str
@@ -30,6 +31,7 @@ class Measurement:
     schedule: Schedule
     scene: Scene
     first_angle: tuple[float, ...] = (0.0, 0.0)
+    temperature: np.ndarray | None = None
 
     @property
     def seconds(self) -> np.ndarray:
@@ -56,7 +58,16 @@ class Measurement:
             schedule=_as_sent(schedule_of(trace), trace),
             scene=scene_of(trace),
             first_angle=tuple(float(angle.get(motor, 0.0)) for motor in MOTORS),
+            temperature=_temperature(trace),
         )
+
+
+def _temperature(trace: Trace) -> np.ndarray | None:
+    """Of both windings [°C], (T, 2); None where a drive does not report it throughout."""
+    names = [f"{motor}.temperature" for motor in MOTORS]
+    if not all(name in trace.signals and np.isfinite(trace[name]).all() for name in names):
+        return None
+    return np.column_stack([trace[name] for name in names])
 
 
 def _as_sent(schedule: Schedule, trace: Trace) -> Schedule:

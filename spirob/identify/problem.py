@@ -49,6 +49,10 @@ class Stretch:
     effort    as measured
     still     speed below which the axis counts as standing, in the unit of velocity
     forward, backward    what the two directions are called
+    angle        of the motor [rad];  gear  its turns for one of the output; None where not known
+    lag          of the axis behind its command, in the unit of what is commanded
+    command_rate of that command, per second
+    temperature  of the winding [°C]; all three (N,), None where not recorded
     """
 
     trial: str
@@ -60,6 +64,11 @@ class Stretch:
     still: float
     forward: str
     backward: str
+    angle: np.ndarray | None = None
+    gear: float | None = None
+    lag: np.ndarray | None = None
+    command_rate: np.ndarray | None = None
+    temperature: np.ndarray | None = None
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy import signal
 
-from spirob.control.law import CURRENT
+from spirob.control.law import CURRENT, DISPLACEMENT, VELOCITY
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, Rotor, Stretch
 from spirob.parameter import Table
@@ -160,16 +160,29 @@ class Residual:
             self.filter.thin(values[:, motor], trial.name)
             for values in (trial.displacement, trial.velocity, trial.current)
         )
+        winch, every, schedule = self.plant.rig.winch, self.filter.every, trial.schedule
+        commanded = {VELOCITY: trial.velocity, DISPLACEMENT: trial.displacement}
+        followed = commanded.get(int(schedule.mode[motor]))  # of a force nothing is measured
+        heat = trial.temperature
         return Stretch(
             trial.name,
             f"{MOTORS[motor]} motor",
-            trial.seconds[:: self.filter.every],
+            trial.seconds[::every],
             position,
             velocity,
             current,
             STILL,
             "winding in",
             "paying out",
+            angle=trial.first_angle[motor] + position * winch.gear_ratio / winch.radius,
+            gear=winch.gear_ratio,
+            lag=None
+            if followed is None
+            else self.filter.thin(schedule.reference[:, motor] - followed[:, motor], trial.name),
+            command_rate=self.filter.thin(
+                np.gradient(schedule.reference[:, motor], 1e-3), trial.name
+            ),
+            temperature=None if heat is None else heat[::every, motor],
         )
 
     def _others(self, trial: Measurement) -> list[int]:

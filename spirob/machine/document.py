@@ -8,6 +8,7 @@ import numpy as np
 
 from spirob.diagnose.atlas import Regime, worst
 from spirob.diagnose.evidence import half_seconds
+from spirob.diagnose.lateness import lateness
 from spirob.diagnose.noise import noise_floor
 from spirob.diagnose.steps import CEILING
 from spirob.diagnose.trees import worth
@@ -56,6 +57,7 @@ def document(
         "noise_floor": noise_floor(search.train),
         "atlas": [r.as_dict() for r in regimes],
         "atlas_sentences": worst(regimes, effort),
+        "atlas_lateness": lateness(search.train.stretches(), found.rungs[0].fit.residual),
         "unit": effort.unit,
         "effort": effort.name,
         "effort_rms": {"train": search.models.size, "test": _rms(search.heldout.measured())},

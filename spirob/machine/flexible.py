@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spirob.diagnose.depends import NOTHING, named
 from spirob.diagnose.trees import left_out, share, tree, worth
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.shapes import spectrum
@@ -74,10 +75,8 @@ def ceiling(
 
 def depends_on(found: Ceiling) -> str:
     """What the residual depends on, as the middle of a sentence."""
-    strong = sorted(found.alone, key=lambda name: -found.alone[name])
-    best = found.alone[strong[0]]
-    texts = [f"{n} ({found.alone[n]:.0%} by itself)" for n in strong if found.alone[n] > 0.4 * best]
-    said = "on " + " and ".join(texts) if best > 0.05 else "on several signals together"
+    best = max(found.alone.values())
+    said = f"on {named(found.alone)}" if best > NOTHING else "on several signals together"
     if found.wave > TALL * max(found.share, 0.1):
         said += f", with a wave of {found.order:.3g} periods a turn of the motor"
     return said

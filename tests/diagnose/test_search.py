@@ -37,7 +37,7 @@ def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
     assert after < 0.3 * before
     assert search.rungs[1].fit.estimates[hidden].value == pytest.approx(value, rel=0.1)
     train = residuals["train"]
-    written = document(search, verdict, [], noise_floor(train), residuals)
+    written = document(search, verdict, {}, noise_floor(train), residuals)
     assert written["effects"][0]["name"] == name
     assert [rung.get("ceiling", False) for rung in written["ladder"]] == [False, False, True]
     for rung in written["ladder"]:

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from spirob.diagnose.again import proposed
-from spirob.diagnose.atlas import atlas
 from spirob.diagnose.document import document
 from spirob.diagnose.ladder import climb
 from spirob.diagnose.noise import noise_floor
 from spirob.diagnose.proof import to_prove
 from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.survey import survey
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects, find_effects
 from spirob.errors import ConfigError
@@ -94,11 +94,11 @@ def written(
     """What `diagnosis.json` holds, with the keys of any rig's."""
     verdict = judge(search, residuals, settings)
     train, base = residuals["train"], search.rungs[0]
-    regimes = atlas(train, base.fit.residual[train.rows])
+    where = survey(train, base.fit.changes, base.fit.residual[train.rows])
     further = proposed(search, verdict, residuals["validate"], settings)
     if not further and verdict.kind == "named":
         further = to_prove(search, residuals["validate"], settings)
-    found = document(search, verdict, regimes, noise_floor(train), residuals, further)
+    found = document(search, verdict, where, noise_floor(train), residuals, further)
     if base.scores["validate"].r2 < SENSE:
         found |= _senseless(base.scores["validate"].r2)
     for effect in found["effects"]:
