@@ -8,6 +8,8 @@ import plotly.graph_objects as go
 from spirob.report.figures import BASE, NAMED, NEUTRAL, bars, wrap
 from spirob.report.numbers import percent
 
+MOST = 12  # regimes in the figure of errors: more are read in the table of the atlas
+
 
 def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
     """Share of squared error beside share of time, one pair of bars for each regime."""
@@ -36,9 +38,9 @@ def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
 
 
 def regimes(errors: Mapping[str, float]) -> go.Figure:
-    """RMSE of each regime [mA] for the base model, worst first, and room for that of another."""
-    figure = bars(120 + 40 * len(errors), barmode="group", bargap=0.28, bargroupgap=0.05)
-    ordered = sorted(errors, key=lambda name: -errors[name])
+    """RMSE of the worst regimes [mA] for the base model, and room for that of another."""
+    ordered = sorted(errors, key=lambda name: -errors[name])[:MOST]
+    figure = bars(120 + 40 * len(ordered), barmode="group", bargap=0.28, bargroupgap=0.05)
     labels = [wrap(name, 26) for name in ordered]
     for name, colour, shown in (("base model", BASE, True), ("with the effects", NAMED, False)):
         figure.add_bar(

@@ -407,8 +407,9 @@ def _candidate(name, title, probability, rmse, gain) -> dict:
     }
 
 
-def _regime(regime, error, time, bias, rmse) -> dict:
+def _regime(regime, error, time, bias, rmse, kind="velocity") -> dict:
     return {
+        "kind": kind,
         "regime": regime,
         "share_of_error": error,
         "share_of_time": time,
@@ -449,11 +450,14 @@ DIAGNOSIS = {
     "noise_floor": 0.0124,
     "atlas": [
         _regime("winding in", 0.58, 0.21, 0.231, 0.304),
-        _regime("0.1 s around reversals", 0.22, 0.06, -0.043, 0.351),
+        _regime("0.1 s around reversals", 0.22, 0.06, -0.043, 0.351, "reversal"),
         _regime("paying out", 0.31, 0.38, -0.122, 0.166),
         _regime("standing", 0.05, 0.24, 0.011, 0.083),
-        _regime("low load", 0.004, 0.11, 0.002, 0.035),
+        _regime("low load", 0.004, 0.11, 0.002, 0.035, "load"),
     ],
+    "atlas_orders": [{"of": "motor", "order": 3.02, "share_of_error": 0.12}],
+    "atlas_lateness": {"delay_ms": 1.42, "delay_share": 0.07, "command_share": 0.031},
+    "depends": {"sentence": "The residual depends on speed (41% by itself).", "alone": {}},
     "atlas_sentences": [
         "Pulling in under high load holds 58 % of the squared error in 21 % of the time.",
         "The residual changes sign with the direction of travel, within 0.1 s of each reversal.",

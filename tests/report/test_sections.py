@@ -165,9 +165,39 @@ def test_held_out_trials_come_first_in_the_overlay(data):
 
 
 def test_the_worst_regime_comes_first(data):
-    regimes = [row["regime"] for row in SECTIONS["failure"].get_context(data)["rows"]]
+    groups = SECTIONS["failure"].get_context(data)["groups"]
+    regimes = [row["regime"] for _, rows in groups for row in rows]
     assert regimes[0] == "winding in"
     assert regimes[-1] == "low load"
+
+
+def test_regimes_are_grouped_by_what_they_are_about(data):
+    groups = dict(SECTIONS["failure"].get_context(data)["groups"])
+    assert list(groups) == ["velocity", "reversal", "load"]
+    assert [row["regime"] for row in groups["velocity"]] == ["winding in", "paying out", "standing"]
+
+
+def test_only_regimes_that_hold_more_error_than_time_are_drawn(data):
+    figure = SECTIONS["failure"].get_context(data)["plot"].figure
+    assert list(figure.data[0].customdata) == ["winding in", "0.1 s around reversals"]
+
+
+def test_orders_lateness_and_dependence_are_told(data):
+    shown = text("failure", data)
+    assert all(part in shown for part in ("Order [1/rev]", "3.02", "12 %", "depends on speed"))
+    assert "by 1.42 ms would explain 7.0 % of the squared error" in shown
+    none = text("failure", replace(data, diagnosis=data.diagnosis | {"atlas_orders": []}))
+    assert "comes again from trial to trial" in none
+    older = {k: v for k, v in data.diagnosis.items() if k not in ("atlas_orders", "depends")}
+    assert "comes again from trial" not in text("failure", replace(data, diagnosis=older))
+
+
+def test_a_regime_that_no_shown_trial_holds_cannot_be_chosen_for_marking(data):
+    atlas = [*data.diagnosis["atlas"], data.diagnosis["atlas"][0] | {"regime": "train_slow_left"}]
+    shown = replace(data, diagnosis=data.diagnosis | {"atlas": atlas})
+    chosen = SECTIONS["comparison"].get_context(shown)["regimes"]
+    assert "winding in" in chosen
+    assert "train_slow_left" not in chosen
 
 
 def test_the_named_candidate_is_marked(data):

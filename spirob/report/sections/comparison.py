@@ -36,13 +36,19 @@ class Comparison(Section):
             "train": rows([t for t in trials if t.get("role") == "train"]),
             "poor_fit": POOR_FIT,
             "signals": signals,
-            "regimes": [regime["regime"] for regime in data.diagnosis["atlas"]],
+            "regimes": marked(data.diagnosis["atlas"], signals["trials"]),
             "overlay": Plot(
                 "overlay",
                 "Measured and modelled signals of the chosen trial, residuals under them",
                 overlay.frame(motors, full),
             ),
         }
+
+
+def marked(regimes: list[dict[str, Any]], trials: list[dict[str, Any]]) -> list[str]:
+    """Regimes of the atlas that hold in some of these trials: the others have nothing to mark."""
+    motors = [motor["regimes"] for trial in trials for motor in trial["motors"].values()]
+    return [r["regime"] for r in regimes if any(spans.get(r["regime"]) for spans in motors)]
 
 
 def names(diagnosis: dict[str, Any]) -> tuple[str, str]:
