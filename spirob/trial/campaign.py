@@ -14,6 +14,7 @@ from spirob.trial.answers import ANSWERS
 from spirob.trial.case import Case, run
 from spirob.trial.cluster import cluster
 from spirob.trial.rates import is_right
+from spirob.trial.strength import RATIOS
 
 ATTEMPTS = 3  # in a row in which workers were killed and no case was finished
 PAIRS = (
@@ -30,21 +31,33 @@ def cases(
     nulls: int,
     without: bool = False,
     pairs: bool = False,
+    ratios: tuple[float, float] = RATIOS,
 ) -> list[Case]:
-    """Every kind with every seed, `nulls` robots with nothing hidden, each pair with every seed."""
-    chosen = [Case(k, s, without and any(_names(k))) for s in seeds for k in kinds if k != "none"]
+    """Every kind with every seed, `nulls` robots with nothing hidden, each pair with every seed.
+
+    ratios  between which knowing what is hidden would bring the held-out error
+    """
+    chosen = [
+        Case(k, s, without and any(_names(k)), ratios) for s in seeds for k in kinds if k != "none"
+    ]
     first = min(seeds, default=0)
     chosen += [Case("none", first + k) for k in range(nulls)]
-    return chosen + [Case("+".join(pair), s) for s in seeds for pair in PAIRS if pairs]
+    return chosen + [
+        Case("+".join(pair), s, ratios=ratios) for s in seeds for pair in PAIRS if pairs
+    ]
 
 
 def left(chosen: Sequence[Case], folder: Path) -> list[Case]:
-    """The cases that have no result yet; one of another robot, of an earlier release, is none."""
+    """The cases that have no result yet; one of another robot or strength is none."""
     return [case for case in chosen if not _played(_path(folder, case), case)]
 
 
 def _played(path: Path, case: Case) -> bool:
-    return path.exists() and json.loads(path.read_text())[0].get("robot") == case.robot
+    if not path.exists():
+        return False
+    found = json.loads(path.read_text())[0]
+    ratios = tuple(found.get("ratios", RATIOS))  # an earlier release had no others
+    return bool(found.get("robot") == case.robot and ratios == case.ratios)
 
 
 def play(

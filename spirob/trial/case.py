@@ -22,6 +22,7 @@ from spirob.trial.answers import ANSWERS, TOGETHER
 from spirob.trial.drawn import drawn
 from spirob.trial.further import Robot, asked_again, judged
 from spirob.trial.oracle import oracle
+from spirob.trial.strength import RATIOS
 
 
 @dataclass(frozen=True)
@@ -32,11 +33,13 @@ class Case:
     seed     draws, with the kind, the robot, the sizes of the effect and its strength
     without  diagnose once more with a library that lacks every right answer: it must not name
              another with confidence
+    ratios   between which knowing the effect would bring the held-out error
     """
 
     kind: str
     seed: int
     without: bool = False
+    ratios: tuple[float, float] = RATIOS
 
     @property
     def name(self) -> str:
@@ -55,7 +58,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     settings = settings or Settings(intervals=False, always=False)
     library = list(all_effects().values())
     plant = Plant(Rig(), library)
-    hidden, problems, base = drawn(case.kind, case.seed, case.robot, plant, settings)
+    hidden, problems, base = drawn(case.kind, case.seed, case.robot, plant, settings, case.ratios)
     robot = hidden, case.robot
     search = climb(problems, FITTED, library, {}, settings, known=base)
     first, asked, experiment = judge(search, problems, settings), search, ""
@@ -66,6 +69,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         "kind": case.kind,
         "seed": case.seed,
         "robot": case.robot,
+        "ratios": list(case.ratios),
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
     told = {"first_verdict": first.kind, "experiment": experiment}

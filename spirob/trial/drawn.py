@@ -15,23 +15,29 @@ from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
 from spirob.plant import Plant
 from spirob.trial.played import problems_of, recorded
-from spirob.trial.strength import LEFT, SIZES, adjusted, beside, drawn_size, strength_of
+from spirob.trial.strength import LEFT, RATIOS, adjusted, beside, drawn_size, sizes, strength_of
 from spirob.trial.visibility import left
 
 TRIES = 5  # recordings of one robot, until its effect shows about as much as is wanted
-SHOWN = (0.9 * SIZES[0], 1.25 * SIZES[1])  # % of the current's RMS: near enough
+NEAR = (0.9, 1.25)  # of the least and of the most that is drawn: near enough
 
 
 def drawn(
-    kind: str, seed: int, robot: int, plant: Plant, settings: Settings
+    kind: str,
+    seed: int,
+    robot: int,
+    plant: Plant,
+    settings: Settings,
+    ratios: tuple[float, float] = RATIOS,
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
     Of two kinds each is as strong as it would be alone in the same robot.
 
-    kind  one, or two joined by "+";  seed  draws the strength;  robot  its seed
+    kind    one, or two joined by "+";  seed  draws the strength;  robot  its seed
+    ratios  between which knowing the effect is to bring the error
     """
-    alone = [_alone(each, seed, robot, plant, settings) for each in kind.split("+")]
+    alone = [_alone(each, seed, robot, plant, settings, ratios) for each in kind.split("+")]
     if len(alone) == 1:
         return alone[0]
     hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
@@ -40,11 +46,16 @@ def drawn(
 
 
 def _alone(
-    kind: str, seed: int, robot: int, plant: Plant, settings: Settings
+    kind: str,
+    seed: int,
+    robot: int,
+    plant: Plant,
+    settings: Settings,
+    ratios: tuple[float, float],
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
-    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]))
+    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]), ratios)
     strength = strength_of(kind, wanted)
     tries: list[tuple[float, float]] = []
     played = []
@@ -53,8 +64,9 @@ def _alone(
         problems = problems_of(recorded(hidden, robot), plant)
         search = _without_any(problems, settings)
         tries.append((strength, beside(left(search.base, problems), LEFT)))
-        played.append((_beyond(tries[-1][1]), hidden, problems, search))
-        if kind == "none" or _beyond(tries[-1][1]) == 0.0 or len(tries) == TRIES:
+        beyond = _beyond(tries[-1][1], sizes(ratios))
+        played.append((beyond, hidden, problems, search))
+        if kind == "none" or beyond == 0.0 or len(tries) == TRIES:
             break
         strength, before = adjusted(tries, wanted), strength
         if strength == before:  # the strongest that is drawn
@@ -69,7 +81,7 @@ def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Search:
     return begun(problems, FITTED, found.changes, settings, STEPS[-1:])
 
 
-def _beyond(shown: float) -> float:
+def _beyond(shown: float, asked: tuple[float, float]) -> float:
     """By what factor an effect shows less or more than is near enough, as a logarithm."""
-    inside = min(max(shown, SHOWN[0]), SHOWN[1])
+    inside = min(max(shown, NEAR[0] * asked[0]), NEAR[1] * asked[1])
     return abs(math.log(max(shown, 1e-3) / inside))

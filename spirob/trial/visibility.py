@@ -21,7 +21,7 @@ from spirob.identify.numbers import FITTED
 from spirob.identify.problem import Problem, effort_rms
 from spirob.plant import Plant, Rig
 from spirob.trial.played import problems_of, recorded
-from spirob.trial.strength import SIZES, VISIBLE, adjusted, beside, strength_of
+from spirob.trial.strength import VISIBLE, adjusted, beside, sizes, strength_of
 
 
 def left(base: Rung, problems: Mapping[str, Problem]) -> float:
@@ -52,7 +52,7 @@ def visible(kind: str, seed: int, plain: float) -> tuple[str, int, list[float], 
 
     plain  what is left in the same robot with nothing hidden
     """
-    wanted = float(np.mean(SIZES))
+    wanted = float(np.mean(sizes()))
     strength = strength_of(kind, wanted)
     tries: list[tuple[float, float]] = []
     for _ in range(2):

@@ -40,13 +40,31 @@ def test_a_result_of_another_robot_is_no_result(tmp_path):
     assert campaign.left([case], tmp_path) == [case]
 
 
+def test_a_result_of_another_strength_is_no_result(tmp_path):
+    strong, weak = Case("cogging", 7), Case("cogging", 7, ratios=(0.5, 0.9))
+    found = [{"kind": "cogging", "robot": strong.robot}]  # as an earlier release wrote it
+    (tmp_path / f"{strong.name}.json").write_text(json.dumps(found))
+    assert campaign.left([strong], tmp_path) == []
+    assert campaign.left([weak], tmp_path) == [weak]
+    assert strong.robot == weak.robot
+
+
 def test_each_kind_has_a_robot_of_its_own_and_without_the_right_name_the_same():
     cases = [Case(kind, seed) for kind in ("none", "cogging", "creep+cogging") for seed in (4, 5)]
     assert len({case.robot for case in cases}) == len(cases)
     assert Case("cogging", 4, without=True).robot == Case("cogging", 4).robot
 
 
-@pytest.mark.parametrize("flag", [["--kinds", "gremlins"], ["--seeds", "5:5"], ["--seeds", "x"]])
+@pytest.mark.parametrize(
+    "flag",
+    [
+        ["--kinds", "gremlins"],
+        ["--seeds", "5:5"],
+        ["--seeds", "x"],
+        ["--ratios", "0.5:0.3"],
+        ["--ratios", "half"],
+    ],
+)
 def test_bad_choices_are_a_sentence(flag, capsys, tmp_path):
     assert main(["trial", *flag, "--out", str(tmp_path)]) == 2
     assert flag[1] in capsys.readouterr().err

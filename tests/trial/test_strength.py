@@ -9,7 +9,7 @@ import pytest
 from spirob.diagnose.rungs import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
-from spirob.trial.drawn import SHOWN, TRIES, drawn
+from spirob.trial.drawn import NEAR, TRIES, drawn
 from spirob.trial.strength import (
     FACTOR,
     LARGEST,
@@ -18,8 +18,11 @@ from spirob.trial.strength import (
     VISIBLE,
     adjusted,
     drawn_size,
+    sizes,
     strength_of,
 )
+
+SHOWN = NEAR[0] * sizes()[0], NEAR[1] * sizes()[1]
 
 
 def test_every_kind_that_these_logs_can_show_has_a_visibility():
@@ -28,11 +31,12 @@ def test_every_kind_that_these_logs_can_show_has_a_visibility():
     assert len(VISIBLE) >= 18
 
 
-def test_the_error_without_the_effect_stands_in_the_asked_ratio():
+@pytest.mark.parametrize("asked", [RATIOS, (0.35, 0.9)])
+def test_the_error_without_the_effect_stands_in_the_asked_ratio(asked):
     rng = np.random.default_rng(3)
-    ratios = [LEFT / np.hypot(LEFT, drawn_size(rng)) for _ in range(500)]
-    assert RATIOS[0] < min(ratios) < max(ratios) < RATIOS[1]
-    assert max(ratios) - min(ratios) > 0.9 * (RATIOS[1] - RATIOS[0])
+    ratios = [LEFT / np.hypot(LEFT, drawn_size(rng, asked)) for _ in range(500)]
+    assert asked[0] < min(ratios) < max(ratios) < asked[1]
+    assert max(ratios) - min(ratios) > 0.9 * (asked[1] - asked[0])
 
 
 @pytest.mark.parametrize("kind", sorted(VISIBLE))

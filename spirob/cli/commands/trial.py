@@ -38,6 +38,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--without", action="store_true", help="each case again with the right effect disabled"
     )
     parser.add_argument(
+        "--ratios",
+        default="0.3:0.35",
+        metavar="A:B",
+        help="how strong an effect is: knowing it would bring the held-out error to between A and"
+        " B of what it is (%(default)s)",
+    )
+    parser.add_argument(
         "--out", type=Path, default=Path("data/trial"), metavar="DIR", help="results (%(default)s)"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rates there")
@@ -59,8 +66,8 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.trial.rates import rates
 
     seeds = _seeds(arguments.seeds)
-    kinds = _kinds(arguments.kinds)
-    chosen = cases(kinds, seeds, arguments.nulls, arguments.without, arguments.pairs)
+    kinds, ratios = _kinds(arguments.kinds), _ratios(arguments.ratios)
+    chosen = cases(kinds, seeds, arguments.nulls, arguments.without, arguments.pairs, ratios)
     with Progress([case.name for case in left(chosen, arguments.out)]) as progress:
         results = play(
             chosen,
@@ -101,6 +108,19 @@ def _seeds(text: str) -> list[int]:
     if not seeds or seeds[0] < 0:
         raise ConfigError(f"--seeds {text}: needs A:B with 0 <= A < B, or one number")
     return seeds
+
+
+def _ratios(text: str) -> tuple[float, float]:
+    from spirob.errors import ConfigError
+
+    first, _, last = text.partition(":")
+    try:
+        ratios = float(first), float(last)
+    except ValueError:
+        ratios = 0.0, 0.0
+    if not 0.0 < ratios[0] < ratios[1] < 1.0:
+        raise ConfigError(f"--ratios {text}: needs A:B with 0 < A < B < 1")
+    return ratios
 
 
 def _kinds(chosen: list[str]) -> list[str]:
