@@ -16,6 +16,7 @@ from spirob.identify.problem import Problem, Stretch
 BLOCKS = 5  # folds of half-second blocks, where a motor has no second trial
 TOGETHER = "all but time"  # of one trial only there is nothing in its time that comes again
 SINGLE = 0.3  # of what all explain together: what one signal has to do by itself to be named
+LITTLE = 0.2  # of the residual: who foretells no more does not describe it
 NOTHING = 0.05  # a signal that foretells less of the residual is none that it depends on
 
 
@@ -42,7 +43,9 @@ def told(alone: Mapping[str, float], waves: Sequence[Order] = ()) -> str:
     """
     singles = {name: value for name, value in alone.items() if name != TOGETHER}
     whole, best = alone[TOGETHER], max(singles.values())
-    if best > max(NOTHING, SINGLE * whole):
+    if NOTHING < max(best, whole) <= LITTLE:
+        said = f"Little of the residual comes again in another trial ({max(best, whole):.0%} of it)"
+    elif best > max(NOTHING, SINGLE * whole):
         said = f"The residual depends on {named(singles)}"
     elif whole > NOTHING:
         said = f"The residual depends on several signals together ({whole:.0%} of it)"

@@ -2,8 +2,9 @@
 
     r = a sin Nθ + b cos Nθ + rest,      θ the angle of the motor, or that of the output, θ/G
 
-Each order of a grid is regressed on; every motor has a and b of its own.  The best is the one that
-explains most with the a and b of the motor's other trials.  Any residual of a few swings holds
+Each order of a grid is regressed on (where the way is so long that a grid would be too large, the
+peaks of the spectra); every motor has a and b of its own.  The best is the one that explains most
+with the a and b of the motor's other trials.  Any residual of a few swings holds
 waves: one counts where it explains more than any does of the same residual shifted in time, which
 has the same swings at other angles.  It is taken away before the next is found.
 """
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from spirob.diagnose.periodogram import peaks
 from spirob.identify.problem import Stretch
 
 HIGHEST = 50.0  # periods a turn of the motor
@@ -22,14 +24,14 @@ PHASE = 0.1  # periods over the whole way by which neighbours differ at most
 LEAST = 0.02  # of the squared error: less is not worth a line
 SHIFTS = 19  # of the residual in time: what chance would find, once in twenty
 RIDGE = 1e-9  # of a square's trace
-FINEST = 4000  # orders in a grid
+FINEST = 2000  # orders in a grid
 
 
 @dataclass(frozen=True)
 class Order:
     """A wave in the residual.
 
-    of     "motor" or "output": the turns over which it is counted
+    of     "motor", "output" or "stroke": the turns over which it is counted
     order  periods in one of these turns
     share_of_error  of the squared residual that it explains beside the stronger ones
     """
@@ -58,19 +60,23 @@ def orders(pieces: Sequence[Stretch], values: np.ndarray, count: int = 4) -> lis
     way = max(float(np.ptp(angle[np.concatenate(t)])) for t in motors) / (2 * np.pi)
     if way == 0.0:
         return []
-    gear = pieces[0].gear or 1.0
-    grid = _grid(max(1.0 / gear, 1.0 / way), _finest(pieces), way)
+    gear, turn = pieces[0].gear or 1.0, pieces[0].turn
+    low, high = max(1.0 / gear, 1.0 / way), _finest(pieces)
+    grid = _grid(low, high, way)
     total = float(np.sum(values**2)) or 1.0
     left = values - _means(values, motors)
     found: list[Order] = []
     while len(grid) and len(found) < count:
-        own, foretold = _explained(angle, _shifted(left, motors), motors, grid)
+        shifted = _shifted(left, motors)
+        if len(grid) >= FINEST:
+            grid = _peaked(angle, shifted, motors, low, high)
+        own, foretold = _explained(angle, shifted, motors, grid)
         best = int(np.argmax(foretold[:, 0]))
         share = float(own[best, 0]) / total
         if share < LEAST or foretold[best, 0] <= foretold[:, 1:].max():
             break
         order = float(grid[best])
-        turns = ("motor", order) if order >= 1.0 else ("output", order * gear)
+        turns = (turn, order) if order >= 1.0 else ("output", order * gear)
         found.append(Order(*turns, share))
         for rows in map(np.concatenate, motors):
             columns = _columns(angle[rows], order)
@@ -153,6 +159,26 @@ def _grid(low: float, high: float, way: float) -> np.ndarray:
     while (further := grid[-1] + min(STEP * grid[-1], PHASE / way)) < high and len(grid) < FINEST:
         grid.append(further)
     return np.array(grid) if low < high else np.zeros(0)
+
+
+def _peaked(
+    angle: np.ndarray,
+    left: np.ndarray,
+    motors: Sequence[Sequence[np.ndarray]],
+    low: float,
+    high: float,
+) -> np.ndarray:
+    """The peaks of all residuals (N, K), and orders beside them, as spectra are coarser than grids.
+
+    The residuals that are shifted in time get the same choice as the residual itself.
+    """
+    found = set()
+    for rows in map(np.concatenate, motors):
+        beside = PHASE * 2 * np.pi / max(float(np.ptp(angle[rows])), 1e-9)
+        for column in left[rows].T:
+            for order in peaks(column, angle[rows], low, high):
+                found |= {order - beside, order, order + beside}
+    return np.array(sorted(order for order in found if low <= order <= high))
 
 
 def _finest(pieces: Sequence[Stretch]) -> float:

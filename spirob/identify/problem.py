@@ -50,6 +50,8 @@ class Stretch:
     still     speed below which the axis counts as standing, in the unit of velocity
     forward, backward    what the two directions are called
     angle        of the motor [rad];  gear  its turns for one of the output; None where not known
+    turn         what one turn of the angle is: of the "motor", or the whole "stroke" of an axis
+                 whose motor's turns are not known
     lag          of the axis behind its command, in the unit of what is commanded
     command_rate of that command, per second
     temperature  of the winding [°C]; all three (N,), None where not recorded
@@ -66,6 +68,7 @@ class Stretch:
     backward: str
     angle: np.ndarray | None = None
     gear: float | None = None
+    turn: str = "motor"
     lag: np.ndarray | None = None
     command_rate: np.ndarray | None = None
     temperature: np.ndarray | None = None

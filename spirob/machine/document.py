@@ -10,6 +10,7 @@ from spirob.diagnose.atlas import Regime, worst
 from spirob.diagnose.evidence import half_seconds
 from spirob.diagnose.lateness import lateness
 from spirob.diagnose.noise import noise_floor
+from spirob.diagnose.spectrum import orders
 from spirob.diagnose.steps import CEILING
 from spirob.diagnose.trees import worth
 from spirob.machine.flexible import Ceiling
@@ -34,6 +35,7 @@ def document(
     """All of a diagnosis, in SI; a number that is not finite becomes null."""
     effort = search.train.effort
     named = judgement.kind in ("named", "undecided")
+    pieces, bare = search.train.stretches(), found.rungs[0].fit.residual
     written = {
         "rig": rig.name,
         "predict": rig.predict,
@@ -57,7 +59,8 @@ def document(
         "noise_floor": noise_floor(search.train),
         "atlas": [r.as_dict() for r in regimes],
         "atlas_sentences": worst(regimes, effort),
-        "atlas_lateness": lateness(search.train.stretches(), found.rungs[0].fit.residual),
+        "atlas_orders": [w.as_dict() for w in orders(pieces, bare)],
+        "atlas_lateness": lateness(pieces, bare),
         "unit": effort.unit,
         "effort": effort.name,
         "effort_rms": {"train": search.models.size, "test": _rms(search.heldout.measured())},

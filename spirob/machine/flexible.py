@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.diagnose.depends import NOTHING, named
+from spirob.diagnose.periodogram import spectrum
 from spirob.diagnose.trees import left_out, share, tree, worth
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.shapes import spectrum
 
 TALL = 0.3  # of the structured part: a wave that holds so much of it is worth a sentence
 SIGNALS = {

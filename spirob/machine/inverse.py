@@ -11,7 +11,7 @@ from spirob.effects import Effect
 from spirob.identify.problem import Effort, Rotor, Stretch
 from spirob.machine.asked import AskedEffort
 from spirob.machine.body import RigidBody
-from spirob.machine.motion import kept_rows, motion_of
+from spirob.machine.motion import Kept, kept_rows, motion_of
 from spirob.machine.own_numbers import table_of
 from spirob.machine.recording import Recording
 from spirob.machine.rig import SI, RigFile
@@ -88,6 +88,7 @@ class InverseProblem:
 
     def stretches(self) -> list[Stretch]:
         """One stretch for each piece of each trial."""
+        turns = self.sizes.axis_unit == "rad"
         return [
             Stretch(
                 kept.recording.name,
@@ -99,6 +100,10 @@ class InverseProblem:
                 self.rest_speed,
                 "forward",
                 "backward",
+                angle=kept.piece.q[kept.inside] / self.sizes.angle,
+                gear=self.rig.gear if turns else None,  # of a slide nothing turns behind the gear
+                turn="motor" if self.rig.gear or turns else "stroke",
+                **_commanded(kept),
             )
             for kept in kept_rows(self.recordings)
         ]
@@ -135,3 +140,15 @@ class InverseProblem:
 
     def _thin(self, values: np.ndarray) -> np.ndarray:
         return values[self._kept]
+
+
+def _commanded(kept: Kept) -> dict[str, np.ndarray]:
+    """The lag behind the command and the command's rate, where a command was recorded."""
+    reference = kept.piece.reference
+    if reference is None:
+        return {}
+    rate = np.gradient(reference, kept.piece.seconds)
+    return {
+        "lag": (reference - kept.piece.q)[kept.inside],
+        "command_rate": rate[kept.inside],
+    }

@@ -10,14 +10,13 @@ from itertools import product
 
 import numpy as np
 
+from spirob.diagnose.periodogram import peaks
 from spirob.effects import Effect
 from spirob.machine.kernel_loop import is_pipe
 from spirob.parameter import Parameter
 from spirob.ports import SIGNALS
 
 MOST = 12  # combinations of one effect
-PEAKS = 4
-MOST_BINS = 2**20  # of the angle; beyond, the highest orders are not looked at
 WIDE = 30.0  # bounds further apart than this factor are walked by ratio
 
 
@@ -91,45 +90,6 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
     scale = abs(here) + 1e-12
     repeats = abs(effect.kernel(**turned) - here) < 1e-9 * scale
     return bool(repeats and abs(effect.kernel(**half) - here) > 1e-6 * scale)
-
-
-def peaks(residual: np.ndarray, angle: np.ndarray, low: float, high: float) -> list[float]:
-    """The orders in which the residual is most periodic over the angle, strongest first."""
-    orders, power = spectrum(residual, angle, low, high)
-    if len(orders) < 3:
-        return [float(np.sqrt(low * high))]
-    found: list[float] = []
-    apart = 2 * np.pi / max(np.ptp(angle), 1e-9)
-    for k in np.argsort(-power):
-        if all(abs(orders[k] - other) > apart for other in found):
-            found.append(float(orders[k]))
-        if len(found) == PEAKS:
-            break
-    return found
-
-
-def spectrum(
-    residual: np.ndarray, angle: np.ndarray, low: float, high: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Share of the squared residual that a wave of each order explains, (M,) and (M,).
-
-    Orders from one period over the travelled angle, a quarter of a period apart.  The residual is
-    summed into bins of the angle, an eighth of the shortest period wide, and transformed at once:
-    a sample in the middle of its bin then loses at most 3 % of the shortest wave.
-    """
-    travel = max(float(np.ptp(angle)), 1e-9)
-    width = 2 * np.pi / (8.0 * high)
-    count = int(travel / width) + 1
-    if count > MOST_BINS:
-        width, count = travel / (MOST_BINS - 1), MOST_BINS
-    cells = np.minimum(((angle - angle.min()) / width).astype(int), count - 1)
-    sums = np.bincount(cells, weights=residual - residual.mean(), minlength=count)
-    padded = 4 * count
-    power = np.abs(np.fft.rfft(sums, padded)) ** 2
-    orders = 2 * np.pi * np.arange(len(power)) / (padded * width)
-    inside = (orders >= max(low, 2 * np.pi / travel)) & (orders <= high)
-    total = float(np.sum((residual - residual.mean()) ** 2)) * len(residual) / 2.0
-    return orders[inside], power[inside] / max(total, 1e-300)
 
 
 def _bounds(effect: type[Effect]) -> list[tuple[str, Parameter]]:

@@ -39,6 +39,11 @@ def test_swings_that_do_not_come_again_depend_on_nothing():
     assert told(alone).startswith("The residual follows none of position, speed, acceleration")
 
 
+def test_where_little_comes_again_no_signal_is_said_to_matter():
+    said = told({"speed": 0.01, "time": 0.08, TOGETHER: 0.02})
+    assert said == "Little of the residual comes again in another trial (8% of it)."
+
+
 def test_of_one_trial_half_second_blocks_are_left_out():
     piece = stretch()
     assert dependence(problem(piece), 2.0 * piece.effort)["load"] > 0.9

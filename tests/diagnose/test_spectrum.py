@@ -53,6 +53,26 @@ def test_a_wave_of_one_trial_that_no_other_repeats_is_none():
     assert orders(PIECES, np.where(slow, np.sin(3.0 * ANGLE), 0.0) + noise) == []
 
 
+def test_on_a_way_of_hundreds_of_turns_the_spectrum_says_where_to_look():
+    far = [
+        stretch(p.trial, p.channel, pace, angle=40.0 * p.angle)
+        for p, pace in zip(PIECES, (1.0, 1.6, 1.0, 1.6), strict=True)
+    ]
+    angle = np.concatenate([p.angle for p in far])
+    noise = np.random.default_rng(5).standard_normal(len(angle))
+    (found,) = orders(far, np.sin(0.2 * angle + 0.4) + noise)
+    assert (found.of, found.order) == ("output", pytest.approx(0.2 * GEAR, rel=1e-3))
+    assert found.share_of_error == pytest.approx(1 / 3, abs=0.04)
+    assert orders(far, noise) == []
+
+
+def test_where_the_turns_are_not_known_a_wave_is_counted_over_the_stroke():
+    slides = [stretch(trial, gear=None, turn="stroke") for trial in ("once", "again")]
+    angle = np.concatenate([p.angle for p in slides])
+    (found,) = orders(slides, np.sin(3.0 * angle))
+    assert (found.of, found.order) == ("stroke", pytest.approx(3.0, rel=0.01))
+
+
 def test_without_an_angle_or_a_motion_there_are_no_orders():
     still = np.zeros(len(PIECES[0].seconds))
     assert orders([stretch(angle=None)], still) == []

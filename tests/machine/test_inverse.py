@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spirob.diagnose.periodogram import peaks
 from spirob.effects import all_effects
 from spirob.machine.candidates import applicable
 from spirob.machine.inverse import InverseProblem
@@ -10,7 +11,7 @@ from spirob.machine.kernel_loop import loop_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, dimensions, parameters
-from spirob.machine.shapes import counts_periods, peaks
+from spirob.machine.shapes import counts_periods
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

@@ -184,7 +184,7 @@ def test_only_regimes_that_hold_more_error_than_time_are_drawn(data):
 
 def test_orders_lateness_and_dependence_are_told(data):
     shown = text("failure", data)
-    assert all(part in shown for part in ("Order [1/rev]", "3.02", "12 %", "depends on speed"))
+    assert all(part in shown for part in ("Order [1/turn]", "3.02", "12 %", "depends on speed"))
     assert "by 1.42 ms would explain 7.0 % of the squared error" in shown
     none = text("failure", replace(data, diagnosis=data.diagnosis | {"atlas_orders": []}))
     assert "comes again from trial to trial" in none

@@ -68,7 +68,7 @@ def lateness_sentence(found: dict[str, Any]) -> str:
 
 
 def _wave(wave: dict[str, Any]) -> dict[str, str]:
-    turns = {"motor": "motor", "output": "gear’s output"}[wave["of"]]
+    turns = {"output": "gear’s output", "stroke": "whole stroke"}.get(wave["of"], wave["of"])
     share = percent(wave["share_of_error"])
     return {"turns": turns, "order": number(wave["order"]), "error": share}
 
