@@ -15,6 +15,7 @@ import numpy as np
 from spirob.errors import ConfigError
 
 ROUND = 0.9  # of the drum's turns: a short stroke tells an order to a tenth
+WIDE = 100.0  # ratio of bounds that span decades
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,8 @@ class Parameter:
         """Whether a fit that began at `value` found an end of its reach."""
         least, most = self.reach(value)
         near = 1e-3 * (most - least)
-        if self.log:
+        # on wide bounds a thousandth of the span may be many times the lower one
+        if self.log or most > WIDE * least > 0.0:
             return found <= 1.005 * least or found >= 0.995 * most
         return found <= least + near or found >= most - near
 

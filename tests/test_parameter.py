@@ -24,3 +24,11 @@ def test_a_machine_s_own_gear_bounds_the_orders_of_its_waves():
     about = Plant(rig, find_effects(["cogging", "torque_ripple"])).table.about
     assert about["cogging.order"].low == pytest.approx(0.9 / rig.winch.gear_ratio)
     assert about["torque_ripple.order"].low == 0.9  # the motor itself, whatever hangs on it
+
+
+def test_a_number_far_above_a_tiny_lower_bound_has_not_ended_there():
+    about = Parameter(1.0, 0.01, 50.0, "kg", "J", "inertia")
+    assert not about.at_bound(0.053, 1.0)
+    assert about.at_bound(0.01, 1.0)
+    assert about.at_bound(50.0, 1.0)
+    assert not about.at_bound(49.0, 1.0)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
@@ -66,8 +67,9 @@ def diagnose_recordings(
     repairs += said
     angular = rig.position.unit in ANGLES
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, angular)
-    own = for_axis(find_effects(rig.effects))
-    library = [*own, *(e for e in for_axis(all_effects().values()) if e not in own)]
+    turned = 0.0 if body or not angular else _stroke(train)
+    own = for_axis(find_effects(rig.effects), turned)
+    library = [*own, *(e for e in for_axis(all_effects().values(), turned) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, angular)
@@ -113,7 +115,7 @@ def _finish(
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
     warnings = doubts(search, found, rest, gate)
     judgement = judge(search, found, low, rest, warnings)
-    notes = [*repairs, *oddities(search, bare, chosen)]
+    notes = [*repairs, *oddities(search, chosen)]
     regimes = atlas(search.train, bare.fit.residual)
     written = document(rig, search, found, judgement, rest, regimes, notes, excluded)
     if rig.predict != "effort":
@@ -125,6 +127,10 @@ def _finish(
         gate.sentence,
         laws(search, chosen),
     )
+
+
+def _stroke(recordings: list[Recording]) -> float:
+    return float(np.ptp(np.concatenate([p.q[p.use] for r in recordings for p in r.pieces])))
 
 
 def _ceiling(search: Search, model: Model) -> Ceiling:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from spirob.effects import Effect
-from spirob.machine.laws import shares_inertia
+from spirob.machine.laws import LEVER, shares_inertia
 from spirob.machine.rig import RigFile
 
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
@@ -61,6 +61,8 @@ def _reason(
         return f"{DRIVE[port]} lies before the sensor that measures this effort"
     if port == "body.tip_mass":
         return "" if has_tip else "the rig's body has no tip that carries anything"
+    if effect in LEVER.values():
+        return ""
     if port == "body.hinge_torque":
         if not hinged or not angular:
             return "the rig has no hinged body"

@@ -13,6 +13,7 @@ FEWEST = 100  # samples
 FEW = 0.01  # share of a log that may be repaired
 SLOWEST, FASTEST = 20.0, 1e6  # Hz, of a usable log
 GAP = 5.5  # sample periods without a sample that are still bridged
+REGISTERS = (16, 32)  # bits
 COUNTS = 50  # different whole numbers without a fraction: counts, not radians or metres
 
 
@@ -64,6 +65,21 @@ def finite(where: str, name: str, values: np.ndarray, said: list[str]) -> np.nda
     said.append(f"{where}: {count} missing values of '{name}' were bridged by a straight line.")
     index = np.arange(len(values))
     return np.interp(index, index[~bad], values[~bad])
+
+
+def signed(where: str, name: str, raw: np.ndarray, said: list[str]) -> np.ndarray:
+    """A register of 16 or 32 bits that was read as unsigned: what is near its top is negative."""
+    for bits in REGISTERS:
+        quarter = 2 ** (bits - 2)
+        low, high = raw < quarter, raw >= 3 * quarter
+        whole = np.all(raw == np.round(raw)) and raw.min() >= 0 and raw.max() < 4 * quarter
+        if whole and np.all(low | high) and low.any() and high.any():
+            said.append(
+                f"{where}: '{name}' holds negative numbers of {bits} bits as {3 * quarter} and "
+                "more; read as negative."
+            )
+            return raw - 4.0 * quarter * high
+    return raw
 
 
 def moving(where: str, name: str, values: np.ndarray) -> None:

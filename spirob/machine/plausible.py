@@ -31,7 +31,7 @@ def doubts(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -
     return [text for text in said if text] + _at_bounds(search, found.chosen)
 
 
-def oddities(search: Search, bare: Model, chosen: Model) -> list[str]:
+def oddities(search: Search, chosen: Model) -> list[str]:
     """What a reader should know, though it changes no name: alignment, and doubtful scales."""
     said = []
     delay = chosen.fit.estimates.get("rig.delay")
@@ -44,7 +44,7 @@ def oddities(search: Search, bare: Model, chosen: Model) -> list[str]:
         )
     about = search.train.table.about
     for name in search.models.base:
-        value, nominal = bare.fit.estimates[name].value, about[name].nominal
+        value, nominal = chosen.fit.estimates[name].value, about[name].nominal
         if name in ("rig.inertia", "rig.scale") and nominal > 0 and value > 0:
             ratio = value / nominal
             if not 1 / FAR < ratio < FAR:

@@ -105,6 +105,10 @@ def prepare(
     for column in wanted.values():
         if column.column not in columns:
             raise MissingChannel(name, column.column, list(columns))
+    columns = dict(columns)
+    for column in (c for key, c in wanted.items() if key in ("effort", "velocity")):
+        raw = np.asarray(columns[column.column], float)
+        columns[column.column] = checks.signed(name, column.column, raw, said)
     seconds = _scaled(rig.time, columns) * TIME_UNITS[rig.time.unit]
     values = {key: _scaled(column, columns) for key, column in wanted.items() if key != "time"}
     raw_position = np.asarray(columns[rig.position.column], float)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError, MissingChannel, TooShort
+from spirob.machine import checks
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
@@ -140,3 +141,20 @@ def test_counts_with_a_factor_are_no_counts_any_more():
     assert prepare("log", log, rig).pieces[0].v.max() > 5.0
     with pytest.raises(DataError, match="these are counts"):
         prepare("log", log, RIG)
+
+
+def test_a_signed_register_read_as_unsigned_is_read_as_negative():
+    true = np.round(300 * np.sin(np.arange(200) / 9.0))
+    said: list[str] = []
+    found = checks.signed("log", "load", true % 65536, said)
+    np.testing.assert_array_equal(found, true)
+    assert "16 bits" in said[0]
+
+
+@pytest.mark.parametrize(
+    "values", [np.arange(65000.0), 1e-3 * (np.arange(9.0) % 65536), np.array([0.0, 70000.0])]
+)
+def test_other_whole_numbers_are_left_alone(values):
+    said: list[str] = []
+    np.testing.assert_array_equal(checks.signed("log", "load", values, said), values)
+    assert said == []

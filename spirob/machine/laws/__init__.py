@@ -1,7 +1,8 @@
-"""Laws between the motor and its load, for a plain axis that carries no tendon.
+"""Laws of a plain axis, which has neither a tendon nor, often, a model of its body.
 
-The library's laws of these effects act on a tendon's length, which a plain axis does not have; here
-they are the torque that the motor feels.  Their names are the library's: it is the same effect.
+The library's laws of these effects act on a tendon's length, or on a body that somebody
+described; here they are the torque that the motor feels.  Their names are the library's: it is the
+same effect.
 """
 
 from collections.abc import Iterable
@@ -9,14 +10,21 @@ from collections.abc import Iterable
 from spirob.effects import Effect
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
+from spirob.machine.laws.tip_payload import TipPayload
 
 AXIS: dict[str, type[Effect]] = {law.name(): law for law in (Backlash, GearCompliance)}
+LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
+TURNED = 1.0  # rad: over less, a weight on a lever is a spring with an offset
 INERTIA = "N·m·s²/rad"  # of a number that says how much of the moved inertia is the load's
 
 
-def for_axis(effects: Iterable[type[Effect]]) -> list[type[Effect]]:
-    """The same effects, each by its law for an axis where there is one."""
-    return [AXIS.get(e.name(), e) if e.__module__.startswith("spirob.") else e for e in effects]
+def for_axis(effects: Iterable[type[Effect]], turned: float = 0.0) -> list[type[Effect]]:
+    """The same effects, each by its law for an axis where there is one.
+
+    turned  by how much an axis turns whose body nobody described [rad]; 0 where it slides
+    """
+    own = AXIS | LEVER if turned >= TURNED else AXIS
+    return [own.get(e.name(), e) if e.__module__.startswith("spirob.") else e for e in effects]
 
 
 def shares_inertia(effect: type[Effect]) -> bool:

@@ -7,7 +7,7 @@ from spirob.effects import all_effects
 from spirob.effects.check import check
 from spirob.effects.replay import run
 from spirob.machine.candidates import applicable
-from spirob.machine.laws import AXIS, for_axis
+from spirob.machine.laws import AXIS, LEVER, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.rig import RigFile
@@ -16,7 +16,7 @@ from tests.machine.rigs import description
 DT = 1e-3
 
 
-@pytest.mark.parametrize("law", AXIS.values(), ids=AXIS)
+@pytest.mark.parametrize("law", (AXIS | LEVER).values(), ids=AXIS | LEVER)
 def test_a_law_keeps_what_every_effect_promises(law):
     assert [f"{f.law}: {f.sentence}" for f in check(law)] == []
 
@@ -58,3 +58,20 @@ def test_a_rig_without_inertia_has_no_load_to_leave_behind():
     rig = description(known={"inertia": 0.0}, fit={"viscous": description()["fit"]["viscous"]})
     _, excluded = applicable(list(AXIS.values()), RigFile.model_validate(rig), False, 0.0, True)
     assert set(excluded) == set(AXIS)
+
+
+def test_a_weight_on_a_lever_is_a_pendulum_s():
+    angle = np.linspace(-3.0, 3.0, 301)
+    numbers = {"sine": 0.5 * np.cos(0.3), "cosine": 0.5 * np.sin(0.3)}
+    torque, _ = run(LEVER["tip_payload"], numbers, {"angle": angle}, DT)
+    np.testing.assert_allclose(torque, -0.5 * np.sin(angle + 0.3), atol=1e-12)
+
+
+def test_a_weight_is_asked_for_only_where_an_axis_turns_and_nothing_describes_its_body():
+    library = all_effects().values()
+    slides, turns = for_axis(library), for_axis(library, TURNED)
+    assert not set(LEVER.values()) & set(slides)
+    assert not set(LEVER.values()) & set(for_axis(library, 0.9 * TURNED))
+    assert set(LEVER.values()) <= set(turns)
+    possible, _ = applicable(turns, RigFile.model_validate(description()), False, 0.0, True)
+    assert set(LEVER.values()) <= set(possible)

@@ -10,7 +10,7 @@ from tests.machine.rigs.axis import Case, description
 from tests.machine.rigs.complete import coarse, coloured, nothing_missing
 from tests.machine.rigs.drive import late, saturating, smoothed
 from tests.machine.rigs.friction import crane, damper, direct_drive, servo
-from tests.machine.rigs.load import PENDULUM, belt, magnets, pendulum, play, shaft, spring
+from tests.machine.rigs.load import PENDULUM, belt, lever, magnets, pendulum, play, shaft, spring
 
 CASES = {
     f.__name__: f
@@ -21,6 +21,7 @@ CASES = {
         direct_drive,
         damper,
         pendulum,
+        lever,
         belt,
         shaft,
         play,

@@ -32,6 +32,27 @@ def pendulum(seed: int) -> Case:
     return Case(rig, trials[:2], trials[2], {"named"}, [{"tip_payload"}], files)
 
 
+def lever(seed: int) -> Case:
+    """A joint with bristle friction that lifts a weight; no model file, and any zero."""
+    rng = np.random.default_rng(seed)
+    weight, viscous = rng.uniform(0.3, 1.0), rng.uniform(0.02, 0.08)
+    zero, level, inertia = rng.uniform(-1.0, 1.0), rng.uniform(0.04, 0.1), 0.03
+
+    def make(rng: np.random.Generator) -> dict[str, np.ndarray]:
+        bristle = 0.0
+
+        def torque(q: float, v: float, t: float, u: float) -> float:
+            nonlocal bristle
+            bristle = (bristle + STEP * v) / (1 + STEP * 60.0 * abs(v) / level)
+            return -viscous * v - 60.0 * bristle - weight * np.sin(q - zero)
+
+        return driven(torque, reference(rng, 1.2, 0.9), inertia, (8.0, 0.8))
+
+    trials = trials_of(make, rng, 0.01)
+    dry = {"coulomb_friction", "stribeck_friction", "presliding_friction"}
+    return Case(description(), trials[:2], trials[2], {"named"}, [{"tip_payload"}, dry])
+
+
 def magnets(seed: int) -> Case:
     """Magnets whose spacing shrinks along the way: periodic in no angle, and in no library."""
     rng = np.random.default_rng(seed)
