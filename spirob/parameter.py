@@ -162,6 +162,12 @@ class Table:
         values = dict(zip(self.names, self.values.tolist(), strict=True))
         return Table.of({**self.about, **about}, values)
 
+    def within(self, about: Mapping[str, Parameter]) -> "Table":
+        """This table with something else known of some numbers, which stand at nominal then."""
+        values = dict(zip(self.names, self.values.tolist(), strict=True))
+        values |= {name: number.nominal for name, number in about.items()}
+        return Table.of({**self.about, **about}, values)
+
     def behind(self, gear_ratio: float) -> "Table":
         """This table for a machine with a gear of this ratio."""
         values = dict(zip(self.names, self.values.tolist(), strict=True))

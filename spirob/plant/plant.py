@@ -13,7 +13,7 @@ from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.errors import SimulationError
 from spirob.geometry import spiral_arm
-from spirob.parameter import Table
+from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_of
@@ -86,6 +86,12 @@ class Plant:
         """The same machine in one step a cycle: half the price, 0.3 % of the current away."""
         found = copy.copy(self)
         found.substeps = 1
+        return found
+
+    def within(self, about: Mapping[str, Parameter]) -> "Plant":
+        """The same machine with something else known of some numbers, which stand at nominal."""
+        found = copy.copy(self)
+        found.table = self.table.within(about)
         return found
 
     def simulate(

@@ -1,6 +1,7 @@
 """Our arm with its two tendons, logged by somebody else: `body: arm` in a description.
 
 description.py  which columns the two motors have, and which machine drives them
+numbers.py      what is known of the model's numbers, and between which bounds others are fitted
 replay.py       a log as a trial that the model can play again
 roles.py        which logs, or parts of one, are fitted, chosen by, held out
 blocks.py       a part of a log, played from rest and compared from where it begins

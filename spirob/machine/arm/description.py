@@ -7,9 +7,11 @@ from pydantic import Field, field_validator, model_validator
 
 from spirob.control.law import Gains
 from spirob.identify.numbers import FITTED
-from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, Entry
+from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Bounded, Column, Entry
 from spirob.plant import Rig
+from spirob.plant.nominal import COMPONENTS
 
+PARTS = {component.owner for component in COMPONENTS}
 TIGHT = 3.0  # times the bandwidth of the machine's own controller
 TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
 
@@ -48,8 +50,10 @@ class ArmFile(Entry):
 
     left, right  the two motors; the left one bends the arm to the left
     arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...}
-    fit          numbers of the model to fit;  effects  those that it holds already
-    filter       of what is compared
+    fit          numbers of the model to fit; None: from where and between what the model has them.
+                 A list of names is read as a mapping of each to None
+    known        numbers of the model, or of effects that it holds, by name; they are not fitted
+    effects      those that the model holds already;  filter  of what is compared
     """
 
     name: str
@@ -58,7 +62,8 @@ class ArmFile(Entry):
     left: MotorColumns
     right: MotorColumns
     arm: dict[str, Any] = {}
-    fit: list[str] = Field(default=list(FITTED), min_length=1)
+    known: dict[str, float] = {}
+    fit: dict[str, Bounded | None] = dict.fromkeys(FITTED)
     effects: list[str] = []
     filter: ArmFilter = ArmFilter()
 
@@ -69,6 +74,42 @@ class ArmFile(Entry):
             raise ValueError(f"unit '{value.unit}'; known: {', '.join(TIME_UNITS)}")
         return value
 
+    @field_validator("arm")
+    @classmethod
+    def _mappings(cls, value: dict[str, Any]) -> dict[str, Any]:
+        for part, numbers in value.items():
+            if part in PARTS and not isinstance(numbers, dict):
+                raise ValueError(f"{part}: a mapping of its numbers, got {numbers!r}")
+        return value
+
+    @field_validator("fit", mode="before")
+    @classmethod
+    def _by_name(cls, value: Any) -> Any:
+        if isinstance(value, list):
+            if not all(isinstance(name, str) for name in value):
+                raise ValueError("a list of names, or a mapping: name -> {nominal, low, high}")
+            value = dict.fromkeys(value)
+        if isinstance(value, dict) and not value:
+            raise ValueError("name at least one number to fit, such as winch.efficiency")
+        return value
+
+    @model_validator(mode="after")
+    def _known_once(self) -> "ArmFile":
+        twice = sorted(set(self.known) & set(self.fit))
+        if twice and "fit" in self.model_fields_set:
+            raise ValueError(f"{', '.join(twice)}: either known or fitted")
+        if not self.fitted():
+            raise ValueError("known: nothing is left to fit")
+        for name in self.known:
+            part, _, number = name.partition(".")
+            if number in self.arm.get(part, {}):
+                raise ValueError(f"{name}: either in 'known' or in 'arm'")
+        return self
+
+    def fitted(self) -> dict[str, Bounded | None]:
+        """What is fitted: those of `fit`, of which the usual ones give way to what is known."""
+        return {name: bounds for name, bounds in self.fit.items() if name not in self.known}
+
     def motors(self) -> dict[str, MotorColumns]:
         """Both motors by name, in the order of the model."""
         return {"left": self.left, "right": self.right}
@@ -76,10 +117,20 @@ class ArmFile(Entry):
     def machine(self) -> Rig:
         """The machine, with a tight controller, as it only has to repeat a motion.
 
-        Raises ConfigError where `arm` names what it does not have.
+        Raises ConfigError where `arm` or `known` names what it does not have, or a value is out of
+        its range.
         """
-        rig = Rig.from_mapping({"name": self.name, **self.arm})
+        rig = Rig.from_mapping({"name": self.name, **self.arm, **self._known_parts()})
         own = {name: float(getattr(rig.gains, name)) for name in Gains.parameters()}
         for name, power in TIGHTER.items():
             own[name] *= TIGHT**power
         return replace(rig, gains=Gains(**own))
+
+    def _known_parts(self) -> dict[str, Any]:
+        """The parts of the machine of which numbers are known, with what `arm` says of them."""
+        found: dict[str, Any] = {}
+        for name, value in self.known.items():
+            part, _, number = name.partition(".")
+            if part in PARTS:  # others are effects, which the machine does not have
+                found.setdefault(part, dict(self.arm.get(part, {})))[number] = value
+        return found

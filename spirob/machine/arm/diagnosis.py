@@ -14,13 +14,13 @@ from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.survey import survey
 from spirob.diagnose.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects, find_effects
-from spirob.errors import ConfigError
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
 from spirob.identify.sense import SENSE, SUSPECTS, explained
 from spirob.machine.arm.blocks import Blocks, block
 from spirob.machine.arm.description import ArmFile
+from spirob.machine.arm.numbers import described
 from spirob.machine.arm.replay import read_arm_trial
 from spirob.machine.arm.roles import roles
 from spirob.plant import Plant
@@ -66,21 +66,21 @@ def searched(
 ) -> tuple[Search, dict[str, Blocks]]:
     """The search on these trials; candidates are those of the library where none are given.
 
-    Raises ConfigError where `fit` names no number of the model.
+    Raises ConfigError where `fit` or `known` names no number of the model, or goes beyond its
+    bounds.
     """
     own = find_effects(rig.effects)
     library = list(all_effects().values()) if candidates is None else list(candidates)
     absent = [e for e in library if e not in own]
-    plant = Plant(rig.machine(), [*own, *absent])
-    start = {f"{e.name()}.{f}": p.nominal for e in own for f, p in e.parameters().items()}
-    for name in rig.fit:
-        if name not in plant.table.about:
-            raise ConfigError(f"fit: the arm's model has no number '{name}'")
+    plant = described(Plant(rig.machine(), [*own, *absent]), rig, own)
+    held = [f"{e.name()}.{f}" for e in own for f in e.parameters()]
+    start = {n: plant.table.about[n].nominal for n in held if n not in rig.known}
+    names = list(dict.fromkeys([*rig.fitted(), *start]))
     residuals = {
         role: Blocks(plant, found, Filter(cutoff=rig.filter.cutoff), begins=trials.begins)
         for role, found in trials.of.items()
     }
-    found = climb(residuals, [*rig.fit, *start], absent, start, settings, progress)
+    found = climb(residuals, names, absent, start, settings, progress)
     return found, residuals
 
 
