@@ -23,9 +23,9 @@ def situations(residual: Residual, changes: Mapping[str, float]) -> list[dict[st
     limit = residual.plant.rig.arm.limit_ratio * residual.plant.geometry.unit_angle
     for k, trial in enumerate(residual.trials):
         response = residual.respond(changes, k)
-        every = residual.filter.every
-        slack = response.tension[::every] < SLACK
-        closed = np.abs(response.angles[::every]).max(axis=1) > CLOSED * limit
+        cycles = residual.cycles(trial)
+        slack = response.tension[cycles] < SLACK
+        closed = np.abs(response.angles[cycles]).max(axis=1) > CLOSED * limit
         for motor in residual.driven(trial):
             contact = {"curled to the end stop": closed}
             if trial.scene.touchable:

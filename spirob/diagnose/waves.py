@@ -70,9 +70,8 @@ class Waves:
 
     def _thinned(self, spectra: np.ndarray) -> np.ndarray:
         rotor = self.rotors[0]
-        samples = len(range(0, len(rotor.angle), rotor.every))
         whole = np.fft.irfft(spectra, self._length // rotor.every) / rotor.every
-        return whole[:, :samples]
+        return whole.take(rotor.compared // rotor.every, axis=1)
 
 
 def wave(
@@ -102,7 +101,7 @@ def answers(problem: Problem, base: Fit, effect: type[Effect]) -> list[Waves]:
         if rows.start == rows.stop:
             continue  # nothing is compared where both currents are commanded
         played = [[_basis(wave(problem, r, *p, by_load)) for r in rotors] for p in probes]
-        fitted = _fitted(played, [s[rows] for s in seen], rotors[0].every)
+        fitted = _fitted(played, [s[rows] for s in seen], rotors[0].compared)
         found.append(Waves(problem, rotors, by_load, fitted))
     return found
 
@@ -122,12 +121,11 @@ def _basis(values: np.ndarray) -> np.ndarray:
 
 
 def _fitted(
-    played: Sequence[Sequence[np.ndarray]], seen: Sequence[np.ndarray], every: int
+    played: Sequence[Sequence[np.ndarray]], seen: Sequence[np.ndarray], places: np.ndarray
 ) -> list[list[np.ndarray]]:
-    """Impulse responses [signal][motor] by least squares."""
-    design = np.concatenate([np.column_stack(motors)[::every] for motors in played])
-    samples = len(played[0][0][::every])
-    signals = [s.reshape(-1, samples) for s in seen]
+    """Impulse responses [signal][motor] by least squares; `places` of the samples in `seen`."""
+    design = np.concatenate([np.column_stack(motors)[places] for motors in played])
+    signals = [s.reshape(-1, len(places)) for s in seen]
     goals = np.concatenate(signals, axis=1).T
     ridge = RIDGE * np.linalg.norm(design, axis=0).max()
     square = design.T @ design + ridge**2 * np.eye(design.shape[1])

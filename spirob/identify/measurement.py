@@ -21,6 +21,7 @@ class Measurement:
     current [A], displacement [m], velocity [m/s] as the drives reported them, raw
     first_angle  of the rotors when the trial began [rad], where the log tells
     temperature  of the windings [°C], (T, 2), where the log tells
+    use          cycles that are compared, (T,); None: all.  All are played
     """
 
     name: str
@@ -32,6 +33,7 @@ class Measurement:
     scene: Scene
     first_angle: tuple[float, ...] = (0.0, 0.0)
     temperature: np.ndarray | None = None
+    use: np.ndarray | None = None
 
     @property
     def seconds(self) -> np.ndarray:

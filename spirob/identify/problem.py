@@ -79,12 +79,18 @@ class Rotor:
     """A motor in one trial, unfiltered: what a ripple over its turns follows.
 
     angle   [rad];  effort  as measured, both (n,)
-    every   the residual keeps every n-th sample
+    every   the residual keeps every n-th sample;  use  of these, unless it is left out, (n,)
     """
 
     angle: np.ndarray
     effort: np.ndarray
     every: int
+    use: np.ndarray | None = None
+
+    @property
+    def compared(self) -> np.ndarray:
+        """Places of the samples that the residual keeps."""
+        return compared(len(self.angle), self.every, self.use)
 
 
 class Problem(Protocol):
@@ -135,6 +141,12 @@ class Problem(Protocol):
 
     def filter(self, values: np.ndarray) -> np.ndarray:
         """What the residual's filter leaves of unfiltered signals, along the last axis."""
+
+
+def compared(count: int, every: int, use: np.ndarray | None) -> np.ndarray:
+    """Places of every n-th of `count` samples, without those that `use` (count,) leaves out."""
+    places = np.arange(0, count, every)
+    return places if use is None else places[use[places]]
 
 
 def effort_rms(problem: Problem) -> float:

@@ -18,7 +18,7 @@ from scipy import signal
 
 from spirob.control.law import CURRENT, DISPLACEMENT, VELOCITY
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import Effort, Rotor, Stretch
+from spirob.identify.problem import Effort, Rotor, Stretch, compared
 from spirob.parameter import Table
 from spirob.plant import Plant, Response
 from spirob.robot import MOTORS
@@ -113,6 +113,7 @@ class Residual:
                     t.first_angle[m] + t.displacement[:, m] * turn,
                     t.current[:, m],
                     self.filter.every,
+                    t.use,
                 )
                 for m in range(len(MOTORS))
             ]
@@ -120,8 +121,17 @@ class Residual:
         ]
 
     def raw(self) -> list[np.ndarray]:
-        """Unfiltered current of each driven motor of each trial [A]."""
-        return [t.current[:, m] for t in self.trials for m in self.driven(t)]
+        """Unfiltered current of each driven motor of each trial [A], where it is compared."""
+        used = [(t, slice(None) if t.use is None else t.use) for t in self.trials]
+        return [t.current[use, m] for t, use in used for m in self.driven(t)]
+
+    def cycles(self, trial: Measurement) -> np.ndarray:
+        """The cycles of a trial that are compared: every n-th one that is not left out."""
+        return compared(len(trial.current), self.filter.every, trial.use)
+
+    def thin(self, values: np.ndarray, trial: Measurement) -> np.ndarray:
+        """Filter a signal of the whole trial, (T,), then keep what of it is compared."""
+        return self.filter(values, trial.name)[self.cycles(trial)]
 
     def driven(self, trial: Measurement) -> list[int]:
         """Motors whose current is not commanded."""
@@ -157,17 +167,17 @@ class Residual:
 
     def _stretch(self, trial: Measurement, motor: int) -> Stretch:
         position, velocity, current = (
-            self.filter.thin(values[:, motor], trial.name)
+            self.thin(values[:, motor], trial)
             for values in (trial.displacement, trial.velocity, trial.current)
         )
-        winch, every, schedule = self.plant.rig.winch, self.filter.every, trial.schedule
+        winch, cycles, schedule = self.plant.rig.winch, self.cycles(trial), trial.schedule
         commanded = {VELOCITY: trial.velocity, DISPLACEMENT: trial.displacement}
         followed = commanded.get(int(schedule.mode[motor]))  # of a force nothing is measured
         heat = trial.temperature
         return Stretch(
             trial.name,
             f"{MOTORS[motor]} motor",
-            trial.seconds[::every],
+            trial.seconds[cycles],
             position,
             velocity,
             current,
@@ -178,11 +188,9 @@ class Residual:
             gear=winch.gear_ratio,
             lag=None
             if followed is None
-            else self.filter.thin(schedule.reference[:, motor] - followed[:, motor], trial.name),
-            command_rate=self.filter.thin(
-                np.gradient(schedule.reference[:, motor], 1e-3), trial.name
-            ),
-            temperature=None if heat is None else heat[::every, motor],
+            else self.thin(schedule.reference[:, motor] - followed[:, motor], trial),
+            command_rate=self.thin(np.gradient(schedule.reference[:, motor], 1e-3), trial),
+            temperature=None if heat is None else heat[cycles, motor],
         )
 
     def _others(self, trial: Measurement) -> list[int]:
@@ -195,15 +203,12 @@ class Residual:
     def _signals(
         self, trial: Measurement, current: np.ndarray, displacement: np.ndarray
     ) -> np.ndarray:
-        parts = [self.filter.thin(current[:, m], trial.name) for m in self.driven(trial)]
-        parts += [
-            self.length * self.filter.thin(displacement[:, m], trial.name)
-            for m in self._others(trial)
-        ]
-        parts += [self.filter.thin(current[:, m], trial.name) for m in self._others(trial)]
+        parts = [self.thin(current[:, m], trial) for m in self.driven(trial)]
+        parts += [self.length * self.thin(displacement[:, m], trial) for m in self._others(trial)]
+        parts += [self.thin(current[:, m], trial) for m in self._others(trial)]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _rows(self, trial: Measurement) -> np.ndarray:
-        samples = len(trial.seconds[:: self.filter.every])
+        samples = len(self.cycles(trial))
         kinds = [True] * len(self.driven(trial)) + [False] * 2 * len(self._others(trial))
         return np.repeat(np.array(kinds, dtype=bool), samples)

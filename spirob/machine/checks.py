@@ -82,6 +82,12 @@ def signed(where: str, name: str, raw: np.ndarray, said: list[str]) -> np.ndarra
     return raw
 
 
+def enough(where: str, used: float) -> None:
+    """Raise where rows that are compared last for less than a trial needs; `used` [s]."""
+    if used < SHORTEST:
+        raise DataError(f"{where}: only {used:.2g} s are left after the row filters")
+
+
 def moving(where: str, name: str, values: np.ndarray) -> None:
     """Raise where a channel never changes."""
     if np.ptp(values) <= 1e-12 * max(1e-300, float(np.max(np.abs(values)))):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.errors import DataError, MissingChannel
+from spirob.errors import MissingChannel
 from spirob.machine import checks
 from spirob.machine.filtering import (
     ALIAS,
@@ -130,8 +130,7 @@ def prepare(
     every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff)))
     pieces = [_piece(name, grid, rig, period, cutoff, said) for grid in grids]
     used = sum(int(p.use.sum()) for p in pieces) * period
-    if used < checks.SHORTEST:
-        raise DataError(f"{name}: only {used:.2g} s are left after the row filters")
+    checks.enough(name, used)
     return Recording(name, period, cutoff, every, pieces, said)
 
 

@@ -27,7 +27,7 @@ def usable(
     reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
     full = _saturated(effort, rig)
     if full.any():
-        use &= ~_widened(full, reach)
+        use &= ~widened(full, reach)
         said.append(f"{name}: {full.mean():.1%} of the rows left out, where the drive saturates.")
     unit = (LENGTHS | ANGLES)[rig.position.unit]
     if rig.rows.minimum_speed is not None:
@@ -53,5 +53,6 @@ def _saturated(effort: np.ndarray, rig: RigFile) -> np.ndarray:
     return full
 
 
-def _widened(mask: np.ndarray, reach: int) -> np.ndarray:
+def widened(mask: np.ndarray, reach: int) -> np.ndarray:
+    """The rows of a mask (n,) and those within `reach` of them."""
     return np.asarray(np.convolve(mask, np.ones(2 * reach + 1), "same") > 0.5)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from spirob.machine.recording import Piece, Recording
+from spirob.machine.recording import Recording
 
 HOLD = 0.1  # s; a reversal is shorter, and says much of friction
 NOISE = 5.0  # rest speeds that a derivative's noise may reach while the axis stands
@@ -24,7 +24,7 @@ def without_holds(
     for recording in recordings:
         pieces, used, left = [], 0, 0
         for piece in recording.pieces:
-            use = piece.use & ~holds(piece, rest_speed, recording.period)
+            use = piece.use & ~holds(piece.v, rest_speed, recording.period)
             pieces.append(replace(piece, use=use))
             used, left = used + int(piece.use.sum()), left + int(use.sum())
         if left < LEAST * used:
@@ -40,11 +40,11 @@ def without_holds(
     return kept, said
 
 
-def holds(piece: Piece, rest_speed: float, period: float) -> np.ndarray:
-    """Rows of a piece that belong to a standstill of at least `HOLD`, (n,)."""
+def holds(v: np.ndarray, rest_speed: float, period: float) -> np.ndarray:
+    """Rows of an even grid that belong to a standstill of at least `HOLD`, (n,), v the speed."""
     window = max(1, round(HOLD / period))
-    still = np.abs(uniform_filter1d(piece.v, window)) < rest_speed
-    still &= np.abs(piece.v) < NOISE * rest_speed
+    still = np.abs(uniform_filter1d(v, window)) < rest_speed
+    still &= np.abs(v) < NOISE * rest_speed
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         if stop - start < window:

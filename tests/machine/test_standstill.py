@@ -30,7 +30,7 @@ def test_a_hold_is_left_out_and_said():
 
 def test_a_reversal_is_no_hold():
     made = recording(6.0)
-    assert not holds(made.pieces[0], 0.03, made.period).any()
+    assert not holds(made.pieces[0].v, 0.03, made.period).any()
 
 
 def test_a_log_of_holds_is_used_as_it_is():

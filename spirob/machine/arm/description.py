@@ -7,13 +7,31 @@ from pydantic import Field, field_validator, model_validator
 
 from spirob.control.law import Gains
 from spirob.identify.numbers import FITTED
-from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Bounded, Column, Entry
+from spirob.identify.residual import Filter
+from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Bounded, Column, Entry, Rows
 from spirob.plant import Rig
 from spirob.plant.nominal import COMPONENTS
 
 PARTS = {component.owner for component in COMPONENTS}
+PLACELESS = {  # keys of other rigs -> why the arm has none
+    "velocity": "the speed is that of the position",
+    "reference": "how the arm was commanded need not be known",
+    "control": "the model follows the measured motion",
+    "predict": "the motors' currents are predicted",
+    "rest_speed": "it is motor.rest_speed, for 'known' or 'fit'",
+    "gear": "it is winch.gear_ratio, for 'known'",
+}
 TIGHT = 3.0  # times the bandwidth of the machine's own controller
 TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
+
+
+class CurrentColumn(Column):
+    """A motor's current.
+
+    limit  size at which its drive saturates, in `unit`; rows beyond 98 % of it are left out
+    """
+
+    limit: float | None = Field(default=None, gt=0)
 
 
 class MotorColumns(Entry):
@@ -23,7 +41,7 @@ class MotorColumns(Entry):
     """
 
     position: Column
-    effort: Column
+    effort: CurrentColumn
 
     @model_validator(mode="after")
     def _units(self) -> "MotorColumns":
@@ -35,14 +53,51 @@ class MotorColumns(Entry):
             raise ValueError(f"effort.unit '{self.effort.unit}' is no current; known: {known}")
         return self
 
+    def metres(self, machine: Rig) -> float:
+        """Length wound in for one unit of position [m]."""
+        unit = self.position.unit
+        if unit in LENGTHS:
+            return LENGTHS[unit]
+        return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
+
+    @property
+    def amperes(self) -> float:
+        """Current for one unit of effort [A]."""
+        return EFFORTS["current"][self.effort.unit]
+
 
 class ArmFilter(Entry):
     """The zero-phase low-pass that both sides of the residual pass, and the motion to follow.
 
-    cutoff  [Hz]; above it a coarse encoder's steps or another controller's ringing are left out
+    cutoff    [Hz]; above it a coarse encoder's steps or another controller's ringing are left out
+    decimate  every n-th cycle of the model, 1 ms each, is compared
+    drop      cycles left out at both ends of a log, where the filter has no neighbours
     """
 
     cutoff: float = Field(default=30.0, ge=5.0, le=200.0)
+    decimate: int = Field(default=Filter.every, ge=1)
+    drop: int = Field(default=0, ge=0)
+
+    @model_validator(mode="after")
+    def _often_enough(self) -> "ArmFilter":
+        most = int(0.5e3 / self.cutoff)
+        if "decimate" in self.model_fields_set and self.decimate > most:
+            raise ValueError(
+                f"decimate: {self.decimate} cycles of 1 ms are too far apart for a cutoff of "
+                f"{self.cutoff:g} Hz; {most} at most"
+            )
+        return self
+
+
+class ArmRows(Rows):
+    """Rows that are left out of what is compared; a log is played whole.
+
+    minimum_speed, maximum_speed  of the motor that does the work, in its unit of position a second
+    standstill  "keep", other than for an axis: the arm's stiffness, and what creeps or winds up,
+                show in holds, and a dry friction of the model remembers where it came from
+    """
+
+    standstill: Literal["drop", "keep"] = "keep"
 
 
 class ArmFile(Entry):
@@ -53,7 +108,8 @@ class ArmFile(Entry):
     fit          numbers of the model to fit; None: from where and between what the model has them.
                  A list of names is read as a mapping of each to None
     known        numbers of the model, or of effects that it holds, by name; they are not fitted
-    effects      those that the model holds already;  filter  of what is compared
+    effects      those that the model holds already
+    filter, rows of what is compared
     """
 
     name: str
@@ -66,6 +122,15 @@ class ArmFile(Entry):
     fit: dict[str, Bounded | None] = dict.fromkeys(FITTED)
     effects: list[str] = []
     filter: ArmFilter = ArmFilter()
+    rows: ArmRows = ArmRows()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_a_place(cls, value: Any) -> Any:
+        for key, why in PLACELESS.items():
+            if isinstance(value, dict) and key in value:
+                raise ValueError(f"{key}: has no place with body: arm; {why}")
+        return value
 
     @field_validator("time")
     @classmethod

@@ -1,7 +1,7 @@
 """The arm's own search (`spirob.diagnose`) on logs from elsewhere, as the document of a rig."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
 from spirob.identify.sense import SENSE, SUSPECTS, explained
-from spirob.machine.arm.blocks import Blocks, block
+from spirob.machine.arm.blocks import block
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
 from spirob.machine.arm.replay import read_arm_trial
@@ -28,42 +28,29 @@ from spirob.plant import Plant
 SENSELESS = "No verdict: the data or the model do not fit together."
 
 
-@dataclass(frozen=True)
-class Trials:
-    """What a search is given.
-
-    of      trials by role;  begins  trial's name -> first cycle that counts, where it is a block
-    """
-
-    of: dict[str, list[Measurement]]
-    begins: dict[str, int]
-
-
 def read(
     rig: ArmFile, train: Sequence[Path | str], test: Sequence[Path | str]
-) -> tuple[Trials, list[str]]:
+) -> tuple[dict[str, list[Measurement]], list[str]]:
     """The logs by role, and what was repaired in them."""
     parts, divided = roles(train, test)
     logs = {log: read_arm_trial(log, rig, "train") for log in (*train, *test)}
-    trials: dict[str, list[Measurement]] = {}
-    begins: dict[str, int] = {}
-    for role, of in parts.items():
-        found = [block(logs[part.log][0], part) for part in of]
-        trials[role] = [replace(trial, role=role) for trial, _ in found]
-        begins |= {trial.name: begin for trial, begin in found if begin}
+    trials = {
+        role: [replace(block(logs[part.log][0], part), role=role) for part in of]
+        for role, of in parts.items()
+    }
     said = [text for _, texts in logs.values() for text in texts]
     names = ", ".join(t.name for t in trials["validate"])
     chosen = f"Effects are chosen by {names}, which no fit has seen."
-    return Trials(trials, begins), [*said, *divided, chosen]
+    return trials, [*said, *divided, chosen]
 
 
 def searched(
     rig: ArmFile,
-    trials: Trials,
+    trials: Mapping[str, list[Measurement]],
     settings: Settings,
     progress: Callable[[str], None],
     candidates: Sequence[type[Effect]] | None = None,
-) -> tuple[Search, dict[str, Blocks]]:
+) -> tuple[Search, dict[str, Residual]]:
     """The search on these trials; candidates are those of the library where none are given.
 
     Raises ConfigError where `fit` or `known` names no number of the model, or goes beyond its
@@ -76,10 +63,8 @@ def searched(
     held = [f"{e.name()}.{f}" for e in own for f in e.parameters()]
     start = {n: plant.table.about[n].nominal for n in held if n not in rig.known}
     names = list(dict.fromkeys([*rig.fitted(), *start]))
-    residuals = {
-        role: Blocks(plant, found, Filter(cutoff=rig.filter.cutoff), begins=trials.begins)
-        for role, found in trials.of.items()
-    }
+    kept = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)
+    residuals = {role: Residual(plant, found, kept) for role, found in trials.items()}
     found = climb(residuals, names, absent, start, settings, progress)
     return found, residuals
 

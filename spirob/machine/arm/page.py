@@ -6,14 +6,14 @@ from typing import Any
 import pandas as pd
 
 from spirob.diagnose.rungs import Search
-from spirob.machine.arm.blocks import Blocks
+from spirob.identify.residual import Residual
 from spirob.parameter import Table
 from spirob.robot import MOTORS
 
 PAGE_ROLES = {"heldout": "test", "train": "train"}
 
 
-def overlay(search: Search, residuals: Mapping[str, Blocks], named: bool) -> pd.DataFrame:
+def overlay(search: Search, residuals: Mapping[str, Residual], named: bool) -> pd.DataFrame:
     """Current of each working motor, measured and modelled: bare, and with the named effects."""
     models = {"base": search.rungs[0], "named": search.rungs[-1 if named else 0]}
     parts = []
@@ -22,9 +22,8 @@ def overlay(search: Search, residuals: Mapping[str, Blocks], named: bool) -> pd.
         for k, trial in enumerate(residual.trials):
             found = {n: residual.respond(rung.fit.changes, k) for n, rung in models.items()}
             for m in residual.driven(trial):
-                seconds = trial.seconds[:: residual.filter.every]
                 columns: dict[str, Any] = {"trial": trial.name, "role": shown}
-                columns["time"] = seconds[residual.first(trial) :]
+                columns["time"] = trial.seconds[residual.cycles(trial)]
                 columns["position"] = residual.thin(trial.displacement[:, m], trial)
                 columns["measured"] = residual.thin(trial.current[:, m], trial)
                 columns |= {n: residual.thin(r.current[:, m], trial) for n, r in found.items()}

@@ -17,11 +17,11 @@ from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
 from spirob.machine import checks
-from spirob.machine.arm.description import ArmFile, MotorColumns
+from spirob.machine.arm.description import ArmFile
+from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
 from spirob.machine.reading import read_columns
-from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column
-from spirob.plant import Rig
+from spirob.machine.rig import TIME_UNITS, Column
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
@@ -62,7 +62,8 @@ def arm_trial(
         reference_rate=velocity + held / rig.machine().gains.velocity,
         current_limit=np.full(len(MOTORS), ROOM * float(np.abs(current).max())),
     )
-    trial = Measurement(name, role, current, displacement, velocity, schedule, Scene())
+    use = usable(name, current, velocity, moves, rig, said)
+    trial = Measurement(name, role, current, displacement, velocity, schedule, Scene(), use=use)
     return trial, said
 
 
@@ -86,7 +87,9 @@ def _regular(
         if key.endswith("position"):
             checks.moving(name, column.column, found)
             found = checks.position(name, column.column, found, kept[key], seconds, said)
-        values[key] = found * _si(rig.motors()[key.partition(".")[0]], key, rig.machine())
+        of = rig.motors()[key.partition(".")[0]]
+        si = of.amperes if key.endswith("effort") else of.metres(rig.machine())
+        values[key] = found * si
     _, grids = checks.regular_grid(name, seconds, values, said)
     if len(grids) != 1:
         raise DataError(f"{name}: a gap; the model plays a log from its beginning, give whole ones")
@@ -100,16 +103,6 @@ def _regular(
 
 def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:
     return column.factor * (np.asarray(columns[column.column], float) - column.zero)
-
-
-def _si(motor: MotorColumns, key: str, machine: Rig) -> float:
-    """Factor to metres wound in, or to ampere."""
-    if key.endswith("effort"):
-        return EFFORTS["current"][motor.effort.unit]
-    unit = motor.position.unit
-    if unit in LENGTHS:
-        return LENGTHS[unit]
-    return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
 
 
 def _currents(name: str, current: np.ndarray, rig: ArmFile, said: list[str]) -> None:

@@ -8,10 +8,10 @@ import pytest
 
 from spirob.diagnose.rungs import Settings
 from spirob.effects import all_effects
-from spirob.errors import TooShort
+from spirob.errors import DataError, TooShort
 from spirob.identify.residual import Residual
 from spirob.machine.arm import diagnosis
-from spirob.machine.arm.blocks import Blocks, block
+from spirob.machine.arm.blocks import block
 from spirob.machine.arm.page import overlay
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import Part, roles
@@ -85,8 +85,9 @@ def test_blocks_together_are_the_whole(trial, plant):
     """Cut behind the filter, the blocks' residuals are the rows of the whole log's."""
     whole = Residual(plant, [trial])
     begin = 5000
-    late = Blocks(plant, [trial], begins={"log": begin})
-    early = Blocks(plant, [trial])
+    used = np.arange(len(trial.current)) >= begin
+    late = Residual(plant, [replace(trial, use=used)])
+    early = Residual(plant, [replace(trial, use=np.ones_like(used))])
     changes = {"winch.efficiency": 0.6}
     every = late.filter.every
     assert np.array_equal(early(changes), whole(changes))
@@ -102,13 +103,28 @@ def test_blocks_together_are_the_whole(trial, plant):
 def test_a_block_ends_where_it_ends_and_counts_from_where_it_begins(trial):
     half = round(0.5 * len(trial.current))
     early, late = (block(trial, part) for part in HALVES)
-    assert (len(early[0].current), early[1]) == (half, 0)
-    assert (len(late[0].current), late[1]) == (len(trial.current), half)
-    assert early[0].schedule.cycles == half
-    assert [one.name for one, _ in (early, late)] == ["log (0 to 50 %)", "log (50 to 100 %)"]
+    assert len(early.current) == half
+    assert early.use is None
+    assert len(late.current) == len(trial.current)
+    assert np.flatnonzero(late.use)[0] == half
+    assert late.use[half:].all()
+    assert early.schedule.cycles == half
+    assert [one.name for one in (early, late)] == ["log (0 to 50 %)", "log (50 to 100 %)"]
     short = replace(trial, current=trial.current[:3000])
     with pytest.raises(TooShort, match="a log that is to be divided needs at least 4000"):
         block(short, HALVES[0])
+
+
+def test_a_block_leaves_out_what_its_log_does(trial):
+    half = round(0.5 * len(trial.current))
+    use = np.arange(len(trial.current)) % 3 > 0
+    early, late = (block(replace(trial, use=use), part) for part in HALVES)
+    np.testing.assert_array_equal(early.use, use[:half])
+    assert not late.use[:half].any()
+    np.testing.assert_array_equal(late.use[half:], use[half:])
+    use[half + 100 :] = False
+    with pytest.raises(DataError, match=r"log: of its part from 5 to 10 s less than 0\.5 s are"):
+        block(replace(trial, use=use), HALVES[1])
 
 
 def test_one_log_alone_is_searched_in_blocks(tmp_path):

@@ -57,4 +57,4 @@ def test_a_mistake_in_the_description_names_its_place(tmp_path, changes, sentenc
 def test_an_unknown_number_is_named(tmp_path):
     arm = rig(fit=["winch.colour"])
     with pytest.raises(ConfigError, match=r"no number 'winch\.colour'"):
-        diagnosis.searched(arm, diagnosis.Trials({}, {}), Settings(), print, [])
+        diagnosis.searched(arm, {}, Settings(), print, [])

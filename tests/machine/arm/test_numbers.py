@@ -34,7 +34,7 @@ def logs(tmp_path_factory):
 
 
 def fitted(logs, **changes):
-    """The fit of the numbers alone."""
+    """The fit of the numbers alone, and the residuals by role."""
     arm = rig(**changes)
     trials, _ = diagnosis.read(arm, logs[:3], logs[3:])
     return diagnosis.searched(arm, trials, QUICK, print, [])
