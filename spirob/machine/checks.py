@@ -82,10 +82,14 @@ def signed(where: str, name: str, raw: np.ndarray, said: list[str]) -> np.ndarra
     return raw
 
 
-def enough(where: str, used: float) -> None:
-    """Raise where rows that are compared last for less than a trial needs; `used` [s]."""
+def enough(where: str, used: float, lost: str = "") -> None:
+    """Raise where rows that are compared last for less than a trial needs.
+
+    used  [s];  lost  what was left out, where that is known
+    """
     if used < SHORTEST:
-        raise DataError(f"{where}: only {used:.2g} s are left after the row filters")
+        why = f" ({lost})" if lost else ""
+        raise DataError(f"{where}: only {used:.2g} s are left after the row filters{why}")
 
 
 def moving(where: str, name: str, values: np.ndarray) -> None:

@@ -1,9 +1,11 @@
 """Our arm with its two tendons, logged by somebody else: `body: arm` in a description.
 
-description.py  which columns the two motors have, and which machine drives them
+description.py  a whole description: two motors, which machine they drive, what is fitted
+motors.py       which columns the two motors have
+compared.py     filter and rows of what is compared
 numbers.py      what is known of the model's numbers, and between which bounds others are fitted
 replay.py       a log as a trial that the model can play again
-rows.py         which of its cycles are compared
+rows.py         which of its cycles are left out
 roles.py        which logs, or parts of one, are fitted, chosen by, held out
 blocks.py       a part of a log, played from rest and compared from where it begins
 diagnosis.py    the arm's own search and verdict, as the document of a rig

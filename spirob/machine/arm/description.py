@@ -3,12 +3,13 @@
 from dataclasses import replace
 from typing import Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import field_validator, model_validator
 
 from spirob.control.law import Gains
 from spirob.identify.numbers import FITTED
-from spirob.identify.residual import Filter
-from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Bounded, Column, Entry, Rows
+from spirob.machine.arm.compared import ArmFilter, ArmRows
+from spirob.machine.arm.motors import MotorColumns
+from spirob.machine.rig import TIME_UNITS, Bounded, Column, Entry
 from spirob.plant import Rig
 from spirob.plant.nominal import COMPONENTS
 
@@ -23,81 +24,6 @@ PLACELESS = {  # keys of other rigs -> why the arm has none
 }
 TIGHT = 3.0  # times the bandwidth of the machine's own controller
 TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
-
-
-class CurrentColumn(Column):
-    """A motor's current.
-
-    limit  size at which its drive saturates, in `unit`; rows beyond 98 % of it are left out
-    """
-
-    limit: float | None = Field(default=None, gt=0)
-
-
-class MotorColumns(Entry):
-    """A motor of the arm: how far it has wound in, and its current.
-
-    position  angle of the rotor, or length wound in;  effort  current, which pulls where positive
-    """
-
-    position: Column
-    effort: CurrentColumn
-
-    @model_validator(mode="after")
-    def _units(self) -> "MotorColumns":
-        if self.position.unit not in LENGTHS | ANGLES:
-            known = ", ".join(LENGTHS | ANGLES)
-            raise ValueError(f"position.unit '{self.position.unit}'; known: {known}")
-        if self.effort.unit not in EFFORTS["current"]:
-            known = ", ".join(EFFORTS["current"])
-            raise ValueError(f"effort.unit '{self.effort.unit}' is no current; known: {known}")
-        return self
-
-    def metres(self, machine: Rig) -> float:
-        """Length wound in for one unit of position [m]."""
-        unit = self.position.unit
-        if unit in LENGTHS:
-            return LENGTHS[unit]
-        return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
-
-    @property
-    def amperes(self) -> float:
-        """Current for one unit of effort [A]."""
-        return EFFORTS["current"][self.effort.unit]
-
-
-class ArmFilter(Entry):
-    """The zero-phase low-pass that both sides of the residual pass, and the motion to follow.
-
-    cutoff    [Hz]; above it a coarse encoder's steps or another controller's ringing are left out
-    decimate  every n-th cycle of the model, 1 ms each, is compared
-    drop      cycles left out at both ends of a log, where the filter has no neighbours
-    """
-
-    cutoff: float = Field(default=30.0, ge=5.0, le=200.0)
-    decimate: int = Field(default=Filter.every, ge=1)
-    drop: int = Field(default=0, ge=0)
-
-    @model_validator(mode="after")
-    def _often_enough(self) -> "ArmFilter":
-        most = int(0.5e3 / self.cutoff)
-        if "decimate" in self.model_fields_set and self.decimate > most:
-            raise ValueError(
-                f"decimate: {self.decimate} cycles of 1 ms are too far apart for a cutoff of "
-                f"{self.cutoff:g} Hz; {most} at most"
-            )
-        return self
-
-
-class ArmRows(Rows):
-    """Rows that are left out of what is compared; a log is played whole.
-
-    minimum_speed, maximum_speed  of the motor that does the work, in its unit of position a second
-    standstill  "keep", other than for an axis: the arm's stiffness, and what creeps or winds up,
-                show in holds, and a dry friction of the model remembers where it came from
-    """
-
-    standstill: Literal["drop", "keep"] = "keep"
 
 
 class ArmFile(Entry):

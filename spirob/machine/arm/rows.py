@@ -5,6 +5,8 @@ in no signal of its trial: both motors pull at one arm, and a current that one o
 missing in what the other has to hold.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from spirob.identify.residual import STILL
@@ -15,6 +17,7 @@ from spirob.machine.standstill import LEAST, holds
 from spirob.robot import MOTORS
 
 CYCLE = 1e-3  # s, of the model
+STANDS = "where the working motor stands"
 
 
 def usable(
@@ -33,39 +36,34 @@ def usable(
 
     Raises DataError where less than a second is left.
     """
-    use = np.ones(len(current), bool)
+    use, lost = np.ones(len(current), bool), []
     if rig.filter.drop:
         use[: rig.filter.drop] = use[-rig.filter.drop :] = False
-    # the filter smears what happens beside a row
-    full = widened(_saturated(current, rig), round(0.5 / (rig.filter.cutoff * CYCLE)))
-    _leave_out(name, use, full, "where a drive saturates", said)
-    speed = np.abs(velocity[:, moves]) / rig.motors()[MOTORS[moves]].metres(rig.machine())
-    if rig.rows.minimum_speed is not None:
-        _leave_out(name, use, speed < rig.rows.minimum_speed, "as too slow", said)
-    elif rig.rows.standstill == "drop":
-        _without_holds(name, use, velocity[:, moves], said)
-    if rig.rows.maximum_speed is not None:
-        _leave_out(name, use, speed > rig.rows.maximum_speed, "as too fast", said)
-    checks.enough(name, CYCLE * np.count_nonzero(use))
+    for out, why in _left_out(current, velocity[:, moves], MOTORS[moves], rig):
+        if why == STANDS and np.count_nonzero(use & ~out) < LEAST * np.count_nonzero(use):
+            said.append(f"{name}: the working motor stands most of the time.")
+        elif out.any():
+            use &= ~out
+            lost.append(f"{out.mean():.1%} of the rows left out, {why}")
+    checks.enough(name, CYCLE * np.count_nonzero(use), "; ".join(lost))
+    said += [f"{name}: {text}." for text in lost]
     return None if use.all() else use
 
 
-def _saturated(current: np.ndarray, rig: ArmFile) -> np.ndarray:
-    """Cycles in which one of the motors is at its limit, (T,)."""
-    limits = [m.effort.limit and m.effort.limit * m.amperes for m in rig.motors().values()]
-    return np.any(np.abs(current) >= [FULL * (limit or np.inf) for limit in limits], axis=1)
-
-
-def _without_holds(name: str, use: np.ndarray, v: np.ndarray, said: list[str]) -> None:
-    """Leave out where the working motor stands, unless it does so most of the time."""
-    still = holds(v, STILL, CYCLE)
-    if np.count_nonzero(use & ~still) < LEAST * np.count_nonzero(use):
-        said.append(f"{name}: the working motor stands most of the time.")
-    else:
-        _leave_out(name, use, still, "where the working motor stands", said)
-
-
-def _leave_out(name: str, use: np.ndarray, out: np.ndarray, why: str, said: list[str]) -> None:
-    if out.any():
-        use &= ~out
-        said.append(f"{name}: {out.mean():.1%} of the rows left out, {why}.")
+def _left_out(
+    current: np.ndarray, v: np.ndarray, working: str, rig: ArmFile
+) -> Iterator[tuple[np.ndarray, str]]:
+    """Cycles that do not count, (T,), and why; v is the speed of the working motor [m/s]."""
+    reach = round(0.5 / (rig.filter.cutoff * CYCLE))  # the filter smears what is beside a row
+    for m, (motor, columns) in enumerate(rig.motors().items()):
+        if columns.effort.limit is not None:
+            limit = columns.effort.limit * columns.amperes
+            full = np.abs(current[:, m]) >= FULL * limit
+            yield widened(full, reach), f"where the drive of the {motor} motor saturates"
+    speed = np.abs(v) / rig.motors()[working].metres(rig.machine())
+    if rig.rows.minimum_speed is not None:
+        yield speed < rig.rows.minimum_speed, "as too slow"
+    elif rig.rows.standstill == "drop":
+        yield holds(v, STILL, CYCLE), STANDS
+    if rig.rows.maximum_speed is not None:
+        yield speed > rig.rows.maximum_speed, "as too fast"

@@ -58,7 +58,9 @@ def test_where_a_drive_saturates_is_left_out_and_said(columns):
     assert 0.05 < full.mean() < 0.5
     assert not trial.use[full].any()
     assert trial.use.mean() > 0.4
-    assert any("of the rows left out, where a drive saturates" in text for text in said)
+    assert any(
+        "of the rows left out, where the drive of the left motor saturates" in text for text in said
+    )
     assert trial_of(columns, limited(limit=9e3))[0].use is None
 
 
@@ -140,8 +142,15 @@ def test_screening_and_atlas_follow_what_is_compared(columns):
 
 
 def test_a_log_of_which_nothing_is_left_is_refused(columns):
-    with pytest.raises(DataError, match="log: only 0 s are left after the row filters"):
+    with pytest.raises(DataError, match=r"log: only 0 s are left .* \(100\.0% .* as too slow\)"):
         trial_of(columns, rig(rows={"minimum_speed": 1e6}))
+
+
+def test_a_motor_that_is_held_at_its_limit_leaves_nothing_and_is_named(columns):
+    right = description()["right"]
+    right["effort"]["limit"] = 250.0  # mA, what it is held at
+    with pytest.raises(DataError, match="the drive of the right motor saturates"):
+        trial_of(columns, rig(right=right))
 
 
 SLOW = {"effort": {"column": "left current", "unit": "mA", "limit": -1.0}}
