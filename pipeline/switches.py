@@ -10,7 +10,7 @@ import pandas as pd
 
 from pipeline.overlay import CHANNELS, table_of, write_table
 from spirob.diagnose.rungs import Search, label
-from spirob.diagnose.screen import amplitudes
+from spirob.diagnose.screen import without
 from spirob.diagnose.together import Alone, together
 from spirob.effects import Effect
 from spirob.identify.residual import Residual
@@ -91,7 +91,7 @@ def laws(folder: Path, residuals: Mapping[str, Residual], search: Search, named:
         shown = [(one.effect, one.changes) for one in alone[:SHOWN]]
     parts = []
     for effect, changes in shown:
-        off = {n: v for n, v in changes.items() if n not in amplitudes(effect, residuals["train"])}
+        off = without(effect, changes, residuals["train"])
         rows = table_of(residuals, {"with": changes, "without": off})
         parts.append(rows.assign(effect=effect.name()))
     if parts:

@@ -116,6 +116,14 @@ def amplitudes(effect: type[Effect], problem: Problem) -> list[str]:
     return [n for n in (f"{effect.name()}.{f}" for f in own) if n in problem.table.about]
 
 
+def without(
+    effect: type[Effect], changes: Mapping[str, float], problem: Problem
+) -> dict[str, float]:
+    """These numbers with the effect taken out of the model, all others as they are."""
+    own = amplitudes(effect, problem)
+    return {name: value for name, value in changes.items() if name not in own}
+
+
 def _started(
     problem: Problem,
     base: Fit,

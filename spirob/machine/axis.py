@@ -40,14 +40,14 @@ class Diagnosis:
 
     overlay     per sample: trial, role, time, position, measured, base, named
     parameters  of the bare model, for the page
-    laws        per held-out sample what each effect of the chosen model does; None for our arm
+    laws        per held-out sample what each effect of the chosen model does
     """
 
     document: dict[str, Any]
     overlay: pd.DataFrame
     parameters: dict[str, Any]
     identifiability: str
-    laws: pd.DataFrame | None = None
+    laws: pd.DataFrame
 
 
 def diagnose_recordings(
@@ -125,7 +125,7 @@ def _finish(
         overlay(search, bare.fit, chosen.fit),
         parameters(search, bare.fit),
         gate.sentence,
-        laws(search, chosen),
+        laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
     )
 
 

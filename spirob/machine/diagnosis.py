@@ -11,6 +11,7 @@ from spirob.machine.arm.page import overlay, parameters
 from spirob.machine.axis import Diagnosis, diagnose_recordings
 from spirob.machine.loading import load_rig
 from spirob.machine.recording import read_trial
+from spirob.machine.shown import laws
 from spirob.machine.worth import Settings
 
 
@@ -58,9 +59,11 @@ def _arm(
     trials, said = arm.read(rig, train, test)
     search, residuals = arm.searched(rig, trials, settings, progress)
     found = arm.written(rig, search, residuals, settings, said)
+    last = search.rungs[-1]
     return Diagnosis(
         found,
         overlay(search, residuals, found["verdict"] == "named"),
         parameters(search, residuals["train"].table),
         "",
+        laws(residuals["heldout"], last.effects, last.fit.changes, "m"),
     )

@@ -1,11 +1,15 @@
 """What the page shows of a rig's models: measured and modelled effort, and the fitted numbers."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from spirob.diagnose.screen import without
+from spirob.effects import Effect
 from spirob.identify.fit import Fit
-from spirob.machine.models import Model
+from spirob.identify.problem import Problem
 from spirob.machine.search import Search
 
 
@@ -26,22 +30,27 @@ def overlay(search: Search, base: Fit, named: Fit) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def laws(search: Search, model: Model) -> pd.DataFrame:
-    """Rows of held-out samples for each effect of the model: effect, the signals, shown and law.
+def laws(
+    problem: Problem, effects: Sequence[type[Effect]], changes: Mapping[str, float], axis: str
+) -> pd.DataFrame:
+    """Rows of samples of the effort for each effect of a model: effect, signals, shown and law.
 
-    All other numbers as fitted,  shown = measured − without,  law = with − without,  in the unit
-    of the effort; position and velocity in that of the axis, which is named.
+    problem  held-out trials, of a plain rig or of the arm;  changes  the model's numbers
+    axis     unit of the position in it, which the rows name
+
+    All other numbers as fitted,  shown = measured - without,  law = with - without,  in the unit
+    of the effort; position and velocity in that of the axis.
     """
-    problem, changes = search.heldout, model.fit.changes
-    signals, measured = problem.signals(), problem.measured()
-    held, parts = problem(changes), []
-    for effect in model.effects:
-        absent = {f"{effect.name()}.{n}": v for n, v in effect.neutral.items()}
-        without = problem({**changes, **absent})
-        columns: dict[str, Any] = {"effect": effect.name(), "time": signals["time"]}
-        columns |= {"axis": problem.sizes.axis_unit}
-        columns |= {"position": signals["position"], "velocity": signals["speed"]}
-        columns |= {"effort": measured, "shown": -without, "law": held - without}
+    rows, pieces = problem.rows, problem.stretches()
+    along = {"time": "seconds", "position": "position", "velocity": "velocity"}
+    signals: dict[str, Any] = {
+        name: np.concatenate([getattr(p, field) for p in pieces]) for name, field in along.items()
+    }
+    signals |= {"axis": axis, "effort": problem.measured()[rows]}
+    held, parts = problem(changes)[rows], []
+    for effect in effects:
+        bare = problem(without(effect, changes, problem))[rows]
+        columns = {"effect": effect.name(), **signals, "shown": -bare, "law": held - bare}
         parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame({"effect": []})
 

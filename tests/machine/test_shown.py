@@ -1,7 +1,5 @@
 """What a named effect does on a rig's held-out samples, for the page's two plots."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -14,9 +12,8 @@ NUMBERS = {**BARE, "quadratic_drag.drag": 0.05}
 
 def rows(*names, numbers=()):
     effects = [LIBRARY[name] for name in names]
-    model = SimpleNamespace(effects=effects, fit=SimpleNamespace(changes={**BARE, **dict(numbers)}))
     held = problem(*names)
-    return laws(SimpleNamespace(heldout=held), model), held
+    return laws(held, effects, {**BARE, **dict(numbers)}, held.sizes.axis_unit), held
 
 
 def test_law_and_residual_differ_by_what_the_whole_model_misses():

@@ -10,7 +10,7 @@ from spirob.report.laws import LOAD, PLACE, SPEED, TIME, Against, Law, against
 from spirob.report.sections.laws import plots, sentence
 from spirob.report.sections.section import Section
 
-ABSENT = "Laws are drawn where an effect is named on a plain rig."
+ABSENT = "Laws are drawn where an effect is named."
 
 
 class RigLaws(Section):
