@@ -24,10 +24,11 @@ from spirob.emulator.physics import (
     sensing,
     tendon,
     turns,
+    whole,
     winch,
 )
 
-ARM = (body, chain, contact, turns, guides, tendon, line)
+ARM = (body, chain, contact, turns, whole, guides, tendon, line)
 DRIVES = (drive, magnets, motor, friction, gear, winch, load, sensing)
 PARTS = (*ARM, *DRIVES)
 

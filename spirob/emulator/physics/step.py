@@ -22,6 +22,7 @@ from spirob.emulator.physics.motor import motors, turn_winches
 from spirob.emulator.physics.sensing import feedback
 from spirob.emulator.physics.tendon import routing, tighten
 from spirob.emulator.physics.turns import EVERY, add_turns, look_round
+from spirob.emulator.physics.whole import factorise_whole, solve_whole
 
 FASTEST = 1e5  # rad/s of units and rotors together; beyond it the state is lost
 
@@ -39,6 +40,15 @@ def add_hinges(w):
 
 
 @compiled
+def answer(w, b, whole):
+    """Overwrite b with H⁻¹b."""
+    if whole:
+        solve_whole(w, b)
+    else:
+        solve(w, b)
+
+
+@compiled
 def step(p, s, w, h):
     """Advance the machine by h; False where the state is lost.  `pose` must be up to date."""
     inertia(p, w)
@@ -50,18 +60,18 @@ def step(p, s, w, h):
     add_hinges(w)
     if contact(p, s, w, h):
         add_contact(w)
-    add_turns(p, s, w, h)
-    if not factorise(w):
+    whole = add_turns(p, s, w, h)
+    if not (factorise_whole(w) if whole else factorise(w)):
         return False
     for i in range(HINGES):
         w.force[i] *= h
-    solve(w, w.force)
+    answer(w, w.force, whole)
     for i in range(HINGES):
         w.force[i] += s.rate[i]
     for m in range(SIDES):
         for i in range(HINGES):
             w.answer[m, i] = w.pull[m, i]
-        solve(w, w.answer[m])
+        answer(w, w.answer[m], whole)
     drive(p, s, w, h)
     motors(p, s, w, h)
     tighten(p, s, w, h)

@@ -7,13 +7,8 @@ Corners of one unit's outline that enter the outline of another are pushed out t
 with the numbers of contact.py and a friction of its own.  Units closer than `APART` never meet:
 their faces do, which is the hinges' stop.
 
-A force between units i < j acts on the angles i..j only, so its stiffness would break the form of
-the system matrix (chain.py).  Instead of h κ J Jᵀ, the diagonal that bounds it goes in,
-
-    h κ |J_m| Σ|J|        (diag(|J|Σ|J|) - J Jᵀ is positive semidefinite: Gershgorin)
-
-which is stable at any step, vanishes with it, and moves no equilibrium.  It adds inertia while
-turns touch, of the order of h κ = 5 g at the contact.
+A force between units i < j acts on the angles i..j only.  Its stiffness and its friction's secant
+are blocks of the system matrix, which is then solved as a whole (whole.py).
 
 Which units may meet within the next millisecond is looked up once in that time.
 """
@@ -22,6 +17,7 @@ import numpy as np
 
 from spirob.emulator.physics.compiled import HINGES, compiled
 from spirob.emulator.physics.contact import nearest_on_unit
+from spirob.emulator.physics.whole import add_block, write_out
 
 APART = 6  # units; six turn by at most 86°
 PAIRS = (HINGES - APART) * (HINGES - APART + 1) // 2
@@ -37,6 +33,7 @@ SCRATCH = {
     "lever_n": (HINGES,),  # how the gap of a contact opens with each angle [m]
     "lever_t": (HINGES,),  # how it slides [m]
     "turn_depth": (),  # deepest penetration [m]
+    "touching": (),  # how many contacts between turns push
 }
 
 
@@ -87,15 +84,17 @@ def _bases(p, s, w):
 
 @compiled
 def add_turns(p, s, w, h):
-    """Add the contacts between turns to the generalised force and to the matrix's diagonal."""
+    """Add the contacts between turns to the generalised force and to the matrix; True where any."""
+    w.touching = 0.0
     if w.pairs == 0.0:
-        return
+        return False
     _bases(p, s, w)
     for n in range(int(w.pairs)):
         i, j = int(w.pair[n, 0]), int(w.pair[n, 1])
         for corner in range(4):
             _enter(p, s, w, h, j, i, corner)
             _enter(p, s, w, h, i, j, corner)
+    return w.touching > 0.0
 
 
 @compiled
@@ -125,7 +124,7 @@ def _enter(p, s, w, h, own, other, corner):
 @compiled
 def _push(p, s, w, h, i, j, x, y, nx, ny, depth):
     """Push unit j along n at the point x, y, and unit i back."""
-    all_n, all_t, opens, slides = 0.0, 0.0, 0.0, 0.0
+    opens, slides = 0.0, 0.0
     for m in range(i, j + 1):
         # how the point moves on unit j, less how it moves on unit i
         ax, ay = -p.length[m] * w.sine[m], p.length[m] * w.cosine[m]
@@ -136,8 +135,6 @@ def _push(p, s, w, h, i, j, x, y, nx, ny, depth):
             ay -= x - w.base[i, 0]
         along, across = nx * ax + ny * ay, nx * ay - ny * ax
         w.lever_n[m], w.lever_t[m] = along, across
-        all_n += abs(along)
-        all_t += abs(across)
         opens += along * s.rate[m]
         slides += across * s.rate[m]
     stiff = h * p.contact_stiffness + p.contact_damping
@@ -147,6 +144,9 @@ def _push(p, s, w, h, i, j, x, y, nx, ny, depth):
         return
     drag = p.self_friction * push / np.sqrt(slides * slides + p.creep_speed**2)
     for m in range(i, j + 1):
-        along, across = w.lever_n[m], w.lever_t[m]
-        w.force[m] += push * along - drag * slides * across
-        w.diagonal[m] += h * (stiff * abs(along) * all_n + drag * abs(across) * all_t)
+        w.force[m] += push * w.lever_n[m] - drag * slides * w.lever_t[m]
+    if w.touching == 0.0:
+        write_out(w)
+    w.touching += 1.0
+    add_block(w, w.lever_n, i, j, h * stiff)
+    add_block(w, w.lever_t, i, j, h * drag)
