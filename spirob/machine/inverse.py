@@ -121,6 +121,15 @@ class InverseProblem:
         first = self.recordings[0]
         return first.last(first.smooth(values))
 
+    def filtered(self, effort: np.ndarray) -> np.ndarray:
+        """An effort at every sample of every piece, (n,), as the measured one is compared, (N,)."""
+        parts, k = [], 0
+        for recording in self.recordings:
+            for piece in recording.pieces:
+                parts.append(recording.smooth(effort[k : k + len(piece.q)]))
+                k += len(piece.q)
+        return self._thin(self._smooth(np.concatenate(parts)))
+
     def signals(self) -> dict[str, np.ndarray]:
         """Position, speed, acceleration, time and angle of the motor along the residual, (N,)."""
         motion = self.asked.motion

@@ -45,12 +45,17 @@ def loop_of(effect: type[Effect]) -> Callable[..., None]:
     out, upstream  (n,);  reads (r, n) in the order of `effect.reads`;  p (numbers,) in order
     starts  (pieces + 1,) where memory begins anew;  steps  (pieces,) sample periods [s]
     """
-    return _load(_source(effect)).run  # type: ignore[no-any-return]
+    return load(_source(effect)).run  # type: ignore[no-any-return]
+
+
+def function(source: Callable[..., object], name: str) -> str:
+    """The text of a function, under another name and without its decorators."""
+    text = textwrap.dedent(inspect.getsource(source)).replace("@staticmethod\n", "")
+    return re.sub(r"def \w+\(", f"def {name}(", text, count=1)
 
 
 def _source(effect: type[Effect]) -> str:
-    kernel = textwrap.dedent(inspect.getsource(effect.kernel)).replace("@staticmethod\n", "")
-    kernel = re.sub(r"def \w+\(", "def kernel(", kernel, count=1)
+    kernel = function(effect.kernel, "kernel")
     places = {"upstream": "upstream[k]", "dt": "dt"}
     places |= {argument: f"reads[{k}, k]" for k, argument in enumerate(effect.reads)}
     places |= {field: f"p[{k}]" for k, field in enumerate(effect.parameters())}
@@ -70,7 +75,8 @@ def is_pipe(effect: type[Effect]) -> bool:
 
 
 @cache
-def _load(source: str) -> ModuleType:
+def load(source: str) -> ModuleType:
+    """The module of a generated source, written once to a cache and compiled at its first call."""
     name = "kernel_" + hashlib.sha256(source.encode()).hexdigest()[:20]
     folder = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "spirob"
     path = folder / f"{name}.py"
