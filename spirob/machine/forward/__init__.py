@@ -99,7 +99,7 @@ class _Axis:
             out,
             segments,
             motion.steps[np.searchsorted(motion.starts, segments[:, 0], "right") - 1],
-            np.array([motion.seconds, motion.q, motion.v]),
+            np.array([motion.seconds, motion.q, motion.v, motion.a]),
             given,
             np.array(control or np.zeros(6)),
             np.array(own),
