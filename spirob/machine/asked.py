@@ -53,7 +53,7 @@ class AskedEffort:
 
     def effort(self, p: np.ndarray) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table."""
-        motion = self._seen(p)
+        motion = self.seen(p)
         own = {name: p[self.table.position(f"rig.{name}")] for name in NUMBERS}
         load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
         tip = sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass"))
@@ -69,9 +69,9 @@ class AskedEffort:
             effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
         for effect in self.present("sensing.frame", p):
             # the motion in the frame is late: compare with the command of that time
-            late = self._in_cycles(effect, p, motion)
-            effort = effort + motion.effort - late
-        return _late(effort, float(own["delay"]), motion)
+            aged = self.in_cycles(effect, p, motion)
+            effort = effort + motion.effort - aged
+        return late(effort, float(own["delay"]), motion)
 
     def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
         """The effects at a port that are not neutral."""
@@ -150,7 +150,7 @@ class AskedEffort:
         )
         return out
 
-    def _in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
+    def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
         """The measured effort through a kernel that remembers some cycles of a bus, (n,).
 
         A log may be faster than any bus: its samples are then dealt out to as many rows, each at
@@ -190,7 +190,7 @@ class AskedEffort:
             self._known[key] = self.run(effect, p, motion, signals, None)
         return self._known[key]
 
-    def _seen(self, p: np.ndarray) -> Motion:
+    def seen(self, p: np.ndarray) -> Motion:
         """The motion with errors of its sensor taken out."""
         wrong = self.present("sensing.displacement", p)
         if not wrong:
@@ -205,7 +205,7 @@ class AskedEffort:
         return [e for e in self.effects if e.port == port]
 
 
-def _late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
+def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
     """e(t - δ): whole samples by moving rows, the rest, half a sample at most, to second order."""
     if delay == 0.0:
         return effort

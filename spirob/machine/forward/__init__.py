@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from spirob.machine.asked import ADDED, BEFORE, READ
-from spirob.machine.forward.steps import loop_of
-from spirob.machine.forward.torque import OWN, memory_of
+from spirob.machine.forward.axis import Axis
+from spirob.machine.forward.effort import drive_reading, logged
+from spirob.machine.forward.horizons import WINDOW, horizons
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.rig import EFFORTS
-
-WINDOW = 0.5  # s, of a short horizon that starts again from the measured motion
 
 
 @dataclass(frozen=True)
@@ -46,10 +44,10 @@ def possible(problem: InverseProblem, changes: Mapping[str, float]) -> str:
 
 def open_loop(problem: InverseProblem, changes: Mapping[str, float]) -> Motion:
     """Play the measured effort and compare the motion."""
-    axis, motion = _Axis(problem, changes), problem.asked.motion
-    given = axis.behind_sensor()
-    short = axis.run(_segments(problem, WINDOW), given)[0] - motion.q
-    long = axis.run(_segments(problem, np.inf), given)[0] - motion.q
+    axis = Axis(problem, changes)
+    given = drive_reading(problem.asked, axis.p)
+    short = axis.run(horizons(problem, WINDOW), given)[0] - axis.motion.q
+    long = axis.run(horizons(problem, np.inf), given)[0] - axis.motion.q
     return Motion(_rms(short), _rms(long), None)
 
 
@@ -62,66 +60,13 @@ def closed_loop(problem: InverseProblem, changes: Mapping[str, float]) -> Motion
     gains = [1.0, control.position, control.velocity, control.integral, factor, limit]
     references = [p.reference for r in problem.recordings for p in r.pieces]
     goal = np.concatenate([r for r in references if r is not None])
-    axis, motion = _Axis(problem, changes), problem.asked.motion
-    q, _, effort = axis.run(_segments(problem, np.inf), goal, gains)
-    wrong = problem.filtered(effort) - problem.measured()
-    return Motion(None, _rms(q - motion.q), _rms(wrong))
-
-
-class _Axis:
-    """One axis with the effects that are not neutral."""
-
-    def __init__(self, problem: InverseProblem, changes: Mapping[str, float]):
-        self.problem, self._p = problem, problem.table.vector(changes)
-        ports = [*BEFORE, "winch.efficiency", *ADDED]
-        self._effects = [e for port in ports for e in problem.asked.present(port, self._p)]
-
-    def behind_sensor(self) -> np.ndarray:
-        """The effort itself, from its reading; a lag of milliseconds moves nothing to be seen."""
-        asked, motion = self.problem.asked, self.problem.asked.motion
-        effort = motion.effort
-        for effect in (e for port in reversed(READ) for e in asked.present(port, self._p)):
-            if not effect.state:
-                effort = 2 * effort - asked.run(effect, self._p, motion, {}, effort)
-        return effort
-
-    def run(
-        self, segments: np.ndarray, given: np.ndarray, control: list[float] | None = None
-    ) -> np.ndarray:
-        """Position, speed and effort along all pieces, (3, n), from the measured state of each."""
-        problem, motion = self.problem, self.problem.asked.motion
-        get = problem.table.position
-        cells = {"REST": problem.rest_speed, "ANGLE": problem.sizes.angle}
-        own = [cells[x] if x in cells else self._p[get(f"rig.{x.lower()}")] for x in OWN]
-        numbers = [x for e in self._effects for x in problem.asked.values(e, self._p).values()]
-        out = np.zeros((3, len(motion.q)))
-        loop_of(self._effects)(
-            out,
-            segments,
-            motion.steps[np.searchsorted(motion.starts, segments[:, 0], "right") - 1],
-            np.array([motion.seconds, motion.q, motion.v, motion.a]),
-            given,
-            np.array(control or np.zeros(6)),
-            np.array(own),
-            np.array(numbers, float),
-            np.array(memory_of(self._effects)),
-        )
-        return out
-
-
-def _segments(problem: InverseProblem, length: float) -> np.ndarray:
-    """First and last row of horizons of that many seconds, none across pieces, (s, 2)."""
-    found = []
-    motion = problem.asked.motion
-    for k, step in enumerate(motion.steps):
-        begin, end = int(motion.starts[k]), int(motion.starts[k + 1])
-        rows = int(min(max(2, np.round(length / step)), end - begin))
-        # a last row alone would be compared with itself
-        found += [
-            (row, min(end, row + rows)) for row in range(begin, max(end - 1, begin + 1), rows)
-        ]
-    return np.array(found)
+    axis = Axis(problem, changes)
+    q, _, effort = axis.run(horizons(problem, np.inf), goal, gains)
+    # before and after the horizon nothing was asked for, and filters need something there
+    effort = np.where(np.isnan(effort), axis.motion.effort, effort)
+    wrong = problem.filtered(logged(problem.asked, axis.p, effort)) - problem.measured()
+    return Motion(None, _rms(q - axis.motion.q), _rms(wrong))
 
 
 def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return float(np.sqrt(np.nanmean(values**2)))

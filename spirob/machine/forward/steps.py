@@ -28,16 +28,18 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
     """run(out, segments, steps, motion, given, control, own, p, start), compiled for these effects.
 
     out       (3, n): position, speed and effort; rows of no segment stay as they are
-    segments  (s, 2): first row of each and the one behind its last;  steps (s,) their period [s]
-    motion    (4, n): time, position, speed, acceleration as measured; a segment begins there
+    segments  (s, 3): where its piece begins, its first row, the one behind its last; in order
+    steps     (s,): sample period [s]
+    motion    (5, n): time, position, speed, acceleration, effort as measured.  A segment begins
+              there, with the memory that effects have of the measured motion of its piece before
     given     (n,): effort at each row, linear in between, or position to follow where a controller
               runs, which then holds its effort from row to row
     control   (6,): 1 where it runs, position, velocity and integral gain, factor to SI, limit in SI
-    own, p    as `torque` takes them;  start (m,) what the memory of each segment begins with
+    own, p    as `torque` takes them;  start (m,) what memory begins with
     """
     constants = f"NUDGE, FAR, LONGEST = {NUDGE!r}, {FAR!r}, {LONGEST!r}"
     parts = [generated.source(effects), constants]
-    pasted = (asked, total, grown, step, run)
+    pasted = (asked, total, grown, step, follow, run)
     parts += [f"@njit(cache=True)\n{function(f, f.__name__)}" for f in pasted]
     return load("\n\n".join(parts)).run
 
@@ -72,14 +74,29 @@ def step(time, q, v, a, effort, h, own, p, memory, following, aside):
     return middle + 0.5 * h * (v + h * a), v + h * a, a
 
 
+def follow(begin, end, dt, parts, motion, own, p, memory, following):
+    """Let the effects remember the measured motion from one row to another."""
+    for k in range(begin, end):
+        for part in range(parts):
+            x = (part + 0.5) / parts
+            time, q, v, a, effort = (1.0 - x) * motion[:, k] + x * motion[:, k + 1]
+            total(time, q, v, a, effort, dt / parts, own, p, memory, following)
+            memory[:] = following
+
+
 def run(out, segments, steps, motion, given, control, own, p, start):
     """Every segment from its measured state; see `loop_of`."""
-    memory, following, aside = start.copy(), start.copy(), start.copy()
+    past, memory, following, aside = start.copy(), start.copy(), start.copy(), start.copy()
+    reached = -1
     for s in range(len(segments)):
-        memory[:] = start
-        first, last = segments[s, 0], segments[s, 1]
+        begin, first, last = segments[s]
         parts = max(1, math.ceil(steps[s] / LONGEST - 1e-6))
         h, wound = steps[s] / parts, 0.0
+        if len(start) > 0:
+            if reached < begin:
+                past[:], reached = start, begin
+            follow(reached, first, steps[s], parts, motion, own, p, past, following)
+            memory[:], reached = past, first
         q, v, a = motion[1, first], motion[2, first], motion[3, first]
         for k in range(first, last):
             effort, rise = given[k], given[min(k + 1, last - 1)] - given[k]

@@ -18,6 +18,11 @@ from numba import njit
 '''
 TORQUE = """@njit(cache=True)
 def torque(time, q, v, load, effort, dt, own, p, memory, following):
+    wanted = effort
+    for _ in range({passes}):
+        seen = effort
+{sensor}
+        effort += wanted - seen
     passed = effort
 {pipes}
     share = 1.0
@@ -35,6 +40,7 @@ SIGNALS = {  # what a kernel reads -> expression in the loop
     "motor.command": "effort",
     "motor.load_torque": "load",
 }
+PASSES = 10  # of the solution for the effort behind the sensor, which the drive regulates
 OWN = ("INERTIA", "VISCOUS", "STIFFNESS", "SCALE", "REST", "ANGLE")  # cells of `own`
 
 
@@ -47,13 +53,16 @@ def source(effects: Sequence[type[Effect]]) -> str:
     """Text of `torque` and of the kernels that it calls.
 
     torque(time, q, v, load, effort, dt, own, p, memory, following) gives the torque that the drive
-    and the effects put on the axis [N·m or N].  `own` holds the axis' numbers in the order of OWN,
-    `p` those of the effects one after the other, `memory` their states, of which `following` gets
-    the next.
+    and the effects put on the axis [N·m or N] where the drive's sensor reads `effort`.  `own` holds
+    the axis' numbers in the order of OWN, `p` those of the effects one after the other, `memory`
+    their states, of which `following` gets the next.
     """
     kernels = [f"@njit(cache=True)\n{function(e.kernel, _name(e))}" for e in effects]
     cells = "\n".join(f"{name} = {k}" for k, name in enumerate(OWN))
+    sensor = _calls(effects, ("sensing.current",), "seen").replace("    ", "        ")
     body = TORQUE.format(
+        passes=PASSES if sensor else 0,
+        sensor=sensor,
         pipes=_calls(effects, BEFORE, "passed"),
         shares=_calls(effects, ("winch.efficiency",), "share"),
         added=_calls(effects, ADDED, ""),
