@@ -56,7 +56,7 @@ class AskedEffort:
         motion = self.seen(p)
         own = {name: p[self.table.position(f"rig.{name}")] for name in NUMBERS}
         load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
-        tip = sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass"))
+        tip = self.tip_mass(p)
         if tip:
             load = load + tip / self.sizes.mass * motion.body["payload"]
         needed = load + own["viscous"] * motion.v
@@ -72,6 +72,10 @@ class AskedEffort:
             aged = self.in_cycles(effect, p, motion)
             effort = effort + motion.effort - aged
         return late(effort, float(own["delay"]), motion)
+
+    def tip_mass(self, p: np.ndarray) -> float:
+        """What the body carries at its tip [kg]."""
+        return float(sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass")))
 
     def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
         """The effects at a port that are not neutral."""

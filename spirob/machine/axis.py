@@ -18,7 +18,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.document import document
 from spirob.machine.flexible import Ceiling, ceiling
-from spirob.machine.forward import closed_loop, open_loop, possible
+from spirob.machine.forward import Forward
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
@@ -140,13 +140,13 @@ def _ceiling(search: Search, model: Model) -> Ceiling:
 
 def _forward(search: Search, found: Found) -> dict[str, Any]:
     """What the models predict of the motion, rung by rung, or why they cannot."""
-    problem = search.heldout
-    play = closed_loop if problem.rig.predict == "closed_loop" else open_loop
+    problem, forward = search.heldout, Forward(search.heldout)
+    play = forward.closed_loop if problem.rig.predict == "closed_loop" else forward.open_loop
     rungs = []
     for model in found.rungs:
-        if reason := possible(problem, model.fit.changes):
+        if reason := forward.absent(model.fit.changes):
             return {"absent": reason}
-        errors = play(problem, model.fit.changes).as_dict()
+        errors = play(model.fit.changes).as_dict()
         rungs.append({"effects": [e.name() for e in model.effects], **errors})
     unit = problem.sizes.axis_unit
     return {"unit": unit, "effort_unit": problem.effort.unit, "rungs": rungs}

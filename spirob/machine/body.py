@@ -7,6 +7,8 @@ multiply themselves or load code are refused.
 """
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import mujoco
@@ -50,16 +52,32 @@ class RigidBody:
         payload   what one `unit_mass` [kg] at the tip adds, 0 without a tip
         along, across   torque of the weight if gravity pointed along +x or +y
         """
-        motion = [self._motion(piece, k) for k in range(3)]
-        self._within_range(motion[0])
-        found = {name: np.zeros(len(piece.q)) for name in ("load", "payload", "along", "across")}
+        self._within_range(self._motion(piece, 0))
+        load = self.load(piece)
+        return {
+            "load": load,
+            "payload": self.payload(piece, unit_mass, load),
+            **self.weights(piece),
+        }
+
+    def load(self, piece: Piece) -> np.ndarray:
+        """Effort at the driven axis along a piece, (n,) [N·m or N]."""
+        return self._inverse(*(self._motion(piece, k) for k in range(3)))
+
+    def payload(self, piece: Piece, mass: float, load: np.ndarray) -> np.ndarray:
+        """What a mass [kg] at the tip adds to `load` along a piece, (n,); 0 without a tip."""
+        if self.body.tip is None:
+            return np.zeros(len(piece.q))
+        return self._with_payload(mass, *(self._motion(piece, k) for k in range(3))) - load
+
+    def weights(self, piece: Piece) -> dict[str, np.ndarray]:
+        """Torque of the weight if gravity pointed "along" +x or "across", along +y, (n,) each."""
+        found = {name: np.zeros(len(piece.q)) for name in ("along", "across")}
         gravity = self.model.opt.gravity.copy()
         size = float(np.linalg.norm(gravity))
-        found["load"] = self._inverse(*motion)
-        if self.body.tip is not None:
-            found["payload"] = self._with_payload(unit_mass, *motion) - found["load"]
         if size > 0.0:
-            rest = [motion[0], np.zeros_like(motion[1]), np.zeros_like(motion[2])]
+            q = self._motion(piece, 0)
+            rest = [q, np.zeros_like(q), np.zeros_like(q)]
             self.model.opt.gravity[:] = 0.0
             nothing = self._inverse(*rest)
             for name, axis in (("along", 0), ("across", 1)):
@@ -69,6 +87,32 @@ class RigidBody:
                 found[name] = nothing - self._inverse(*rest)
             self.model.opt.gravity[:] = gravity
         return found
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Positions of a driven joint that a log may reach; a tendon's follow from its joint."""
+        joint = self.model.dof_jntid[self._driven]
+        if self.body.joint is None or not self.model.jnt_limited[joint]:
+            return -np.inf, np.inf
+        low, high = (float(x) for x in self.model.jnt_range[joint])
+        slack = BEYOND * (high - low)
+        return low - slack, high + slack
+
+    @property
+    def rubs(self) -> bool:
+        """Whether the model file holds dry friction."""
+        model = self.model
+        return bool(np.any(model.dof_frictionloss > 0) or np.any(model.tendon_frictionloss > 0))
+
+    @contextmanager
+    def without_dry_friction(self) -> Iterator[None]:
+        """For as long as this lasts the model's dry friction is switched off."""
+        kept = int(self.model.opt.disableflags)
+        self.model.opt.disableflags = kept | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
+        try:
+            yield
+        finally:
+            self.model.opt.disableflags = kept
 
     def _within_range(self, q: np.ndarray) -> None:
         """Raise where a joint goes far beyond what the model allows it."""

@@ -39,7 +39,8 @@ class InverseProblem:
         sizes: Sizes,
         rest_speed: float,
     ):
-        self.rig, self.recordings, self.sizes = rig, list(recordings), sizes
+        self.rig, self.body, self.sizes = rig, body, sizes
+        self.recordings = list(recordings)
         self.effects, self.rest_speed = list(effects), rest_speed
         self._table = table_of(rig, effects, sizes)
         motion = motion_of(self.recordings, body, sizes.mass)
@@ -129,6 +130,10 @@ class InverseProblem:
                 parts.append(recording.smooth(effort[k : k + len(piece.q)]))
                 k += len(piece.q)
         return self._thin(self._smooth(np.concatenate(parts)))
+
+    def thinned(self, values: np.ndarray) -> np.ndarray:
+        """Of values at every sample of every piece, (n,), those that are compared, (N,)."""
+        return self._thin(values)
 
     def signals(self) -> dict[str, np.ndarray]:
         """Position, speed, acceleration, time and angle of the motor along the residual, (N,)."""

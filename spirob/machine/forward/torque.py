@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 '''
 TORQUE = """@njit(cache=True)
-def torque(time, q, v, load, effort, dt, own, p, memory, following):
+def torque(time, q, v, load, effort, dt, own, at, p, memory, following):
     wanted = effort
     for _ in range({passes}):
         seen = effort
@@ -39,9 +39,16 @@ SIGNALS = {  # what a kernel reads -> expression in the loop
     "motor.current": "effort",
     "motor.command": "effort",
     "motor.load_torque": "load",
+    "hinge.angle": "q",
+    "hinge.speed": "v",
+    "hinge.stiffness": "own[HINGE]",
+    "hinge.weight_x": "at[ALONG]",
+    "hinge.weight_y": "at[ACROSS]",
 }
 PASSES = 10  # of the solution for the effort behind the sensor, which the drive regulates
-OWN = ("INERTIA", "VISCOUS", "STIFFNESS", "SCALE", "REST", "ANGLE")  # cells of `own`
+OWN = ("INERTIA", "VISCOUS", "STIFFNESS", "SCALE", "REST", "ANGLE", "HINGE")  # cells of `own`
+# of the body at a position: F = M·a + g + d·v + c·v² + dry·sign(v), and of `RigidBody.weights`
+AT = ("MASS", "STANDING", "LINEAR", "SQUARE", "DRY", "ALONG", "ACROSS")
 
 
 def memory_of(effects: Sequence[type[Effect]]) -> list[float]:
@@ -52,13 +59,13 @@ def memory_of(effects: Sequence[type[Effect]]) -> list[float]:
 def source(effects: Sequence[type[Effect]]) -> str:
     """Text of `torque` and of the kernels that it calls.
 
-    torque(time, q, v, load, effort, dt, own, p, memory, following) gives the torque that the drive
-    and the effects put on the axis [N·m or N] where the drive's sensor reads `effort`.  `own` holds
-    the axis' numbers in the order of OWN, `p` those of the effects one after the other, `memory`
-    their states, of which `following` gets the next.
+    torque(time, q, v, load, effort, dt, own, at, p, memory, following) gives the torque that drive
+    and effects put on the axis [N·m or N] where the drive's sensor reads `effort`.  `own` holds the
+    axis' numbers in the order of OWN, `at` what AT says of the body there, `p` the numbers of the
+    effects one after the other, `memory` their states, of which `following` gets the next.
     """
     kernels = [f"@njit(cache=True)\n{function(e.kernel, _name(e))}" for e in effects]
-    cells = "\n".join(f"{name} = {k}" for k, name in enumerate(OWN))
+    cells = "\n".join(f"{name} = {k}" for row in (OWN, AT) for k, name in enumerate(row))
     sensor = _calls(effects, ("sensing.current",), "seen").replace("    ", "        ")
     body = TORQUE.format(
         passes=PASSES if sensor else 0,

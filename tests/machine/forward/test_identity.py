@@ -7,7 +7,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.machine.candidates import applicable
-from spirob.machine.forward import open_loop
+from spirob.machine.forward import Forward
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
 from spirob.machine.recording import prepare
@@ -50,7 +50,7 @@ def test_the_effort_that_is_asked_for_gives_the_motion(effect):
     made = asked_for({})
     numbers = {f"{effect.name()}.{n}" for n in effect.parameters()}
     changes = BASE | {n: made.table.about[n].nominal for n in numbers}
-    found = open_loop(asked_for(changes), changes)
+    found = Forward(asked_for(changes)).open_loop(changes)
     limit = LIMITS.get(effect.name(), SMOOTH)
     assert found.window < limit
     assert found.whole < limit
@@ -58,13 +58,13 @@ def test_the_effort_that_is_asked_for_gives_the_motion(effect):
 
 def test_a_log_whose_effort_trails_is_played_at_its_time():
     late = BASE | {"rig.delay": 3.3e-3}
-    assert open_loop(asked_for(late), late).whole < 2 * SMOOTH
-    assert open_loop(asked_for(late), BASE).whole > 10 * SMOOTH
+    assert Forward(asked_for(late)).open_loop(late).whole < 2 * SMOOTH
+    assert Forward(asked_for(late)).open_loop(BASE).whole > 10 * SMOOTH
 
 
 def test_a_report_that_lags_is_played_as_it_was():
     """Of 20 ms nothing is left; played as reported they are 0.15 of ±1.3 rad."""
     rig, effects = RigFile.model_validate(description()), [all_effects()["current_lag"]]
     lag = BASE | {"current_lag.time": 0.02}
-    assert open_loop(asked_for(lag, rig, effects), lag).whole < 10 * SMOOTH
-    assert open_loop(asked_for(lag, rig, effects), BASE).whole > 100 * SMOOTH
+    assert Forward(asked_for(lag, rig, effects)).open_loop(lag).whole < 10 * SMOOTH
+    assert Forward(asked_for(lag, rig, effects)).open_loop(BASE).whole > 100 * SMOOTH

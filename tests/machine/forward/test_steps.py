@@ -5,7 +5,7 @@ import pytest
 
 from spirob.effects import find_effects
 from spirob.machine.forward import steps
-from spirob.machine.forward.torque import OWN, memory_of
+from spirob.machine.forward.torque import AT, OWN, memory_of
 
 NONE = (0.0,) * 6
 
@@ -14,7 +14,7 @@ def played(h, seconds, own, at=(0.0, 0.0), effort=np.zeros_like, effects=(), num
     """Time, and position, speed and effort of an axis from a state."""
     found = find_effects(list(effects))
     t = np.arange(round(seconds / h) + 1) * h
-    out, motion = np.empty((3, len(t))), np.zeros((5, len(t)))
+    out, motion = np.empty((3, len(t))), np.zeros((6, len(t)))
     motion[0], motion[1], motion[2] = t, *at
     cells = {"INERTIA": 0.05, "VISCOUS": 0.0, "STIFFNESS": 0.0, "SCALE": 1.0, "REST": 0.02}
     cells |= {"ANGLE": 1.0, **own}
@@ -28,6 +28,8 @@ def played(h, seconds, own, at=(0.0, 0.0), effort=np.zeros_like, effects=(), num
         np.array([cells.get(x, 0.0) for x in OWN]),
         np.array(numbers, float),
         np.array(memory_of(found)),
+        np.zeros((1, 0, len(AT))),
+        np.ones(2),
     )
     return t, out
 
