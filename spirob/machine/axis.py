@@ -16,14 +16,14 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
-from spirob.machine.document import document
+from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
-from spirob.machine.forward import Forward
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
 from spirob.machine.models import Model
 from spirob.machine.plausible import doubts, oddities
+from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
 from spirob.machine.rig import ANGLES, RigFile
 from spirob.machine.search import Found, Search
@@ -41,6 +41,7 @@ class Diagnosis:
     overlay     per sample: trial, role, time, position, measured, base, named
     parameters  of the bare model, for the page
     laws        per held-out sample what each effect of the chosen model does
+    motion      measured and predicted, see `predicted`; None where it was not asked for
     """
 
     document: dict[str, Any]
@@ -48,6 +49,7 @@ class Diagnosis:
     parameters: dict[str, Any]
     identifiability: str
     laws: pd.DataFrame
+    motion: pd.DataFrame | None = None
 
 
 def diagnose_recordings(
@@ -118,14 +120,17 @@ def _finish(
     notes = [*repairs, *oddities(search, chosen)]
     regimes = atlas(search.train, bare.fit.residual)
     written = document(rig, search, found, judgement, rest, regimes, notes, excluded)
+    curves = None
     if rig.predict != "effort":
-        written["motion"] = _forward(search, found)
+        motion, curves = predicted(search, found)
+        written["motion"] = plain(motion)
     return Diagnosis(
         written,
         overlay(search, bare.fit, chosen.fit),
         parameters(search, bare.fit),
         gate.sentence,
         laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
+        curves,
     )
 
 
@@ -136,17 +141,3 @@ def _stroke(recordings: list[Recording]) -> float:
 def _ceiling(search: Search, model: Model) -> Ceiling:
     problems = search.train, search.heldout
     return ceiling(*problems, model.fit.residual, model.heldout, search.models.folds)
-
-
-def _forward(search: Search, found: Found) -> dict[str, Any]:
-    """What the models predict of the motion, rung by rung, or why they cannot."""
-    problem, forward = search.heldout, Forward(search.heldout)
-    play = forward.closed_loop if problem.rig.predict == "closed_loop" else forward.open_loop
-    rungs = []
-    for model in found.rungs:
-        if reason := forward.absent(model.fit.changes):
-            return {"absent": reason}
-        errors = play(model.fit.changes).as_dict()
-        rungs.append({"effects": [e.name() for e in model.effects], **errors})
-    unit = problem.sizes.axis_unit
-    return {"unit": unit, "effort_unit": problem.effort.unit, "rungs": rungs}

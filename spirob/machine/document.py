@@ -69,7 +69,7 @@ def document(
         "numbers": _numbers(found.chosen, "rig"),
         "left": {"share": rest.share, "alone": rest.alone},
     }
-    return _plain(written)  # type: ignore[no-any-return]
+    return plain(written)  # type: ignore[no-any-return]
 
 
 def _numbers(model: Model, owner: str) -> dict[str, Any]:
@@ -163,11 +163,12 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _plain(node: Any) -> Any:
+def plain(node: Any) -> Any:
+    """Plain data of nine digits; a number that is not finite becomes null."""
     if isinstance(node, dict):
-        return {str(key): _plain(value) for key, value in node.items()}
+        return {str(key): plain(value) for key, value in node.items()}
     if isinstance(node, list | tuple):
-        return [_plain(value) for value in node]
+        return [plain(value) for value in node]
     if isinstance(node, float | np.floating):
         return float(f"{node:.9g}") if math.isfinite(node) else None
     return node

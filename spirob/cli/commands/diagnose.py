@@ -53,6 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         command,
         out / "index.html",
         found.laws,
+        found.motion,
     )
     for repair in found.document["repairs"]:
         if not arguments.quiet:

@@ -13,26 +13,24 @@ import numpy as np
 from spirob.machine.forward.axis import Axis
 from spirob.machine.forward.body_table import BodyTable
 from spirob.machine.forward.effort import drive_reading, logged
+from spirob.machine.forward.errors import error, guesses, motion_errors, numbered
 from spirob.machine.forward.horizons import WINDOW, horizons
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.motion import Motion
 from spirob.machine.rig import EFFORTS
 
 
 @dataclass(frozen=True)
-class Motion:
-    """Errors of a simulated motion on one role's trials; position in the axis' SI unit.
+class Prediction:
+    """The motion that a model predicts along all pieces of one role, NaN where it does not.
 
-    window  RMS error of position over half-second horizons;  whole  from the start of each piece
-    effort  RMS error of the effort that the controller asked for; None without a controller
+    motion  the measured one;  long  (3, n) position, speed, effort from the start of each piece
+    short   (3, n) the same where every half second begins anew; None under a controller
     """
 
-    window: float | None
-    whole: float
-    effort: float | None
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers."""
-        return {"window": self.window, "whole": self.whole, "effort": self.effort}
+    motion: Motion
+    long: np.ndarray
+    short: np.ndarray | None
 
 
 class Forward:
@@ -41,6 +39,8 @@ class Forward:
     def __init__(self, problem: InverseProblem):
         self.problem = problem
         self._body = BodyTable(problem) if problem.body else None
+        self._long, self._short = horizons(problem, np.inf), horizons(problem, WINDOW)
+        self._controlled = problem.rig.predict == "closed_loop"
 
     def absent(self, changes: Mapping[str, float]) -> str:
         """Why this model cannot be run forward; empty where it can."""
@@ -50,34 +50,69 @@ class Forward:
             return ""
         return "without inertia the speed does not follow from a balance"
 
-    def open_loop(self, changes: Mapping[str, float]) -> Motion:
-        """Play the measured effort and compare the motion."""
-        problem = self.problem
+    def predicted(self, changes: Mapping[str, float]) -> Prediction:
+        """What the rig asks to be predicted: under the measured effort, or under its controller."""
         axis = self._axis(changes)
-        given = drive_reading(problem.asked, axis.p)
-        short = axis.run(horizons(problem, WINDOW), given)[0] - axis.motion.q
-        long = axis.run(horizons(problem, np.inf), given)[0] - axis.motion.q
-        return Motion(_rms(short), _rms(long), None)
+        if self._controlled:
+            return Prediction(axis.motion, axis.run(self._long, self._goal(), self._gains()), None)
+        given = drive_reading(self.problem.asked, axis.p)
+        return Prediction(axis.motion, axis.run(self._long, given), axis.run(self._short, given))
 
-    def closed_loop(self, changes: Mapping[str, float]) -> Motion:
-        """Follow the logged reference under the rig's controller; compare motion and effort."""
-        problem, control = self.problem, self.problem.rig.control
-        assert control is not None
-        factor = EFFORTS[problem.rig.effort.kind][problem.rig.effort.unit]
-        limit = np.inf if control.limit is None else control.limit * factor
-        gains = [1.0, control.position, control.velocity, control.integral, factor, limit]
-        references = [p.reference for r in problem.recordings for p in r.pieces]
-        goal = np.concatenate([r for r in references if r is not None])
-        axis = self._axis(changes)
-        q, _, effort = axis.run(horizons(problem, np.inf), goal, gains)
+    def errors(self, changes: Mapping[str, float], found: Prediction) -> dict[str, Any]:
+        """RMS errors of a prediction with 95 % intervals.
+
+        window  of half-second horizons, as drawn again;  whole  from the start of each piece, whole
+        pieces drawn again, because such an error grows and no half second of it is like another
+        effort  under a controller, whose errors do not grow: there half seconds are drawn
+        """
+        out: dict[str, Any] = {"window": None, "effort": None}
+        out["whole"] = motion_errors(found.motion, found.long, self._blocks)
+        if found.short is not None:
+            out["window"] = motion_errors(found.motion, found.short, self._windows)
+            return out
+        problem, p = self.problem, self.problem.table.vector(changes)
         # before and after the horizon nothing was asked for, and filters need something there
-        effort = np.where(np.isnan(effort), axis.motion.effort, effort)
-        wrong = problem.filtered(logged(problem.asked, axis.p, effort)) - problem.measured()
-        return Motion(None, _rms(q - axis.motion.q), _rms(wrong))
+        effort = np.where(np.isnan(found.long[2]), found.motion.effort, found.long[2])
+        asked = problem.filtered(logged(problem.asked, p, effort))
+        out["effort"] = error(problem.measured(), asked, problem.thinned(self._windows))
+        return out
+
+    def guessed(self) -> dict[str, dict[str, Any]]:
+        """The errors of guesses that need no model, by their names."""
+        motion = self.problem.asked.motion
+        long, short = guesses(motion, self._long), guesses(motion, self._short)
+        found: dict[str, dict[str, Any]] = {}
+        for name, whole in long.items():
+            window = motion_errors(motion, short[name], self._windows)
+            found[name] = {
+                "window": None if self._controlled else window,
+                "whole": motion_errors(motion, whole, self._blocks),
+                "effort": None,
+            }
+        return found
+
+    @property
+    def _windows(self) -> np.ndarray:
+        return numbered(self._short, len(self.problem.asked.motion.q))
+
+    @property
+    def _blocks(self) -> np.ndarray:
+        """What is drawn again of a whole log."""
+        if self._controlled:
+            return self._windows
+        return numbered(self._long, len(self.problem.asked.motion.q))
 
     def _axis(self, changes: Mapping[str, float]) -> Axis:
         return Axis(self.problem, self._body, changes)
 
+    def _goal(self) -> np.ndarray:
+        references = [p.reference for r in self.problem.recordings for p in r.pieces]
+        return np.concatenate([r for r in references if r is not None])
 
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))
+    def _gains(self) -> list[float]:
+        rig = self.problem.rig
+        control = rig.control
+        assert control is not None
+        factor = EFFORTS[rig.effort.kind][rig.effort.unit]
+        limit = np.inf if control.limit is None else control.limit * factor
+        return [1.0, control.position, control.velocity, control.integral, factor, limit]

@@ -7,7 +7,6 @@ import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot, blank
-from spirob.report.numbers import number
 from spirob.report.overlay import LOOKS
 from spirob.report.sections.section import Section
 
@@ -32,31 +31,7 @@ class RigOverlay(Section):
             label = f"{trial}, {'held out' if role == 'test' else 'fitted'}"
             figure = trial_figure(rows, named, diagnosis["effort"], diagnosis["unit"])
             plots.append((label, Plot(f"trial-{k}", f"Measured and modelled: {label}", figure)))
-        return {
-            "plots": plots,
-            "more": max(0, len(groups) - MOST_TRIALS),
-            "motion": motion_table(diagnosis.get("motion")),
-        }
-
-
-def motion_table(motion: dict[str, Any] | None) -> dict[str, Any] | None:
-    """Errors of the model run forward, a row for each rung; None where it was not asked for."""
-    if motion is None or "absent" in motion:
-        return motion
-    keys = {
-        "window": f"position, half a second [{motion['unit']}]",
-        "whole": f"position, whole log [{motion['unit']}]",
-        "effort": f"effort [{motion['effort_unit']}]",
-    }
-    kept = [k for k in keys if any(rung[k] is not None for rung in motion["rungs"])]
-    rows = [
-        {
-            "label": " + ".join(["fitted numbers", *rung["effects"]]).replace("_", " "),
-            "cells": [number(rung[k]) for k in kept],
-        }
-        for rung in motion["rungs"]
-    ]
-    return {"columns": [keys[k] for k in kept], "rows": rows}
+        return {"plots": plots, "more": max(0, len(groups) - MOST_TRIALS)}
 
 
 def trial_figure(rows: pd.DataFrame, named: str, effort: str, unit: str) -> go.Figure:

@@ -11,6 +11,7 @@ from spirob.report.builder import render
 from spirob.report.data import ReportData
 from spirob.report.provenance import collect
 from spirob.report.rig.laws import RigLaws
+from spirob.report.rig.motion import RigMotion
 from spirob.report.rig.overlay import RigOverlay
 from spirob.report.rig.repairs import Repairs
 from spirob.report.rig.verdict import RigVerdict
@@ -23,6 +24,7 @@ from spirob.report.sections.provenance import ProvenanceSection
 SECTIONS = (
     RigVerdict,
     RigOverlay,
+    RigMotion,
     Failure,
     Ladder,
     RigLaws,
@@ -43,12 +45,14 @@ def build_rig_page(
     command: str,
     out: Path,
     laws: pd.DataFrame | None = None,
+    motion: pd.DataFrame | None = None,
 ) -> Path:
     """Write the page, whole or not at all.
 
     document    what diagnosis.json holds;  parameters  fitted numbers of the bare model
     overlay     per sample: trial, role, time, measured, base, named, in the unit of the effort
     laws        per held-out sample: effect, time, position, velocity, effort, shown, law, in SI
+    motion      per sample: trial, role, time, position and speed as measured and as predicted, SI
     command     that makes the page again
     """
     config = rig_file.read_text(encoding="utf-8")
@@ -72,6 +76,7 @@ def build_rig_page(
         diagnosis=_with_heldout(document),
         overlay=overlay,
         laws=laws,
+        motion=motion,
         metrics={},
         provenance=provenance,
     )

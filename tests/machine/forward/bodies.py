@@ -94,3 +94,10 @@ def run(made, changes=None):
         (motion.q[rows], out[0][rows]),
         (motion.v[rows], out[1][rows]),
     )
+
+
+def missed(made, changes):
+    """RMS error of position, by horizon."""
+    forward = Forward(made)
+    found = forward.errors(changes, forward.predicted(changes))
+    return {span: found[span]["position"]["rmse"] for span in ("window", "whole")}

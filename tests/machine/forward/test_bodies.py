@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ellipk
 
 from spirob.machine.forward import Forward
-from tests.machine.forward.bodies import PERIOD, link, moved, problem, run
+from tests.machine.forward.bodies import PERIOD, link, missed, moved, problem, run
 
 # of what filter and differences leave of a logged start, 1e-5 of its speed
 CLOSE = 2e-4
@@ -77,8 +77,8 @@ def test_the_other_joint_moves_as_it_was_measured(tmp_path):
     log = moved(TWO, [0.8, -0.5], 5.0, lambda t: [0.3 * np.sin(6 * t), 0.1 * np.cos(9 * t)])
     made = problem(tmp_path, TWO, log, body={"joints": {"elbow": {"column": "q1", "unit": "rad"}}})
     _, (measured, q), _ = run(made)
-    np.testing.assert_allclose(q, measured, atol=2e-3)
-    assert Forward(made).open_loop({"rig.viscous": 0.0}).window < 2e-4
+    np.testing.assert_allclose(q, measured, atol=CLOSE)
+    assert missed(made, {"rig.viscous": 0.0})["window"] < 2e-4
 
 
 def test_dry_friction_of_the_model_file_stops_a_slide(tmp_path):
@@ -114,7 +114,7 @@ def test_a_payload_makes_the_period_longer(tmp_path):
     changes = {"rig.viscous": 0.0, "tip_payload.mass": 0.2}
     _, (measured, q), _ = run(made, changes)
     np.testing.assert_allclose(q, measured, atol=1e-3)
-    assert Forward(made).open_loop({"rig.viscous": 0.0}).whole > 0.05
+    assert missed(made, {"rig.viscous": 0.0})["whole"] > 0.05
 
 
 def test_a_tilted_mount_is_a_tilted_gravity(tmp_path):
@@ -126,12 +126,12 @@ def test_a_tilted_mount_is_a_tilted_gravity(tmp_path):
     made = problem(tmp_path, link(), log, ["mount_tilt"])
     numbers = [n for n in made.table.about if n.startswith("mount_tilt")]
     best = min(
-        Forward(made).open_loop({"rig.viscous": 0.0, name: sign * tilt}).whole
+        missed(made, {"rig.viscous": 0.0, name: sign * tilt})["whole"]
         for name in numbers
         for sign in (1, -1)
     )
     # the effect adds the weight's new part and leaves the old one: 1 - cos(0.1) of it is left
-    assert best < 0.3 * Forward(made).open_loop({"rig.viscous": 0.0}).whole
+    assert best < 0.3 * missed(made, {"rig.viscous": 0.0})["whole"]
 
 
 def test_a_fluid_is_refused_in_a_sentence(tmp_path):
