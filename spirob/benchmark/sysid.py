@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from spirob.errors import ConfigError
 from spirob.identify.measurement import Measurement
 from spirob.plant import Plant
 from spirob.plant.body import build_spec
@@ -20,9 +21,11 @@ def fit(plant: Plant, trials: Sequence[Measurement], names: Sequence[str]) -> di
     """Fit the named numbers of motor and winch; values by name.
 
     Each moves as a factor on its nominal value, so that all are of one size, within the
-    bounds of our own fit.  Raises ImportError where the extra is not installed.
+    bounds of our own fit.  Raises ConfigError where the extra is not installed.
     """
     sysid: Any = import_module("mujoco.sysid")  # the extra is for this comparison only
+    if not hasattr(sysid, "ParameterDict"):  # without the extra the module is there, and empty
+        raise ConfigError("the comparison needs mujoco.sysid: pip install 'mujoco[sysid]'")
 
     spec = _machine(plant)
     model = spec.compile()

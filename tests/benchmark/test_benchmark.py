@@ -2,10 +2,13 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import pytest
 
+from spirob.benchmark import sysid
 from spirob.benchmark.__main__ import MEASURES, main
+from spirob.errors import ConfigError
 
 KEYS = {
     "coupled_tick": ["coupled_tick_over_bare_steps", "robot_seconds_per_second"],
@@ -35,3 +38,9 @@ def test_a_tiny_run_writes_its_figures(name, tmp_path):
 def test_the_bare_steps_play_the_same_trial(tmp_path):
     figures = main(["--tiny", "--only", "coupled_tick"])
     assert figures["bare_steps_apart_rad"] < 1e-3
+
+
+def test_without_the_extra_the_comparison_is_refused_in_a_sentence(monkeypatch):
+    monkeypatch.setattr(sysid, "import_module", lambda name: SimpleNamespace())
+    with pytest.raises(ConfigError, match=r"needs mujoco\.sysid"):
+        sysid.fit(None, [], [])
