@@ -77,6 +77,11 @@ def check(plain: dict[str, Any]) -> None:
     perceive = plain["perceive"]
     WrapSettings.from_mapping(perceive["wrap"] | perceive["drawn"]["wrap"])
     SizeSettings.from_mapping(perceive["size"])
+    for name, values in perceive["choose"].items():
+        if not values:
+            raise ConfigError(f"perceive.choose: '{name}' has no values to choose from")
+        for value in values:
+            SizeSettings.from_mapping({name: value})
     find_effects(plain["diagnose"]["candidates"])
     plant = Plant(rig, find_effects(plain["plant"]["effects"]))
     for name in plain["identify"]["parameters"]:

@@ -11,6 +11,7 @@ import pandas as pd
 
 from pipeline.features import features_of
 from pipeline.stage import read_json, run, tell, write_json
+from pipeline.train import CHOICE
 from spirob.logs.atomic import replacing
 from spirob.perceive.bootstrap import mean_gain, scored
 from spirob.perceive.model_file import load_model
@@ -49,6 +50,7 @@ def _size(root: Path) -> None:
     curve = learning_curve(known, tests, model.settings, model.predictor)
     metrics["training"] = {
         "samples": len(known),
+        "chosen": read_json(root / CHOICE, "train")["tried"],
         "importance": _rounded(importance(model, tests["simulation"])),
         "learning_curve": {
             str(n): {domain: _rounded(one) for domain, one in errors.items()}
@@ -78,11 +80,11 @@ def unlisted(
     """Errors on the wraps whose diameter the training does not list, as {"unlisted": ...}.
 
     Drawn wraps lie about every diameter; only of the listed ones has it several just as large.
-    Empty where every diameter is listed.
+    Empty where all diameters are listed, or none.
     """
     true, known = wraps[TARGET].to_numpy(float), listed[TARGET].to_numpy(float)
     new = ~np.isclose(true[:, None], known[None, :], rtol=1e-6, atol=0.0).any(axis=1)
-    if not new.any():
+    if new.all() or not new.any():
         return {}
     errors = _rounded(scored(true[new], found[new]))
     return {"unlisted": {**errors, "unit": "mm", "samples": int(new.sum())}}

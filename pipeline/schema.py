@@ -108,6 +108,7 @@ class Drawn(Strict):
     count: int = Field(0, ge=0, le=100_000)
     compared: int = Field(300, ge=0, le=100_000)  # the first of them, that the models compared play
     wrap: dict[str, Any] = {}  # what differs from `perceive.wrap`, such as wider variations
+    machines: float = Field(0.0, ge=0, lt=1)  # half width by which their numbers vary, relative
 
 
 class Perceive(Strict):
@@ -125,6 +126,7 @@ class Perceive(Strict):
     wrap: dict[str, Any] = {}
     drawn: Drawn = Drawn()
     size: dict[str, float] = {}  # numbers of the stack, checked by `spirob.perceive.size`
+    choose: dict[str, list[float]] = {}  # of them, those that the training chooses, and among what
 
 
 class TrialConfig(Strict):

@@ -2,32 +2,48 @@
 
 from pathlib import Path
 
+import pandas as pd
+
 from pipeline.features import features_of
 from pipeline.schema import Config
-from pipeline.stage import public_config, run, tell
+from pipeline.stage import public_config, run, tell, workers, write_json
+from spirob.perceive.choice import chosen
 from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
-from spirob.perceive.size import SizeSettings, train
+from spirob.perceive.size import SizeModel, SizeSettings, train
+
+CHOICE = Path("data/models/choice.json")
 
 
 def stage(root: Path) -> None:
     """Train on the simulated wraps."""
     config = public_config(root)
-    settings = stack(config)
     table = features_of(root, "train")
-    model = train(table, settings, config.perceive.predictor)
+    model, tried = learnt(table, config)
     if table["diameter"].nunique() >= 4:  # fewer leave nothing to hold out
-        model = calibrated(model, table)
+        model = calibrated(model, table, workers())
     save_model(model, root / "data/models/size.joblib")
+    write_json(root / CHOICE, {"tried": tried})
     tell(f"trained on {len(model.out_of_fold)} wraps; ridge weighs {model.weight:.2f}")
 
 
-def stack(config: Config) -> SizeSettings:
-    """The numbers of the stack; raises ConfigError on an unknown one or a bad value."""
+def learnt(table: pd.DataFrame, config: Config) -> tuple[SizeModel, list[dict[str, float]]]:
+    """A stack trained on features, with the numbers that these choose, and what was tried.
+
+    Raises ConfigError on an unknown number or a bad value, DataError on a bad table.
+    """
     given = {"seed": config.perceive.seed} | config.perceive.size
     settings = SizeSettings.from_mapping(given)
     assert isinstance(settings, SizeSettings)
-    return settings
+    settings, tried = chosen(table, settings, config.perceive.choose, workers())
+    for one in sorted(tried, key=lambda one: one["mae"])[:1]:
+        tell(f"chosen of {len(tried)} by the out-of-fold error: {_told(one)}")
+    return train(table, settings, config.perceive.predictor), tried
+
+
+def _told(one: dict[str, float]) -> str:
+    numbers = ", ".join(f"{name} {value:g}" for name, value in one.items() if name != "mae")
+    return f"{numbers} ({one['mae']:.2f} mm)"
 
 
 if __name__ == "__main__":

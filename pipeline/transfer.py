@@ -2,9 +2,9 @@
 
 The models are the one before any measurement, the identified one, and the one with the named
 effect; each gives the same wraps, the first of those that the shipped predictor learns from, to a
-stack with the same settings.  If diagnosis is worth anything, the error on the robot falls from one
-to the next.  Where it does not, the numbers tell why that stood in for the missing effect in the
-identified model.
+stack that chooses its numbers by them, as the shipped one does.  If diagnosis is worth anything,
+the error on the robot falls from one to the next.  Where it does not, the numbers tell why that
+stood in for the missing effect in the identified model.
 """
 
 import math
@@ -19,7 +19,7 @@ from pipeline.features import features_of
 from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import public_config, read_json, run, tell, write_json
-from pipeline.train import stack
+from pipeline.train import learnt as learnt_from
 from pipeline.trials import compared_wraps
 from pipeline.wraps import wrapped
 from spirob.parameter import Table
@@ -27,7 +27,7 @@ from spirob.perceive.bootstrap import mean_gain, scored
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import score
-from spirob.perceive.size import SizeModel, predict, train
+from spirob.perceive.size import SizeModel, predict
 
 MOVED = 1.2  # ratio from which on a fitted number stood in for the effect
 
@@ -38,11 +38,11 @@ def stage(root: Path) -> None:
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
     shipped = load_model(root / "data/models/size.joblib")
     before, wraps = _before(root, config), compared_wraps(config)
-    played = {name: wrapped(config, model, wraps) for name, model in before.items()}
+    played = {name: wrapped(config, model, wraps, training=True) for name, model in before.items()}
     played["named"] = features_of(root, "train")[: len(wraps)]
     learnt = {}
     for name, features in played.items():
-        learnt[name] = train(features, stack(config), config.perceive.predictor)
+        learnt[name] = learnt_from(features, config)[0]
         tell(f"learned from {len(wraps)} wraps of the {name} model")
     sizes = {name: predict(model, robot) for name, model in learnt.items()}
     steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)

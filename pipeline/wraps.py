@@ -19,10 +19,11 @@ import numpy as np
 import pandas as pd
 from omegaconf import DictConfig
 
+from pipeline.machines import numbers_of
 from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import FAILED, public_config, read_json, tell, workers
-from pipeline.trials import train_wraps
+from pipeline.trials import paper_wraps, train_wraps
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
 from spirob.effects import find_effects
@@ -56,7 +57,8 @@ def share(root: Path, part: int, parts: int) -> None:
     trials = train_wraps(config)
     mine = np.array_split(np.arange(len(trials)), parts)[part]
     if len(mine):
-        features = wrapped(config, model, [trials[k] for k in mine], first=int(mine[0]), threads=1)
+        chosen = [trials[k] for k in mine]
+        features = wrapped(config, model, chosen, int(mine[0]), threads=1, training=True)
         write(root / SHARES / f"{part:03d}_of_{parts:03d}.parquet", features)
         tell(f"wraps {mine[0] + 1} to {mine[-1] + 1} of {len(trials)}")
 
@@ -83,21 +85,27 @@ def wrapped(
     trials: Sequence[dict[str, Any]],
     first: int = 0,
     threads: int | None = None,
+    training: bool = False,
 ) -> pd.DataFrame:
     """Features of wraps in a model `{effects: [...], changes: {...}}`, with sensor noise.
 
-    first    number of the first wrap, which its noise is drawn by;  threads  all cores by default
+    first     number of the first wrap, which its noise is drawn by;  threads  all cores by default
+    training  of training wraps those of drawn diameters are each played by a machine of its own
     Each wrap is given up as soon as its features are known: a thousand of them need no gigabyte.
     """
     machine = plant(config, find_effects(model["effects"]))
     known = set(machine.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known}
+    listed = len(paper_wraps(config))
 
     def one(job: tuple[int, dict[str, Any]]) -> pd.DataFrame:
         number, plain = job
         trial = Trial.from_plain(plain)
         seed = config.perceive.seed + number
-        return table([simulate(machine, trial, changes, SENSOR_NOISE, seed)])
+        numbers = changes
+        if training and number >= listed:
+            numbers = numbers_of(config, machine.effects, machine.table, changes, number - listed)
+        return table([simulate(machine, trial, numbers, SENSOR_NOISE, seed)])
 
     with ThreadPoolExecutor(threads or workers()) as pool:
         return pd.concat(list(pool.map(one, enumerate(trials, first))))

@@ -97,7 +97,7 @@ def train(
     # knows the ends, never makes; so they say nothing of how to blend.
     inner = (y > y.min()) & (y < y.max())
     weight = _best_weight(level_one[inner], y[inner])
-    remainder = y - _blend(level_one, weight)
+    remainder = y - blended(level_one, weight)
     trees, depth = int(settings.remainder_trees), int(settings.remainder_depth)
     meta = {
         "paper": _boosting(settings, int(settings.trees), int(settings.depth), level_one, y),
@@ -120,7 +120,7 @@ def predict(model: SizeModel, table: pd.DataFrame, predictor: str | None = None)
     level_one = np.column_stack([model.bases[name].predict(x) for name in BASES])
     if chosen in BASES:
         return level_one[:, BASES.index(chosen)]
-    start = _blend(level_one, model.weight) if chosen == "remainder" else np.zeros(len(x))
+    start = blended(level_one, model.weight) if chosen == "remainder" else np.zeros(len(x))
     meta = model.meta[chosen]
     return start if meta is None else start + meta.predict(level_one)
 
@@ -174,7 +174,8 @@ def _best_weight(level_one: np.ndarray, y: np.ndarray) -> float:
     return float(np.clip(difference @ rest / squares, 0.0, 1.0)) if squares > 0 else 0.5
 
 
-def _blend(level_one: np.ndarray, weight: float) -> np.ndarray:
+def blended(level_one: np.ndarray, weight: float) -> np.ndarray:
+    """Convex blend of base predictions (n, 2) [m], columns as `BASES`; `weight` is the first's."""
     return weight * level_one[:, 0] + (1 - weight) * level_one[:, 1]
 
 

@@ -1,5 +1,6 @@
 """How far a size model can be trusted: its errors on held-out sizes, and wraps unlike its own."""
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -34,19 +35,28 @@ def used_features(model: SizeModel) -> np.ndarray:
 
 
 def held_out(
-    table: pd.DataFrame, settings: SizeSettings | None = None, predictor: str = "remainder"
+    table: pd.DataFrame,
+    settings: SizeSettings | None = None,
+    predictor: str = "remainder",
+    threads: int = 1,
 ) -> np.ndarray:
     """Diameters [m] predicted by stacks that never saw a wrap of that size, (n,).
 
     Up to `MOST_FOLDS` diameters are left out one by one, more of them in so many folds; the whole
-    stack, its own folds included, is trained anew each time.
+    stack, its own folds included, is trained anew each time; `threads` of them side by side.
     Raises DataError with fewer than four diameters.
     """
     sizes = table[TARGET].to_numpy(float)
     if len(np.unique(sizes)) < 4:
         raise DataError("leaving one size out needs at least four diameters in the table")
+    apart = folds(sizes, MOST_FOLDS)
+
+    def one(fold: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        rows, hidden = fold
+        return predict(train(table.iloc[rows], settings, predictor), table.iloc[hidden])
+
     out = np.zeros(len(table))
-    for rows, hidden in folds(sizes, MOST_FOLDS):
-        model = train(table.iloc[rows], settings, predictor)
-        out[hidden] = predict(model, table.iloc[hidden])
+    with ThreadPoolExecutor(threads) as pool:
+        for (_, hidden), found in zip(apart, pool.map(one, apart), strict=True):
+            out[hidden] = found
     return out

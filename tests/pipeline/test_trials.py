@@ -72,7 +72,7 @@ def test_what_is_compared_comes_first_and_is_no_more_than_there_is(default, few)
 
 def test_what_is_tested_is_not_trained_on(default):
     trained = {diameter(t) for t in train_wraps(default)}
-    assert not trained & {diameter(t) for t in unseen_wraps(default)}
+    assert not trained & {diameter(t) for t in unseen_wraps(default) + robot_wraps(default)}
     names = [t["name"] for t in train_wraps(default) + unseen_wraps(default) + robot_wraps(default)]
     assert len(set(names)) == len(names)
 
@@ -84,7 +84,10 @@ def test_what_is_tested_is_not_trained_on(default):
         ("+perceive.drawn.wrap.colour=1", "wrap has no setting 'colour'"),
         ("perceive.drawn.count=-1", "perceive.drawn.count"),
         ("+perceive.size.threshhold=0.5", "size has no number 'threshhold'"),
-        ("perceive.size.threshold=2.0", "threshold"),
+        ("+perceive.size.threshold=2.0", "threshold"),
+        ("perceive.choose.threshold=[0.5,2.0]", "threshold = 2.0"),
+        ("perceive.choose.threshold=[]", "'threshold' has no values"),
+        ("+perceive.choose.colour=[1.0]", "size has no number 'colour'"),
     ],
 )
 def test_a_mistake_is_told_before_anything_is_played(override, said):

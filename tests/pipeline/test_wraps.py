@@ -8,7 +8,7 @@ import pytest
 
 from pipeline import config as configured
 from pipeline.stage import public_config, write_json
-from pipeline.trials import train_wraps
+from pipeline.trials import paper_wraps, train_wraps
 from pipeline.wraps import SHARES, share, together, wrapped
 from spirob.errors import ConfigError, MissingLog
 
@@ -29,8 +29,19 @@ def project(tmp_path_factory):
 
 def test_shares_have_the_bits_of_one_run(project):
     config = public_config(project)
-    whole = wrapped(config, MODEL, train_wraps(config))
+    whole = wrapped(config, MODEL, train_wraps(config), training=True)
     pd.testing.assert_frame_equal(together(project, config), whole, check_exact=True)
+
+
+def test_drawn_wraps_are_played_by_other_machines_and_listed_ones_by_the_model(project):
+    config = public_config(project)
+    played = together(project, config)
+    alike = wrapped(config, MODEL, train_wraps(config))
+    listed = len(paper_wraps(config))
+    pd.testing.assert_frame_equal(played[:listed], alike[:listed], check_exact=True)
+    features = [name for name in played if name != "diameter"]
+    assert (played[features][listed:] != alike[features][listed:]).any(axis=1).all()
+    assert played["diameter"].equals(alike["diameter"])
 
 
 def test_a_missing_share_is_told(project, tmp_path):

@@ -228,6 +228,10 @@ def size() -> dict:
     step = {"mae": 2.0, "mae_low": 1.5, "mae_high": 2.6}
     training = {
         "samples": 35,
+        "chosen": [
+            {"threshold": 0.9, "svr_c": 10.0, "mae": 1.42},
+            {"threshold": 0.5, "svr_c": 100.0, "mae": 1.04},
+        ],
         "importance": {"stall_time": 11.2, "onset_stroke": 5.0},
         "learning_curve": {n: {"simulation": step, "robot": step} for n in ("20", "35")},
         "unit": "mm",

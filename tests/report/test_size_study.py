@@ -5,7 +5,14 @@ from dataclasses import replace
 import pytest
 
 from spirob.report import size_figures
-from spirob.report.sections.size_study import SHIPPED, SizeStudy, better, side_by_side, unlisted
+from spirob.report.sections.size_study import (
+    SHIPPED,
+    SizeStudy,
+    better,
+    choice,
+    side_by_side,
+    unlisted,
+)
 from tests.report.synthetic import rival, size
 
 
@@ -33,6 +40,13 @@ def test_unlisted_diameters_are_told_beside_all():
         "on these the MAE is 2.90 mm (2.10 to 3.80), on all 28 3.42 mm."
     )
     assert unlisted({"mae": 1.0}) == ""
+
+
+def test_what_the_training_chose_is_told_with_its_error():
+    told = choice(size()["training"]["chosen"])
+    assert told.startswith("Of 2 combinations of its numbers")
+    assert "least rank correlation of a feature 0.5 and price of leaving the tube 100: 1.04" in told
+    assert choice([]) == ""
 
 
 def test_the_shipped_predictor_comes_first_with_its_interval():

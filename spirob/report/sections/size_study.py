@@ -1,9 +1,10 @@
 """What the estimate of size rests on: its rivals, its features, the number of samples."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from spirob.perceive.features import FEATURES
+from spirob.perceive.size import SizeSettings
 from spirob.report import size_figures
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
@@ -35,6 +36,7 @@ class SizeStudy(Section):
             "plots": plots(metrics),
             "better": better(metrics),
             "unlisted": unlisted(metrics.get("robot") or {}),
+            "choice": choice((metrics.get("training") or {}).get("chosen") or []),
             "reason": data.absent.get("size_metrics", "This run compared no predictors."),
         }
 
@@ -101,4 +103,19 @@ def unlisted(robot: Mapping[str, Any]) -> str:
         f"{count} of the robot's {every} wraps have diameters that the training does not list: "
         f"on these the MAE is {fixed(one['mae'], 2)} mm ({span}), on all {every} "
         f"{fixed(robot['mae'], 2)} mm."
+    )
+
+
+def choice(tried: Sequence[Mapping[str, float]]) -> str:
+    """What the training chose of the stack's numbers, and what that is worth to its own error."""
+    if not tried:
+        return ""
+    best = min(tried, key=lambda one: one["mae"])
+    worst = max(one["mae"] for one in tried)
+    about = SizeSettings.parameters()
+    numbers = " and ".join(f"{about[n].meaning} {v:g}" for n, v in best.items() if n != "mae")
+    return (
+        f"Of {len(tried)} combinations of its numbers the training's out-of-fold error chose "
+        f"{numbers}: {fixed(best['mae'], 2)} mm, where the worst has {fixed(worst, 2)}. "
+        "No tested wrap had a say in it."
     )
