@@ -1,0 +1,22 @@
+"""The published rates are those of the published cases, robot by robot."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from spirob.trial.rates import rates
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_published_rates_follow_from_the_published_cases():
+    paths = sorted((ROOT / "reports/trial").glob("*.json"))
+    found = rates([one for path in paths for one in json.loads(path.read_text())])
+    told = json.loads((ROOT / "reports/metrics/trial_full.json").read_text())
+    for name, value in told.items():
+        if isinstance(value, dict) and "value" in value:
+            assert found[name]["value"] == pytest.approx(value["value"], abs=1e-12), name
+            assert found[name]["n"] == value["n"], name
+    assert found["cases"] == told["cases"]
+    assert json.loads(json.dumps(found["confusion"])) == told["confusion"]
