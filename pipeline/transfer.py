@@ -2,9 +2,10 @@
 
 The models are the one before any measurement, the identified one, and the one with the named
 effect; each gives the same wraps, the first of those that the shipped predictor learns from, to a
-stack that chooses its numbers by them, as the shipped one does.  If diagnosis is worth anything,
-the error on the robot falls from one to the next.  Where it does not, the numbers tell why that
-stood in for the missing effect in the identified model.
+stack that chooses its numbers by them, as the shipped one does: once all played by the model
+itself, and once those of drawn sizes by many machines about it, as the shipped predictor learns.
+If diagnosis is worth anything, the error on the robot falls from one model to the next.  Where it
+does not, the numbers tell why that stood in for the missing effect in the identified model.
 """
 
 import math
@@ -37,29 +38,31 @@ def stage(root: Path) -> None:
     config = public_config(root)
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
     shipped = load_model(root / "data/models/size.joblib")
-    before, wraps = _before(root, config), compared_wraps(config)
-    played = {name: wrapped(config, model, wraps, training=True) for name, model in before.items()}
-    played["named"] = features_of(root, "train")[: len(wraps)]
-    learnt = {}
-    for name, features in played.items():
-        learnt[name] = learnt_from(features, config)[0]
+    wraps, named = compared_wraps(config), read_json(root / "data/diagnosis/model.json", "decide")
+    models = {**_before(root, config), "named": named}
+    sizes: dict[str, dict[str, np.ndarray]] = {"robot": {}}
+    if config.perceive.drawn.machines > 0.0:
+        sizes["machines"] = {}
+    for name, model in models.items():
+        for by, told in sizes.items():
+            features = wrapped(config, model, wraps, training=by == "machines")
+            told[name] = predict(learnt_from(features, config)[0], robot)
         tell(f"learned from {len(wraps)} wraps of the {name} model")
-    sizes = {name: predict(model, robot) for name, model in learnt.items()}
-    steps = _steps(robot["diameter"].to_numpy(), sizes, config.perceive.seed)
-    named = read_json(root / "data/diagnosis/model.json", "decide")
+    true = robot["diameter"].to_numpy()
+    steps = {by: _steps(true, told, config.perceive.seed) for by, told in sizes.items()}
     moved = []
     if set(named["effects"]) > set(config.plant.effects):
         fitted = read_json(root / "data/identified/base.json", "identify")["parameters"]
         moved = stood_in(fitted, named["changes"], plant(config).table)
     metrics: dict[str, Any] = {
-        "robot": steps,
+        **steps,
         "samples": len(wraps),
         "stood_in": moved,
     }
     if supported(shipped):
         metrics["interval"] = _intervals(shipped, {"simulation": unseen, "robot": robot})
     write_json(root / "reports/metrics/transfer.json", metrics)
-    points = {"true": robot["diameter"].to_numpy(), **sizes}
+    points = {"true": true, **sizes["robot"]}
     plain = {key: np.round(values, 7).tolist() for key, values in points.items()}
     write_json(root / "data/transfer/transfer.json", {"points": plain, **metrics})
 

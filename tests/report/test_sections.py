@@ -262,13 +262,18 @@ def test_the_baseline_does_not_flatten_the_others():
 
 def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
     shown = text("transfer", data)
-    assert "The error falls at each step" in shown
+    assert "Where the model itself plays them the error falls at each step" in shown
+    assert shown.count("many machines about it") >= 3
     assert 'id="transfer"' not in shown  # that is the section's own anchor
     assert shown.index("2.10 (1.50 to 2.70)") < shown.index("0.13 (−0.17 to 0.39)")
     assert "92 %" in shown
     worse = data.transfer["robot"] | {"named": data.transfer["robot"]["nominal"] | {"mae": 9.0}}
     told = text("transfer", replace(data, transfer=data.transfer | {"robot": worse}))
     assert "does not fall" in told
+    alone = {k: v for k, v in data.transfer.items() if k != "machines"}
+    without = text("transfer", replace(data, transfer=alone))
+    assert "The error falls at each step" in without
+    assert "many machines" not in without
     assert "stiffness of the base hinge 0.401 for 0.146 N·m/rad" in told
     assert "torque transmitted by the gear 0.890, where its bound held it, for 0.702" in told
     assert "stiffness of the base hinge" not in shown

@@ -10,6 +10,7 @@ from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
 from spirob.report.numbers import fixed, is_number, number, percent, unit_text
 from spirob.report.sections.section import Section
 
+PLAYED = {"robot": "the model itself", "machines": "many machines about it"}
 STEPS = {
     "nominal": ("before any measurement", NEUTRAL),
     "identified": ("identified", BASE),
@@ -29,6 +30,7 @@ class Transfer(Section):
         if data.transfer is None:
             empty: dict[str, Any] = {
                 "rows": [],
+                "machines": False,
                 "plot": None,
                 "coverage": [],
                 "confidence": "",
@@ -41,10 +43,13 @@ class Transfer(Section):
         steps = {name: data.transfer["robot"][name] for name in STEPS}
         errors = [step["mae"] for step in steps.values()]
         interval = data.transfer.get("interval") or {}
+        about = data.transfer.get("machines") or {}
         return {
-            "rows": [_row(name, step) for name, step in steps.items()],
+            "rows": [_row(name, step, "robot") for name, step in steps.items()]
+            + [_row(name, about[name], "machines") for name in STEPS if name in about],
+            "machines": bool(about),
             "plot": Plot(
-                "transfer-error", "Error of size on the robot, model by model", _bars(steps)
+                "transfer-error", "Error of size on the robot, model by model", _bars(steps, about)
             ),
             "coverage": [_coverage(d, interval[d]) for d in DOMAINS if d in interval],
             "confidence": percent(interval.get("confidence")),
@@ -78,13 +83,13 @@ def held(interval: dict[str, Any]) -> str:
     )
 
 
-def _row(name: str, step: dict[str, Any]) -> dict[str, Any]:
+def _row(name: str, step: dict[str, Any], played: str) -> dict[str, Any]:
     gain = "–"
     if "gain" in step:
         gain = f"{fixed(step['gain'], 2)} ({_span(step, 'gain_low', 'gain_high')})"
     errors = f"{fixed(step['mae'], 2)} ({_span(step, 'mae_low', 'mae_high')})"
     cells = [errors, fixed(step["rmse"], 2), fixed(step["r2"], 3), gain]
-    return {"name": STEPS[name][0], "cells": cells}
+    return {"name": STEPS[name][0], "played": PLAYED[played], "cells": cells}
 
 
 def _span(step: dict[str, Any], low: str, high: str) -> str:
@@ -102,21 +107,30 @@ def _coverage(domain: str, found: dict[str, Any]) -> dict[str, Any]:
     return {"domain": DOMAINS[domain], "cells": cells}
 
 
-def _bars(steps: dict[str, Any]) -> go.Figure:
-    figure = blank(230, bargap=0.35)
-    errors = [step["mae"] for step in steps.values()]
+def _bars(steps: dict[str, Any], about: dict[str, Any]) -> go.Figure:
+    figure = blank(230 if not about else 300, bargap=0.3)
+    for played, errors, pattern in (("robot", steps, ""), ("machines", about, "/")):
+        if errors:
+            _add_bars(figure, PLAYED[played], errors, pattern, bool(about))
+    figure.update_layout(legend={"traceorder": "normal"})
+    figure.update_yaxes(autorange="reversed", showgrid=False, ticklabelstandoff=6)
+    figure.update_xaxes(title_text="mean absolute error on the robot [mm]", rangemode="tozero")
+    return figure
+
+
+def _add_bars(
+    figure: go.Figure, played: str, steps: dict[str, Any], pattern: str, legend: bool
+) -> None:
     above = [step["mae_high"] - step["mae"] for step in steps.values()]
     below = [step["mae"] - step["mae_low"] for step in steps.values()]
     spread = {"type": "data", "array": above, "arrayminus": below, "color": INK, "thickness": 1.2}
     figure.add_bar(
-        x=errors,
+        x=[step["mae"] for step in steps.values()],
         y=[STEPS[name][0] for name in steps],
+        name=f"played by {played}",
         orientation="h",
-        marker={"color": [STEPS[name][1] for name in steps]},
+        marker={"color": [STEPS[name][1] for name in steps], "pattern": {"shape": pattern}},
         error_x=spread,
-        hovertemplate="%{x:.2f} mm<extra>%{y}</extra>",
-        showlegend=False,
+        hovertemplate="%{x:.2f} mm<extra>%{y}, " + played + "</extra>",
+        showlegend=legend,
     )
-    figure.update_yaxes(autorange="reversed", showgrid=False, ticklabelstandoff=6)
-    figure.update_xaxes(title_text="mean absolute error on the robot [mm]", rangemode="tozero")
-    return figure
