@@ -45,7 +45,11 @@ def stage(root: Path) -> None:
         sizes["machines"] = {}
     for name, model in models.items():
         for by, told in sizes.items():
-            features = wrapped(config, model, wraps, training=by == "machines")
+            about = by == "machines"
+            if about and name == "named":  # the shipped predictor's own wraps, played already
+                features = features_of(root, "train")[: len(wraps)]
+            else:
+                features = wrapped(config, model, wraps, training=about)
             told[name] = predict(learnt_from(features, config)[0], robot)
         tell(f"learned from {len(wraps)} wraps of the {name} model")
     true = robot["diameter"].to_numpy()
