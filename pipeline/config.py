@@ -22,6 +22,7 @@ from spirob.effects import find_effects
 from spirob.errors import ConfigError
 from spirob.experiments import experiment_from
 from spirob.logs.atomic import write_text
+from spirob.perceive.choice import require_choices
 from spirob.perceive.size import SizeSettings
 from spirob.plant import Plant, Rig
 
@@ -77,11 +78,7 @@ def check(plain: dict[str, Any]) -> None:
     perceive = plain["perceive"]
     WrapSettings.from_mapping(perceive["wrap"] | perceive["drawn"]["wrap"])
     SizeSettings.from_mapping(perceive["size"])
-    for name, values in perceive["choose"].items():
-        if not values:
-            raise ConfigError(f"perceive.choose: '{name}' has no values to choose from")
-        for value in values:
-            SizeSettings.from_mapping({name: value})
+    require_choices(perceive["choose"])
     find_effects(plain["diagnose"]["candidates"])
     plant = Plant(rig, find_effects(plain["plant"]["effects"]))
     for name in plain["identify"]["parameters"]:

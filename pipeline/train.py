@@ -36,8 +36,9 @@ def learnt(table: pd.DataFrame, config: Config) -> tuple[SizeModel, list[dict[st
     settings = SizeSettings.from_mapping(given)
     assert isinstance(settings, SizeSettings)
     settings, tried = chosen(table, settings, config.perceive.choose, workers())
-    for one in sorted(tried, key=lambda one: one["mae"])[:1]:
-        tell(f"chosen of {len(tried)} by the out-of-fold error: {_told(one)}")
+    if tried:
+        best = min(tried, key=lambda one: one["mae"])
+        tell(f"chosen of {len(tried)} by the out-of-fold error: {_told(best)}")
     return train(table, settings, config.perceive.predictor), tried
 
 

@@ -32,9 +32,7 @@ def chosen(
     Raises ConfigError on an unknown number, one without values or out of range, and what `train`
     raises.
     """
-    for name, values in among.items():
-        if not values:
-            raise ConfigError(f"choose: '{name}' has no values to choose from")
+    require_choices(among)
     if not among:
         return settings, []
 
@@ -47,6 +45,15 @@ def chosen(
         tried = list(pool.map(one, product(*among.values())))
     best = min(tried, key=lambda one: one["mae"])
     return _with(settings, {name: best[name] for name in among}), tried
+
+
+def require_choices(among: Mapping[str, Sequence[float]]) -> None:
+    """Raises ConfigError on an unknown number of the stack, one without values or out of range."""
+    for name, values in among.items():
+        if not values:
+            raise ConfigError(f"choose: '{name}' has no values to choose from")
+        for value in values:
+            SizeSettings.from_mapping({name: value})
 
 
 def out_of_fold_error(model: SizeModel, table: pd.DataFrame) -> float:
