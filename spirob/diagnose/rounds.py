@@ -15,7 +15,15 @@ from spirob.diagnose.confirm import confirm, finished
 from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Confirmed, Rung, Search, Settings, label
 from spirob.diagnose.screen import Screened, amplitudes, screen
-from spirob.diagnose.weighing import counts, leading, least_of, periodic, simplest, with_probability
+from spirob.diagnose.weighing import (
+    counts,
+    leading,
+    least_of,
+    periodic,
+    rms,
+    simplest,
+    with_probability,
+)
 from spirob.effects import Effect
 from spirob.identify.near import near
 from spirob.identify.problem import Problem, effort_rms
@@ -45,9 +53,11 @@ class Rounds:
         rung, validate, settings = search.rungs[-1], self.residuals["validate"], self.settings
         if len(rung.effects) >= settings.rounds or len(search.rounds) >= MOST:
             return False
-        error = rung.scores["validate"].rmse
-        if not self._absent(rung) or (rung.effects and error < complete(validate, settings.floor)):
+        # as the verdict will measure it, with what the length channel shows
+        done = rms(rung.errors) < complete(validate, settings.floor)
+        if not self._absent(rung) or (rung.effects and done):
             return False
+        error = rung.scores["validate"].rmse
         return settings.always or error >= settings.floor * effort_rms(validate)
 
     def add(self, search: Search) -> bool:
@@ -122,20 +132,23 @@ class Rounds:
 
     def _passing(self, tried: Sequence[Confirmed], search: Search) -> list[Confirmed]:
         """Those that count as effects beside the last rung."""
-        rung, least = search.rungs[-1], least_of(search, self.settings)
+        rung, validate = search.rungs[-1], self.residuals["validate"]
+        least = least_of(search, validate, self.settings)
         return [c for c in tried if counts(c, rung, self.residuals, self.settings, least)]
 
     def _grow(
         self, search: Search, leaders: Sequence[Confirmed], close: Mapping[str, Problem]
     ) -> None:
         """Add the simplest of the leaders, and question what stood before."""
-        settings, least = self.settings, least_of(search, self.settings)
+        settings = self.settings
         best = finished(
             simplest(leaders, self.residuals["train"], settings), self.residuals, settings
         )
         effects = [*search.rungs[-1].effects, *best.effects]
         grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
         search.rungs.append(grown)
+        # of two that were added together each needs what a second one needs beside a first
+        least = least_of(search, close["validate"], settings)
         pruned(search, close, settings, self.progress, least)
         exchanged(search, self.candidates, self.residuals, settings, self.progress)
 

@@ -68,9 +68,12 @@ def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) 
     passed = [c for c in first if c is not best and counts(c, base, residuals, settings)]
     size = float(np.sqrt(max(base.errors.mean() - best.errors.mean(), 1e-300)))
     same = [c for c in passed if alike(best.missed, c.missed, size) < settings.alike]
+    # what holds the found and more was left for being hardly better: it is no other explanation
+    more = [c for c in passed if c not in same and set(best.effects) < set(c.effects)]
     if alone:  # the probabilities of another round are of other contests
-        best = replace(best, probability=sum(c.probability for c in [best, *same]))
-    rivals = [c for c in passed if c not in same and c.probability >= 1.0 - settings.confidence]
+        best = replace(best, probability=sum(c.probability for c in [best, *same, *more]))
+    others = [c for c in passed if c not in [*same, *more]]
+    rivals = [c for c in others if c.probability >= 1.0 - settings.confidence]
     # a rival counts in the first round; later it stands against what was named already
     if rivals and len(last.effects) == 1 and alone:
         return _undecided(best, rivals, share, effort)

@@ -19,6 +19,7 @@ LEADERS = 2  # candidates fitted until they settle, with their shapes too
 SLOWEST = 1.01  # times the lowest order that a wave may have: no more than that
 SURELY = 0.95  # of draws in which a model with more numbers has to do better than a simpler one
 NEARLY = 0.7  # of the least size, of an effect without which a model is incomplete, and not with it
+LESSER = 0.5  # of the least size, of an effect beside another
 REACH = 4.0  # times the least mean square: who missed more is fitted no further
 
 
@@ -43,11 +44,11 @@ def counts(
     least  size that they have to have, in the unit of the effort; else the floor
     """
     validate, train = residuals["validate"], residuals["train"]
-    floor = settings.floor * effort_rms(validate) if least is None else least
-    enough = complete(validate, settings.floor)
-    if _rms(found.errors) <= enough < _rms(below.errors):
-        floor *= NEARLY
-    if _size(below.errors, found.errors) < floor:
+    if least is None:
+        least = settings.floor * effort_rms(validate)
+        if rms(found.errors) <= complete(validate, settings.floor) < rms(below.errors):
+            least *= NEARLY
+    if _size(below.errors, found.errors) < least:
         return False
     before, after = (_all_errors(r.errors, r.fit, train) for r in (below, found))
     return improvement(before, after, settings.seed)[1] > 0.0
@@ -66,7 +67,8 @@ def periodic(found: Confirmed, train: Problem) -> bool:
     )
 
 
-def _rms(errors: np.ndarray) -> float:
+def rms(errors: np.ndarray) -> float:
+    """Of block errors of equal weight."""
     return float(np.sqrt(errors.mean()))
 
 
@@ -75,11 +77,16 @@ def _size(before: np.ndarray, after: np.ndarray) -> float:
     return float(np.sqrt(max(0.0, float(before.mean() - after.mean()))))
 
 
-def least_of(search: Search, settings: Settings) -> float | None:
-    """The least size of a further effect; none is said for the first."""
+def least_of(search: Search, validate: Problem, settings: Settings) -> float | None:
+    """The least size of an effect beside the first of a search; none is said for the first.
+
+    A share of what was added first, which may have been two together: beside each other each needs
+    it.  Where that was small itself, at least half the floor: less is what builds differ by.
+    """
     if len(search.rungs) == 1:
         return None
-    return settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
+    share = settings.further * _size(search.rungs[0].errors, search.rungs[1].errors)
+    return max(share, LESSER * settings.floor * effort_rms(validate))
 
 
 def simplest(leaders: Sequence[Confirmed], train: Problem, settings: Settings) -> Confirmed:

@@ -100,3 +100,18 @@ def test_only_what_leaves_structure_has_to_win_more(left, kind):
     assert verdict.kind == kind
     if kind == "named":  # though not so sure of it
         assert verdict.probability == pytest.approx(0.75 * (1 - (left / 0.010) ** 2), rel=1e-3)
+
+
+@pytest.mark.parametrize(("beside", "kind"), [(EFFECT, "named"), ([], "undecided")])
+def test_what_holds_the_name_and_more_is_no_rival(beside, kind):
+    """Two effects of which one was not needed say the name that is left, as often as they win."""
+    other = find_effects(["coulomb_friction"])
+    found = search(0.002)
+    one = replace(found.rounds[0][0], probability=0.1)
+    both = replace(one, effects=(*other, *beside), probability=0.9, missed=np.full(100, 0.01))
+    found.rounds = [[both, one]]
+    verdict = judge(found, PROBLEMS, SETTINGS)
+    assert verdict.kind == kind
+    if kind == "named":
+        assert verdict.probability == pytest.approx(verdict.accounted)
+        assert verdict.equivalents == ()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spirob.diagnose.rungs import Confirmed, Settings
-from spirob.diagnose.weighing import counts, periodic, simplest
+from spirob.diagnose.weighing import counts, least_of, periodic, simplest
 from spirob.effects import find_effects
 
 SIMPLE, RICH = find_effects(["current_offset", "capstan_friction"])
@@ -89,6 +89,23 @@ def test_what_makes_a_model_complete_counts_from_a_smaller_size_on(before, after
     less = replace(Settings(), floor=0.1)
     one, two = (found(SIMPLE, 3, 100 * e, np.full(10, e**2)) for e in (before, after))
     assert counts(two, one, PROBLEMS, less) is said
+
+
+def test_each_of_two_needs_a_share_of_what_was_added_first():
+    """Of the first alone where they came one by one, of both where they came together."""
+    base, *rungs = (SimpleNamespace(errors=np.full(10, e**2)) for e in (0.5, 0.4, 0.3))
+    search = SimpleNamespace(rungs=[base])
+    assert least_of(search, VALIDATE, Settings()) is None
+    search.rungs.append(rungs[0])
+    assert least_of(search, VALIDATE, Settings()) == pytest.approx(0.25 * 0.3)
+    search.rungs = [base, rungs[1]]
+    assert least_of(search, VALIDATE, Settings()) == pytest.approx(0.25 * 0.4)
+
+
+def test_a_second_effect_needs_half_the_floor_where_the_first_is_small():
+    rungs = [SimpleNamespace(errors=np.full(10, e**2)) for e in (0.005, 0.003)]
+    least = least_of(SimpleNamespace(rungs=rungs), VALIDATE, Settings())
+    assert least == pytest.approx(0.5 * 0.003)  # of an effort of 1
 
 
 @pytest.mark.parametrize(("order", "said"), [(0.05, False), (0.0504, False), (0.06, True)])
