@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from spirob.diagnose import rounds as module
 from spirob.diagnose.rounds import Rounds
-from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnose.rungs import Confirmed, Search, Settings
 from spirob.effects import find_effects
 from tests.diagnose.test_verdict import PROBLEMS, rung
 
@@ -32,3 +33,17 @@ def test_a_search_goes_on_while_the_verdict_would_miss_something(left, said):
 def test_a_search_begins_where_the_error_could_hold_an_effect(error, always, said):
     base = rung([], error, error)
     assert rounds(Settings(always=always)).goes_on(Search(base, [base])) is said
+
+
+def test_of_two_added_together_each_needs_a_share_of_what_they_bring(monkeypatch):
+    """Not the size of a first effect, which neither had alone."""
+    asked = []
+    monkeypatch.setattr(module, "pruned", lambda *given: asked.append(given[-1]))
+    monkeypatch.setattr(module, "exchanged", lambda *given: None)
+    monkeypatch.setattr(module, "finished", lambda found, *given: found)
+    base, grown = rung([], 0.010, 0.010), rung([ONE, OTHER], 0.006, 0.006)
+    pair = Confirmed((ONE, OTHER), 0.5, grown.fit, np.zeros(100), grown.errors, grown.scores)
+    search = Search(base, [base])
+    rounds(Settings())._grow(search, [pair], PROBLEMS)
+    assert search.rungs[-1].effects == [ONE, OTHER]
+    assert asked == [pytest.approx(0.25 * 0.008)]
