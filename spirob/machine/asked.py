@@ -1,8 +1,10 @@
 """The effort that a measured motion asks for, unfiltered: the equations of the inverse model.
 
-    scale·P(e) = J·a + b·v + k·q + body(q, v, a) - Σ τ_effects(q, v, ...)
-    e_model    = S(e)
+    scale·P(e) = J·a + b·v + k·q + body(q, v, a) + m·(J_p·a + P_c·cos q + P_s·sin q) + F
+                 - Σ τ_effects(q, v, ...)
+    e_model    = S(e + k_b·v)
 
+m and F are the payload and the force of each log (`log_numbers`), k_b is a voltage's back-EMF.
 P are the pipes between the effort and the axis (torque constant, efficiency, dead band), S those
 between the effort and its reading (offset, gain, lag).  The first line is solved for e, so that the
 model knows nothing of the effort that it is compared with.  The kernels are those of the library,
@@ -10,13 +12,14 @@ run over the measured signals.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.motion import Motion
-from spirob.machine.rig import NUMBERS
+from spirob.machine.rig import NUMBERS, PER_LOG
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
@@ -24,7 +27,8 @@ PASSES = 10  # of the solution for the effort before the drive's pipes
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
-ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
+HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
+ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 KEPT = 24  # torques of effects, as arrays along all trials
 Run = Callable[..., None]
@@ -48,30 +52,63 @@ class AskedEffort:
     ):
         self.motion, self.effects, self.table, self.sizes = motion, list(effects), table, sizes
         self.rest_speed, self._stiffness = rest_speed, stiffness
+        self._has_body = bool(np.any(motion.body["payload"]))
+        self._of_logs = _cells(table, motion)
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
         self._known: dict[tuple[object, ...], np.ndarray] = {}
 
     def effort(self, p: np.ndarray) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table."""
-        motion = self.seen(p)
-        own = {name: p[self.table.position(f"rig.{name}")] for name in NUMBERS}
-        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
-        tip = self.tip_mass(p)
-        if tip:
-            load = load + tip / self.sizes.mass * motion.body["payload"]
-        needed = load + own["viscous"] * motion.v
+        own = self.own(p)
+        behind = self._corrected(p)
+        load = self.load(behind, p)
+        motion, share = self._ahead(behind, load, p)
+        needed = load + own["viscous"] * motion.v + self.of_log("offset", p)
+        if motion is not behind:
+            needed = needed + share * own["inertia"] * (motion.a - behind.a)
         signals = self.signals(motion, load)
         for port in ADDED:
             for effect in self.present(port, p):
-                needed = needed - self._torque(effect, p, motion, signals, tip)
+                needed = needed - self._torque(effect, p, motion, signals)
         effort = self.solved(needed / own["scale"], p, motion, signals)
+        if own["back_emf"]:
+            effort = effort + own["back_emf"] * motion.v
         for effect in (e for port in READ for e in self.present(port, p)):
             effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
         for effect in self.present("sensing.frame", p):
             # the motion in the frame is late: compare with the command of that time
             aged = self.in_cycles(effect, p, motion)
             effort = effort + motion.effort - aged
-        return late(effort, float(own["delay"]), motion)
+        return late(effort, own["delay"], motion)
+
+    def own(self, p: np.ndarray) -> dict[str, float]:
+        """The rig's own numbers, by name."""
+        return {name: float(p[self.table.position(f"rig.{name}")]) for name in NUMBERS}
+
+    def of_log(self, kind: str, p: np.ndarray) -> np.ndarray | float:
+        """A number that each log has for itself, at every sample (n,); 0 where none has."""
+        cells = self._of_logs.get(kind)
+        return self.motion.spread(p[cells]) if cells else 0.0
+
+    def load(self, motion: Motion, p: np.ndarray) -> np.ndarray:
+        """What the transmission passes on to this motion, (n,): all that the axis carries."""
+        own = self.own(p)
+        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
+        tip = self.tip_mass(p) + self.of_log("payload", p)
+        if np.any(tip):
+            load = load + tip * self._payload(motion, own)
+        signals = self.signals(motion, load)
+        for effect in self.present(HINGE, p):
+            load = load - self._torque(effect, p, motion, signals)
+        return load
+
+    def _payload(self, motion: Motion, own: Mapping[str, float]) -> np.ndarray:
+        """What a payload of 1 adds to the load, (n,)."""
+        if self._has_body:
+            return motion.body["payload"] / self.sizes.mass
+        turned = motion.q if self.sizes.axis_unit == "rad" else np.zeros_like(motion.q)
+        weight = own["payload_cosine"] * np.cos(turned) + own["payload_sine"] * np.sin(turned)
+        return own["payload_inertia"] * motion.a + weight
 
     def tip_mass(self, p: np.ndarray) -> float:
         """What the body carries at its tip [kg]."""
@@ -179,15 +216,13 @@ class AskedEffort:
         p: np.ndarray,
         motion: Motion,
         signals: Mapping[str, np.ndarray],
-        tip: float,
     ) -> np.ndarray:
         """An effect's torque; kept, because a derivative moves one number and leaves the others."""
         if motion is not self.motion:
             return self.run(effect, p, motion, signals, None)
         key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
         if "motor.load_torque" in effect.reads.values():
-            own = (p[self.table.position(f"rig.{n}")] for n in ("inertia", "stiffness"))
-            key = (*key, *own, tip)
+            key = (*key, p.tobytes())
         if key not in self._known:
             if len(self._known) >= KEPT:
                 self._known.pop(next(iter(self._known)))
@@ -195,18 +230,48 @@ class AskedEffort:
         return self._known[key]
 
     def seen(self, p: np.ndarray) -> Motion:
-        """The motion with errors of its sensor taken out."""
-        wrong = self.present("sensing.displacement", p)
-        if not wrong:
-            return self.motion
-        signals = self.signals(self.motion, np.zeros_like(self.motion.q))
-        error = np.zeros_like(self.motion.q)
+        """The motor's motion: what its sensor tells, without the errors that the model holds."""
+        behind = self._corrected(p)
+        return self._ahead(behind, self.load(behind, p), p)[0]
+
+    def _corrected(self, p: np.ndarray) -> Motion:
+        """The motion with errors of its sensor taken out, from each log's own zero."""
+        zero, found = self.of_log("zero", p), self.motion
+        if np.any(zero):
+            found = replace(found, q=found.q + zero)
+        wrong = [e for e in self.present(SENSOR, p) if not _twists(e)]
+        return self._without(wrong, p, found, np.zeros_like(found.q)) if wrong else found
+
+    def _ahead(self, behind: Motion, load: np.ndarray, p: np.ndarray) -> tuple[Motion, float]:
+        """The motor's motion where the sensor sits at the load, and its share of the inertia."""
+        twisted = [e for e in self.present(SENSOR, p) if _twists(e)]
+        if not twisted:
+            return behind, 0.0
+        share = max(self.values(e, p).get("rotor_share", 0.0) for e in twisted)
+        return self._without(twisted, p, behind, load), share
+
+    def _without(
+        self, wrong: Sequence[type[Effect]], p: np.ndarray, motion: Motion, load: np.ndarray
+    ) -> Motion:
+        signals = self.signals(motion, load)
+        error = np.zeros_like(motion.q)
         for effect in wrong:
-            error += self.run(effect, p, self.motion, signals, self.motion.q) - self.motion.q
-        return self.motion.without(error)
+            error += self.run(effect, p, motion, signals, motion.q) - motion.q
+        return motion.without(error)
 
     def _at(self, port: str) -> list[type[Effect]]:
         return [e for e in self.effects if e.port == port]
+
+
+def _cells(table: Table, motion: Motion) -> dict[str, list[int]]:
+    """Kind of a log's own number -> its place in the table for each piece."""
+    kinds = {n.partition(".")[0] for n in table.names} & set(PER_LOG)
+    return {kind: [table.position(f"{kind}.{log}") for log in motion.logs] for kind in kinds}
+
+
+def _twists(effect: type[Effect]) -> bool:
+    """Whether an error of the reading is the twist under load between motor and sensor."""
+    return "motor.load_torque" in effect.reads.values()
 
 
 def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:

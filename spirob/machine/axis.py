@@ -21,11 +21,12 @@ from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
+from spirob.machine.log_numbers import log_numbers, with_payload
 from spirob.machine.models import Model
 from spirob.machine.plausible import doubts, oddities
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
-from spirob.machine.rig import ANGLES, RigFile
+from spirob.machine.rig import RigFile
 from spirob.machine.search import Found, Search
 from spirob.machine.shown import laws, overlay, parameters
 from spirob.machine.sizes_of import sizes_of
@@ -67,23 +68,31 @@ def diagnose_recordings(
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
     repairs += said
-    angular = rig.position.unit in ANGLES
+    angular = rig.angular
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, angular)
-    turned = 0.0 if body or not angular else _stroke(train)
-    own = for_axis(find_effects(rig.effects), turned)
-    library = [*own, *(e for e in for_axis(all_effects().values(), turned) if e not in own)]
+    turned = 0.0 if body or not angular or rig.position is None else _stroke(train)
+    side = rig.position.side if rig.position else "motor"
+    own = for_axis(find_effects(rig.effects), turned, side)
+    library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, angular)
     if missing := [e.name() for e in own if e not in possible]:
         raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
     sizes, rest = sizes_of(rig, body, train)
-    rig = with_delay(rig, max(r.period for r in train))
+    rig = with_payload(with_delay(rig, max(r.period for r in train)), sizes)
+    names = list(dict.fromkeys(r.log for r in (*train, *test)))
+    logs = log_numbers(rig, names, sizes)
+    fitted = logs.fitted([r.log for r in train])
+    alone = [n for n in logs.fitted([r.log for r in test]) if n not in fitted]
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
-    problems = [InverseProblem(rig, body, r, possible, sizes, rest) for r in (train, test)]
-    names = [f"rig.{name}" for name in rig.fit]
+    problems = [
+        InverseProblem(rig, body, r, possible, sizes, rest, logs, own)
+        for r, own in ((train, []), (test, alone))
+    ]
+    names = [*(f"rig.{name}" for name in rig.fit), *fitted]
     names += [f"{e.name()}.{f}" for e in own for f in e.parameters()]
     if names == ["rig.delay"]:
         raise ConfigError("fit: name at least one number to fit, such as viscous")

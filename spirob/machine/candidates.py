@@ -13,6 +13,7 @@ DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the
     "sensing.report": "the drive's report of its current",
 }
 ALWAYS = {"motor.torque", "tendon.force", "sensing.displacement"}
+PLACED = {"motor.angle", "hinge.angle"}
 SIGNALS = {
     "time",
     "motor.rest_speed",
@@ -49,6 +50,8 @@ def _reason(
 ) -> str:
     port, reads = effect.port, set(effect.reads.values())
     hinged = not isinstance(rig.body, str)
+    if rig.position is None and (reads & PLACED or port == "sensing.displacement"):
+        return "the log has no position"
     if shares_inertia(effect) and not (hinged or "inertia" in rig.fit or rig.known.get("inertia")):
         return "the rig moves no inertia that could stay behind"
     if port == "command.current" and rig.effort.origin != "command":

@@ -62,6 +62,7 @@ def ceiling(
             residual, left_out(np.column_stack([features[n] for n in own]), residual, folds)
         )
         for group, own in (SIGNALS.items() if split else ())
+        if set(own) <= set(names)
     }
     trees = tree().fit(np.column_stack([features[n] for n in names]), residual)
     # as much of it as it was worth on the folds left out: trees know nothing of a time to come
@@ -85,4 +86,5 @@ def depends_on(found: Ceiling) -> str:
 def _features(problem: InverseProblem) -> dict[str, np.ndarray]:
     signals = problem.signals()
     signals["direction"] = np.tanh(signals["speed"] / problem.rest_speed)
-    return {n: signals[n] for n in ("position", "speed", "direction", "acceleration", "time")}
+    told = ("position", "speed", "direction", "acceleration", "time")
+    return {n: signals[n] for n in told if n != "position" or problem.rig.position is not None}

@@ -11,10 +11,11 @@ from spirob.effects import Effect
 from spirob.identify.problem import Effort, Rotor, Stretch
 from spirob.machine.asked import AskedEffort
 from spirob.machine.body import RigidBody
+from spirob.machine.log_numbers import NONE, LogNumbers, profiled
 from spirob.machine.motion import Kept, kept_rows, motion_of
 from spirob.machine.own_numbers import table_of
 from spirob.machine.recording import Recording
-from spirob.machine.rig import SI, RigFile
+from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
@@ -25,6 +26,8 @@ class InverseProblem:
     """Effort asked for minus effort measured, on the trials of one role; see `identify.problem`.
 
     sizes  of the rig, which set the effects' nominal numbers; shared by all roles
+    logs   own numbers of all logs of the rig;  own  those that are fitted anew at every call,
+           because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
     """
 
@@ -38,11 +41,14 @@ class InverseProblem:
         effects: Sequence[type[Effect]],
         sizes: Sizes,
         rest_speed: float,
+        logs: LogNumbers = NONE,
+        own: Sequence[str] = (),
     ):
+        self.logs, self.own = logs, list(own)
         self.rig, self.body, self.sizes = rig, body, sizes
         self.recordings = list(recordings)
         self.effects, self.rest_speed = list(effects), rest_speed
-        self._table = table_of(rig, effects, sizes)
+        self._table = table_of(rig, effects, sizes, logs)
         motion = motion_of(self.recordings, body, sizes.mass)
         stiffness = body.stiffness if body else 0.0
         self.asked = AskedEffort(motion, effects, self._table, sizes, rest_speed, stiffness)
@@ -68,8 +74,7 @@ class InverseProblem:
     @property
     def effort(self) -> Effort:
         """What the rig's effort is called, in SI."""
-        kind = self.rig.effort.kind
-        return Effort(self.rig.effort.name or f"motor {kind}", SI[kind])
+        return Effort(self.rig.effort.title, self.rig.effort.si)
 
     def measured(self) -> np.ndarray:
         """The measured effort, (N,)."""
@@ -77,7 +82,18 @@ class InverseProblem:
 
     def __call__(self, changes: Mapping[str, float]) -> np.ndarray:
         """Model minus measurement, (N,)."""
-        return self._thin(self.model(changes)) - self._measured
+        return self._thin(self._model(self.completed(changes))) - self._measured
+
+    def completed(self, changes: Mapping[str, float]) -> dict[str, float]:
+        """The changes, with the own numbers of these logs as they fit best."""
+        if not self.own:
+            return dict(changes)
+        start = {name: float(self._table.values[self._table.position(name)]) for name in self.own}
+
+        def residual(values: Mapping[str, float]) -> np.ndarray:
+            return self._thin(self._model({**changes, **values})) - self._measured
+
+        return {**changes, **profiled(residual, self.own, start)}
 
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
@@ -85,6 +101,9 @@ class InverseProblem:
 
     def model(self, changes: Mapping[str, float]) -> np.ndarray:
         """The modelled effort at every sample of every piece, filtered, (n,)."""
+        return self._model(self.completed(changes))
+
+    def _model(self, changes: Mapping[str, float]) -> np.ndarray:
         return self._smooth(self.asked.effort(self._table.vector(changes)))
 
     def stretches(self) -> list[Stretch]:
@@ -101,7 +120,9 @@ class InverseProblem:
                 self.rest_speed,
                 "forward",
                 "backward",
-                angle=kept.piece.q[kept.inside] / self.sizes.angle,
+                angle=None
+                if self.rig.position is None
+                else kept.piece.q[kept.inside] / self.sizes.angle,
                 gear=self.rig.gear if turns else None,  # of a slide nothing turns behind the gear
                 turn="motor" if self.rig.gear or turns else "stroke",
                 **_commanded(kept),

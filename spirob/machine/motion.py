@@ -17,6 +17,7 @@ class Motion:
     """The signals of all pieces in a row, each (n,), and what the body asks for along them.
 
     starts  (pieces + 1,) where each piece begins and ends;  steps  (pieces,) sample periods [s]
+    logs    (pieces,) names of the logs that they are of
     """
 
     starts: np.ndarray
@@ -27,6 +28,7 @@ class Motion:
     a: np.ndarray
     effort: np.ndarray
     body: dict[str, np.ndarray]
+    logs: tuple[str, ...] = ()
 
     def rates(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First and second derivative of a signal by time, none across pieces, (n,) each."""
@@ -35,6 +37,10 @@ class Motion:
             rows = slice(self.starts[k], self.starts[k + 1])
             first[rows], second[rows] = rates(values[rows], step)
         return first, second
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """One value a piece, (pieces,), at each of its samples, (n,)."""
+        return np.repeat(values, np.diff(self.starts))
 
     def without(self, error: np.ndarray) -> "Motion":
         """The motion with an error of its sensor taken out."""
@@ -62,6 +68,7 @@ def motion_of(recordings: Sequence[Recording], body: RigidBody | None, mass: flo
         along("a"),
         along("effort"),
         {name: np.concatenate([n[name] for n in needs]) for name in NEEDS},
+        tuple(r.log or r.name for r, _ in pieces),
     )
 
 

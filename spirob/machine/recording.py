@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from spirob.errors import MissingChannel
 from spirob.machine import checks
@@ -23,8 +24,9 @@ from spirob.machine.filtering import (
 )
 from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
 from spirob.machine.reading import read_columns
-from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, TIME_UNITS, Column, RigFile
+from spirob.machine.rig import TIME_UNITS, Column, RigFile
 from spirob.machine.rows import usable
+from spirob.units import UNITS
 
 FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample
 CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
@@ -55,7 +57,10 @@ class Piece:
 
 @dataclass
 class Recording:
-    """A trial: its pieces, sample period [s], filter, and what was repaired while reading it."""
+    """A trial: its pieces, sample period [s], filter, and what was repaired while reading it.
+
+    log  file that it is of, where its own name says which part of it
+    """
 
     name: str
     period: float
@@ -63,6 +68,7 @@ class Recording:
     every: int
     pieces: list[Piece]
     said: list[str]
+    log: str = ""
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
         """What the filter leaves of a signal on this grid, same length."""
@@ -111,27 +117,29 @@ def prepare(
         columns[column.column] = checks.signed(name, column.column, raw, said)
     seconds = _scaled(rig.time, columns) * TIME_UNITS[rig.time.unit]
     values = {key: _scaled(column, columns) for key, column in wanted.items() if key != "time"}
-    raw_position = np.asarray(columns[rig.position.column], float)
-    seconds, values = checks.regular_time(
-        name, seconds, {**values, "raw position": raw_position}, said
-    )
-    raw_position = values.pop("raw position")
+    if rig.position is not None:
+        values["raw position"] = np.asarray(columns[rig.position.column], float)
+    seconds, values = checks.regular_time(name, seconds, values, said)
+    raw_position = values.pop("raw position", None)
     for key in values:
         values[key] = checks.finite(name, wanted[key].column, values[key], said)
-    for key in ("position", "effort"):
+    for key in {rig.motion_key, "effort"} & set(values):
         checks.moving(name, wanted[key].column, values[key])
-    values["position"] = checks.position(
-        name, rig.position.column, values["position"], raw_position, seconds, said
-    )
+    if rig.position is not None and raw_position is not None:
+        values["position"] = checks.position(
+            name, rig.position.column, values["position"], raw_position, seconds, said
+        )
     values = {key: _si(rig, key) * value for key, value in values.items()}
     period, grids = checks.regular_grid(name, seconds, values, said)
     period, grids = _no_finer(name, period, grids, rig, said)
+    grids = [_completed(grid, rig, period) for grid in grids]
+    said += _computed(name, rig)
     cutoff = cutoff or rig.filter.cutoff or _cutoff(grids, period)
     every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff)))
     pieces = [_piece(name, grid, rig, period, cutoff, said) for grid in grids]
     used = sum(int(p.use.sum()) for p in pieces) * period
     checks.enough(name, used)
-    return Recording(name, period, cutoff, every, pieces, said)
+    return Recording(name, period, cutoff, every, pieces, said, name)
 
 
 def _no_finer(
@@ -149,11 +157,13 @@ def _no_finer(
 
 
 def _wanted(rig: RigFile) -> dict[str, Column]:
-    found: dict[str, Column] = {"time": rig.time, "position": rig.position, "effort": rig.effort}
-    if rig.velocity is not None:
-        found["velocity"] = rig.velocity
-    if rig.reference is not None:
-        found["reference"] = rig.reference
+    found: dict[str, Column] = {"time": rig.time}
+    single = {"position": rig.position, "velocity": rig.velocity, "reference": rig.reference}
+    found |= {key: column for key, column in single.items() if column is not None}
+    if rig.effort.source == "column":
+        found["effort"] = rig.effort
+    if isinstance(rig.effort.supply, Column):
+        found["supply"] = rig.effort.supply
     if not isinstance(rig.body, str):
         found |= {f"joint {name}": column for name, column in rig.body.joints.items()}
     return found
@@ -164,14 +174,45 @@ def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _si(rig: RigFile, key: str) -> float:
-    units = LENGTHS | ANGLES
+    """SI for one unit of a channel."""
     if key == "effort":
-        return EFFORTS[rig.effort.kind][rig.effort.unit]
+        return rig.effort.scale
+    if key == "supply" and isinstance(rig.effort.supply, Column):
+        return UNITS[rig.effort.supply.unit].factor
     if key.startswith("joint ") and not isinstance(rig.body, str):
-        return units[rig.body.joints[key.removeprefix("joint ")].unit]
-    if key == "velocity" and rig.velocity is not None:
-        return units[rig.velocity.unit.removesuffix("/s")]
-    return units[rig.position.unit]
+        return UNITS[rig.body.joints[key.removeprefix("joint ")].unit].factor
+    column = {"velocity": rig.velocity, "reference": rig.reference}.get(key) or rig.motion
+    return column.scale
+
+
+def _completed(grid: dict[str, np.ndarray], rig: RigFile, period: float) -> dict[str, np.ndarray]:
+    """A piece on its grid with what the log has no column for: position, effort of a controller."""
+    if "position" not in grid:
+        path = cumulative_trapezoid(grid["velocity"], dx=period, initial=0.0)
+        grid = {**grid, "position": np.asarray(path)}
+    if rig.control is not None and "effort" not in grid:
+        p, d, i, a, b = rig.control.gains
+        wrong = grid["reference"] - grid["position"]
+        v = grid["velocity"] if "velocity" in grid else derivative(grid["position"], period)
+        wound = cumulative_trapezoid(a * wrong - b * v, dx=period, initial=0.0)
+        asked = p * wrong - d * v + i * np.asarray(wound)
+        most = np.inf if rig.control.limit is None else rig.control.limit
+        grid = {**grid, "effort": rig.effort.scale * np.clip(asked, -most, most)}
+    if "supply" in grid:
+        grid = {**grid, "effort": grid["effort"] * grid["supply"]}
+    return grid
+
+
+def _computed(name: str, rig: RigFile) -> list[str]:
+    """Sentences about what was computed, not read."""
+    said = []
+    if rig.position is None:
+        said.append(f"{name}: has a velocity alone; what depends on position cannot be told.")
+    if rig.effort.source == "control":
+        said.append(
+            f"{name}: its effort was not logged but computed from the controller's gains and error."
+        )
+    return said
 
 
 def _piece(
@@ -194,7 +235,8 @@ def _piece(
         if key.startswith("joint "):
             angle = smooth(values, cutoff, period)
             others[key.removeprefix("joint ")] = np.column_stack([angle, *rates(angle, period)])
-    use = usable(name, grid["effort"], v, rig, period, cutoff, said)
+    share = grid["effort"] / grid["supply"] if "supply" in grid else grid["effort"]
+    use = usable(name, share, v, rig, period, cutoff, said)
     noise = acceleration_noise(*_differentiated(grid), cutoff, period)
     return Piece(
         grid["time"], q, v, a, effort, grid["effort"], use, noise, others, grid.get("reference")

@@ -1,61 +1,42 @@
 """The description of a machine that nobody here has seen: `RIG.yaml`, read by `loading`.
 
-Columns and their units, what the effort is, which numbers are known and which are fitted, the body
-behind the motor, filters and the rows that are left out.  Data, never code; an unknown key is an
-error that says where it stands.
+Which columns (`columns`), which numbers are known and which are fitted, the body behind the motor,
+filters and the rows that are left out.  Data, never code; an unknown key is an error that says
+where it stands.
 """
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
-LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
-ANGLES = {"rad": 1.0, "deg": 0.017453292519943295, "turn": 6.283185307179586}
-EFFORTS = {  # kind -> unit -> factor to SI
-    "current": {"A": 1.0, "mA": 1e-3},
-    "voltage": {"V": 1.0, "mV": 1e-3},
-    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
-    "torque": {"N·m": 1.0, "Nm": 1.0, "mN·m": 1e-3, "mNm": 1e-3},
-}
-SI = {"current": "A", "voltage": "V", "force": "N", "torque": "N·m"}
+from spirob.machine.columns import (
+    ANGLES,
+    EFFORTS,
+    LENGTHS,
+    TICK,
+    TIME_UNITS,
+    Column,
+    EffortColumn,
+    Entry,
+    MotionColumn,
+    PositionColumn,
+)
+from spirob.units import units_of
 
-
-class Entry(BaseModel):
-    """Base of every part of the description: no unknown keys, no infinite numbers."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Column(Entry):
-    """A column of the log: value in `unit` = factor·(cell - zero)."""
-
-    column: str
-    unit: str = ""
-    factor: float = 1.0
-    zero: float = 0.0
-
-    @field_validator("factor")
-    @classmethod
-    def _factor_is_not_zero(cls, value: float) -> float:
-        if value == 0.0:
-            raise ValueError("a factor of 0 erases the column")
-        return value
-
-
-class EffortColumn(Column):
-    """The effort: what it is, and whether it was measured or only commanded.
-
-    kind    of quantity after `factor`
-    origin  "sensor": a force or torque sensor behind the motor, which no drive can distort;
-            "measured": what the drive reports;  "command": what the drive was asked for
-    limit   size at which the drive saturates, in `unit`; rows beyond 98 % of it are left out
-    """
-
-    kind: Literal["current", "voltage", "force", "torque"]
-    origin: Literal["sensor", "measured", "command"] = "measured"
-    name: str = ""
-    limit: float | None = Field(default=None, gt=0)
+__all__ = [
+    "ANGLES",
+    "EFFORTS",
+    "LENGTHS",
+    "TIME_UNITS",
+    "Body",
+    "Bounded",
+    "Column",
+    "Control",
+    "Entry",
+    "FilterSettings",
+    "RigFile",
+    "Rows",
+]
 
 
 class Bounded(Entry):
@@ -125,15 +106,48 @@ class Rows(Entry):
 
 
 class Control(Entry):
-    """A cascade: u = clip(velocity·(position·(reference - q) - v)), in the unit of effort.
+    """What the controller asks for, in the unit of effort, from position and speed in SI.
 
-    position [1/s], velocity [effort per speed], integral of the speed error [effort per position]
+    u = velocity·e + integral·∫e  with  e = position·(reference - q) - v,  a cascade, or
+    u = kp·(reference - q) - kd·v + ki·∫(reference - q);  no more than ± limit
     """
 
-    position: float
-    velocity: float
+    position: float | None = None
+    velocity: float | None = None
     integral: float = 0.0
+    kp: float | None = None
+    kd: float = 0.0
+    ki: float = 0.0
     limit: float | None = Field(default=None, gt=0)
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "Control":
+        cascade = self.position is not None and self.velocity is not None
+        if cascade == (self.kp is not None):
+            raise ValueError("give position and velocity of a cascade, or kp, kd and ki")
+        return self
+
+    @property
+    def gains(self) -> tuple[float, float, float, float, float]:
+        """(P, D, I, a, b) of u = P·(r - q) - D·v + I·∫(a·(r - q) - b·v)."""
+        if self.kp is not None:
+            return self.kp, self.kd, self.ki, 1.0, 0.0
+        position, velocity = self.position or 0.0, self.velocity or 0.0
+        return velocity * position, velocity, self.integral, position, 1.0
+
+
+class OwnNumbers(Entry):
+    """Numbers of one log alone.
+
+    offset   effort that this log needs more than others, in SI
+    payload  mass or moment that the axis carries in it, in any unit that all logs share; with a
+             body that has a tip in kg
+    zero     position, in SI, that this log counts as 0
+    """
+
+    offset: float | None = None
+    payload: float | None = Field(default=None, ge=0)
+    zero: float | None = None
 
 
 NUMBERS = {
@@ -142,12 +156,24 @@ NUMBERS = {
     "stiffness": "spring that pulls towards position 0",
     "scale": "torque or force for one unit of effort",
     "delay": "time by which the effort trails the motion in the log",
+    "back_emf": "voltage for one unit of speed, which the turning motor sets against its supply",
+    "payload_inertia": "inertia or mass that a payload of 1 adds",
+    "payload_cosine": "effort for a payload of 1 at position 0, or anywhere on a slide",
+    "payload_sine": "effort for a payload of 1 at a quarter turn from position 0",
+}
+PER_LOG = {
+    "offset": "effort that this log needs more than others",
+    "payload": "what the axis carries in this log",
+    "zero": "position that this log counts as 0",
 }
 
 
 class RigFile(Entry):
     """A whole description; `spirob.machine.loading.load_rig` reads it.
 
+    position    may be absent where `velocity` is there: then no effect of position can be told
+    per_log     numbers that each log has for itself, to fit; None: found out, [] for none
+    logs        name of a log -> its own numbers, where they are known
     predict     what the user wants predicted; effects are named in the effort in any case, because
                 a controller hides in the motion what its effort shows
     rest_speed  scale of the smooth sign of dry friction, in the unit of position per second;
@@ -155,24 +181,28 @@ class RigFile(Entry):
     gear        radians of the motor for one radian, or one metre, of position; absent: 1, or one
                 turn over the whole stroke
     effects     what the model holds already; a name that ends in .py is a file of the user's own
+    dbc         file beside the description that decodes the frames of a log of a CAN bus
     """
 
     name: str
     time: Column
-    position: Column
-    velocity: Column | None = None
+    position: PositionColumn | None = None
+    velocity: MotionColumn | None = None
     effort: EffortColumn
-    reference: Column | None = None
+    reference: MotionColumn | None = None
     predict: Literal["effort", "motion", "closed_loop"] = "effort"
     control: Control | None = None
     known: dict[str, float] = {}
     fit: dict[str, Bounded] = {}
+    per_log: tuple[Literal["offset", "payload", "zero"], ...] | None = None
+    logs: dict[str, OwnNumbers] = {}
     body: Body | Literal["none"] = "none"
     filter: FilterSettings = FilterSettings()
     rows: Rows = Rows()
     rest_speed: float | None = Field(default=None, gt=0)
     gear: float | None = Field(default=None, gt=0)
     effects: list[str] = []
+    dbc: str | None = None
 
     @field_validator("known", "fit")
     @classmethod
@@ -182,28 +212,77 @@ class RigFile(Entry):
                 raise ValueError(f"no number '{name}'; a rig has: {', '.join(NUMBERS)}")
         return value
 
+    @property
+    def motion(self) -> MotionColumn:
+        """The column that the motion is taken from: the position, or the velocity alone."""
+        column = self.position or self.velocity
+        assert column is not None
+        return column
+
+    @property
+    def motion_key(self) -> str:
+        """Which of the two that is."""
+        return "velocity" if self.position is None else "position"
+
+    @property
+    def axis(self) -> str:
+        """What positions are measured in inside: rad or m."""
+        return self.motion.si.removesuffix("/s")
+
+    @property
+    def angular(self) -> bool:
+        """Whether the axis turns."""
+        return self.axis == "rad"
+
+    @property
+    def speed_scale(self) -> float:
+        """SI for one unit of position per second, or of velocity where there is no position."""
+        return self.motion.scale
+
     @model_validator(mode="after")
     def _consistent(self) -> "RigFile":
         if twice := set(self.known) & set(self.fit):
             raise ValueError(f"{', '.join(sorted(twice))}: either known or fitted")
         if self.time.unit not in TIME_UNITS:
             raise ValueError(f"time.unit '{self.time.unit}'; known: {', '.join(TIME_UNITS)}")
-        if self.position.unit not in LENGTHS | ANGLES:
-            known = ", ".join(LENGTHS | ANGLES)
-            raise ValueError(f"position.unit '{self.position.unit}'; known: {known}")
-        rates = [f"{unit}/s" for unit in LENGTHS | ANGLES]
-        if self.velocity is not None and self.velocity.unit not in rates:
-            raise ValueError(f"velocity.unit '{self.velocity.unit}'; known: {', '.join(rates)}")
+        if self.position is None and self.velocity is None:
+            raise ValueError("position: needed; where the log has none, give its velocity")
+        places, rates = [*LENGTHS, *ANGLES, TICK], [*units_of("m/s"), *units_of("rad/s"), "tick/s"]
+        _is_of("position", self.position, self.axis, places)
+        _is_of("velocity", self.velocity, f"{self.axis}/s", rates)
+        _is_of("reference", self.reference, self.axis, places)
         others = {} if isinstance(self.body, str) else self.body.joints
         for name, column in others.items():
             if column.unit not in LENGTHS | ANGLES:
                 raise ValueError(f"body.joints.{name}.unit '{column.unit}' is no length or angle")
-        units = EFFORTS[self.effort.kind]
-        if self.effort.unit not in units:
-            raise ValueError(
-                f"effort.unit '{self.effort.unit}' is no {self.effort.kind}; "
-                f"known: {', '.join(units)}"
-            )
         if self.predict == "closed_loop" and (self.control is None or self.reference is None):
             raise ValueError("predict: closed_loop needs 'control' and 'reference'")
+        if self.effort.source == "control" and (self.control is None or self.reference is None):
+            raise ValueError("effort.from: control needs 'control' and 'reference'")
+        self._has_places()
         return self
+
+    def _has_places(self) -> None:
+        """Raise where something asks for what this rig does not have."""
+        named = set(self.known) | set(self.fit)
+        if "back_emf" in named and self.effort.si != "V":
+            raise ValueError("back_emf: only where the effort is a voltage")
+        if self.position is not None:
+            return
+        if not isinstance(self.body, str):
+            raise ValueError("body: needs the position")
+        if self.reference is not None:
+            raise ValueError("reference: needs the position")
+        if placed := sorted(named & {"stiffness", "payload_cosine", "payload_sine"}):
+            raise ValueError(f"{placed[0]}: needs the position")
+        if self.predict != "effort":
+            raise ValueError(f"predict: {self.predict} needs the position")
+
+
+def _is_of(key: str, column: MotionColumn | None, si: str, known: list[str]) -> None:
+    if column is None:
+        return
+    if column.unit not in known:
+        raise ValueError(f"{key}.unit '{column.unit}'; known: {', '.join(known)}")
+    if column.si != si:
+        raise ValueError(f"{key}.unit '{column.unit}' does not go with an axis in {si}")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, RigFile
+from spirob.machine.rig import RigFile
 
 FULL = 0.98  # of the drive's limit counts as saturated
 STUCK = 5  # equal extreme values in a row are a limit that nobody declared
@@ -29,7 +29,7 @@ def usable(
     if full.any():
         use &= ~widened(full, reach)
         said.append(f"{name}: {full.mean():.1%} of the rows left out, where the drive saturates.")
-    unit = (LENGTHS | ANGLES)[rig.position.unit]
+    unit = rig.speed_scale
     if rig.rows.minimum_speed is not None:
         slow = np.abs(v) < unit * rig.rows.minimum_speed
         use &= ~slow
@@ -41,7 +41,7 @@ def usable(
 
 def _saturated(effort: np.ndarray, rig: RigFile) -> np.ndarray:
     if rig.effort.limit is not None:
-        limit = rig.effort.limit * EFFORTS[rig.effort.kind][rig.effort.unit]
+        limit = rig.effort.limit * rig.effort.scale
         return np.asarray(np.abs(effort) >= FULL * limit)
     full = np.zeros(len(effort), bool)
     for extreme in (effort.max(), effort.min()):

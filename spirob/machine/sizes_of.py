@@ -6,7 +6,7 @@ import numpy as np
 
 from spirob.machine.body import RigidBody
 from spirob.machine.recording import Recording
-from spirob.machine.rig import ANGLES, LENGTHS, SI, RigFile
+from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
 
 REST = 0.01  # of the fast part of the motion: the scale of a smooth sign
@@ -21,10 +21,9 @@ def sizes_of(
         return np.concatenate([getattr(p, field)[p.use] for r in train for p in r.pieces])
 
     q, v, effort = gathered("q"), gathered("v"), gathered("effort")
-    angular = rig.position.unit in ANGLES
-    axis = "rad" if angular else "m"
+    angular = rig.angular
     scale = rig.known.get("scale", rig.fit["scale"].nominal if "scale" in rig.fit else 0.0)
-    unit = SI[rig.effort.kind]
+    unit = rig.effort.si
     size = float(np.sqrt(np.mean(effort**2)))
     stroke = float(np.ptp(q))
     gear = rig.gear or (1.0 if angular else 2 * np.pi / stroke)
@@ -37,8 +36,8 @@ def sizes_of(
         mass=body.mass if body else 0.1,
         torque_unit=("N·m" if angular else "N") if scale else unit,
         effort_unit=unit,
-        axis_unit=axis,
+        axis_unit=rig.axis,
     )
     fast = float(np.quantile(np.abs(v), 0.95))
-    given = rig.rest_speed and rig.rest_speed * (LENGTHS | ANGLES)[rig.position.unit]
+    given = rig.rest_speed and rig.rest_speed * rig.speed_scale
     return sizes, given or REST * fast

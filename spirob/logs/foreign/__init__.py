@@ -1,7 +1,6 @@
 """Measurements from elsewhere, brought into a `Trace` by a mapping file.
 
 mapping.py    what the mapping file may hold
-units.py      units of a file to SI
 clock.py      stamps that do not increase: repaired only where that is certain, and said
 agreement.py  units that cannot be right
 mat.py        MATLAB files of version 5;  parquet.py  Parquet;  mcap_fields.py  MCAP of others

@@ -6,7 +6,7 @@ import numpy as np
 
 from spirob.errors import DataError
 from spirob.logs.foreign.mapping import Mapping
-from spirob.logs.foreign.units import UNITS
+from spirob.units import UNITS
 
 _BRACKETED = re.compile(r"[\[(]\s*([^\[\]()\d][^\[\]()]{0,11}?)\s*[\])]\s*$")
 _RATES = {"displacement": "velocity"}

@@ -18,7 +18,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from spirob.errors import ConfigError, DataError, MissingLog
-from spirob.logs.foreign.units import unit
+from spirob.units import unit
 
 LARGEST = 2**18  # bytes of a mapping file
 SI = {  # of channels that the program knows, after the motor's name

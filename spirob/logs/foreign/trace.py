@@ -8,7 +8,7 @@ from spirob.errors import DataError, MissingChannel
 from spirob.logs.foreign.agreement import check_names, check_rates
 from spirob.logs.foreign.clock import increasing
 from spirob.logs.foreign.mapping import Mapping
-from spirob.logs.foreign.units import UNITS
+from spirob.units import UNITS
 from spirob.trace import Trace
 
 LOG_TIME = "log_time"  # column of nanoseconds that an MCAP file brings by itself

@@ -17,7 +17,6 @@ from spirob.machine.forward.errors import error, guesses, motion_errors, numbere
 from spirob.machine.forward.horizons import WINDOW, horizons
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.motion import Motion
-from spirob.machine.rig import EFFORTS
 
 
 @dataclass(frozen=True)
@@ -46,6 +45,10 @@ class Forward:
         """Why this model cannot be run forward; empty where it can."""
         if self._body and self._body.reason:
             return self._body.reason
+        if self.problem.logs.about:
+            return "logs with numbers of their own are not run forward"
+        if self.problem.rig.position and self.problem.rig.position.side == "load":
+            return "the motor's motion behind a sensor at the load is not measured"
         if self._axis(changes).least_inertia > 0.0:
             return ""
         return "without inertia the speed does not follow from a balance"
@@ -113,6 +116,6 @@ class Forward:
         rig = self.problem.rig
         control = rig.control
         assert control is not None
-        factor = EFFORTS[rig.effort.kind][rig.effort.unit]
+        factor = rig.effort.scale
         limit = np.inf if control.limit is None else control.limit * factor
-        return [1.0, control.position, control.velocity, control.integral, factor, limit]
+        return [1.0, *control.gains, factor, limit]

@@ -4,14 +4,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spirob.machine.asked import ADDED, BEFORE
+from spirob.machine.asked import ADDED, BEFORE, HINGE
 from spirob.machine.forward.body_table import BodyTable
 from spirob.machine.forward.steps import loop_of
 from spirob.machine.forward.torque import AT, OWN, memory_of
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.motion import Motion
 
-PORTS = ("sensing.current", *BEFORE, "winch.efficiency", *ADDED)  # of effects within the loop
+# of effects within the loop
+PORTS = ("sensing.current", *BEFORE, "winch.efficiency", HINGE, *ADDED)
 
 
 class Axis:
@@ -31,7 +32,7 @@ class Axis:
         self._where = body.where if body else np.zeros(len(self.motion.q))
 
     def run(
-        self, segments: np.ndarray, given: np.ndarray, control: Sequence[float] = (0.0,) * 6
+        self, segments: np.ndarray, given: np.ndarray, control: Sequence[float] = (0.0,) * 8
     ) -> np.ndarray:
         """Position, speed and effort along all pieces, (3, n), NaN where no segment lies.
 

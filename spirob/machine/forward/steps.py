@@ -37,7 +37,7 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
               measured motion of its piece before
     given     (n,): effort at each row, linear in between, or position to follow where a controller
               runs, which then holds its effort from row to row
-    control   (6,): 1 where it runs, position, velocity and integral gain, factor to SI, limit in SI
+    control   (8,): 1 where it runs, the five of `Control.gains`, factor to SI, limit in SI
     own, p    as `torque` takes them;  start (m,) what memory begins with
     table     (rows, nodes, AT) of the body, no nodes without one
     grid      (2,) first node and the distance to the next
@@ -50,11 +50,10 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
 
 
 def asked(q, v, goal, dt, control, wound):
-    """Effort that a cascade asks for, and the next integral of its speed error."""
-    wrong = control[1] * (goal - q) - v
-    wound += dt * wrong
-    effort = control[4] * (control[2] * wrong + control[3] * wound)
-    return min(max(effort, -control[5]), control[5]), wound
+    """Effort that a controller asks for, and the next integral of its error."""
+    wound += dt * (control[4] * (goal - q) - control[5] * v)
+    effort = control[6] * (control[1] * (goal - q) - control[2] * v + control[3] * wound)
+    return min(max(effort, -control[7]), control[7]), wound
 
 
 def beside(q, row, table, grid, at):

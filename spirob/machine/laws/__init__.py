@@ -8,22 +8,31 @@ same effect.
 from collections.abc import Iterable
 
 from spirob.effects import Effect
+from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.laws.tip_payload import TipPayload
 
 AXIS: dict[str, type[Effect]] = {law.name(): law for law in (Backlash, GearCompliance)}
+LOAD_SIDE: dict[str, type[Effect]] = {
+    law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
+}
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
 TURNED = 1.0  # rad: over less, a weight on a lever is a spring with an offset
 INERTIA = "N·m·s²/rad"  # of a number that says how much of the moved inertia is the load's
 
 
-def for_axis(effects: Iterable[type[Effect]], turned: float = 0.0) -> list[type[Effect]]:
+def for_axis(
+    effects: Iterable[type[Effect]], turned: float = 0.0, side: str = "motor"
+) -> list[type[Effect]]:
     """The same effects, each by its law for an axis where there is one.
 
     turned  by how much an axis turns whose body nobody described [rad]; 0 where it slides
+    side    where the position sensor sits, at the "motor" or at the "load"
     """
-    own = AXIS | LEVER if turned >= TURNED else AXIS
+    own = LOAD_SIDE if side == "load" else AXIS
+    if turned >= TURNED:
+        own = own | LEVER
     return [own.get(e.name(), e) if e.__module__.startswith("spirob.") else e for e in effects]
 
 

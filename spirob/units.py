@@ -36,6 +36,8 @@ UNITS = {
     "m/s": Unit("m/s"),
     "mm/s": Unit("m/s", 1e-3),
     "cm/s": Unit("m/s", 1e-2),
+    "um/s": Unit("m/s", 1e-6),
+    "µm/s": Unit("m/s", 1e-6),
     "in/s": Unit("m/s", _INCH),
     "rad": Unit("rad"),
     "mrad": Unit("rad", 1e-3),
@@ -48,6 +50,10 @@ UNITS = {
     "rpm": Unit("rad/s", 2 * pi / 60),
     "turn/s": Unit("rad/s", 2 * pi),
     "rev/s": Unit("rad/s", 2 * pi),
+    "mrad/s": Unit("rad/s", 1e-3),
+    "°/s": Unit("rad/s", pi / 180),
+    "tick": Unit("tick"),
+    "tick/s": Unit("tick/s"),
     "N": Unit("N"),
     "mN": Unit("N", 1e-3),
     "kN": Unit("N", 1e3),
@@ -56,7 +62,10 @@ UNITS = {
     "N·m": Unit("N·m"),
     "Nm": Unit("N·m"),
     "N*m": Unit("N·m"),
+    "mN·m": Unit("N·m", 1e-3),
     "mNm": Unit("N·m", 1e-3),
+    "Ncm": Unit("N·m", 1e-2),
+    "kgf·cm": Unit("N·m", 9.80665e-2),
     "degC": Unit("degC"),
     "°C": Unit("degC"),
     "K": Unit("degC", 1.0, -273.15),
@@ -64,6 +73,11 @@ UNITS = {
     "1": Unit("1"),
     "%": Unit("1", 0.01),
 }
+
+
+def units_of(si: str) -> dict[str, float]:
+    """The units of one quantity, by name, with their factor to SI; those with an offset aside."""
+    return {name: u.factor for name, u in UNITS.items() if u.si == si and u.offset == 0.0}
 
 
 def unit(name: str, where: str) -> Unit:

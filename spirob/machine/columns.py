@@ -1,0 +1,140 @@
+"""The columns of a log in a description, and their units: motion, effort, time."""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from spirob.units import UNITS, units_of
+
+TIME_UNITS = units_of("s")
+LENGTHS, ANGLES = units_of("m"), units_of("rad")
+TICK = "tick"
+SI = {"current": "A", "voltage": "V", "duty": "V", "force": "N", "torque": "N·m"}
+EFFORTS = {kind: units_of("1" if kind == "duty" else si) for kind, si in SI.items()}
+
+
+class Entry(BaseModel):
+    """Base of every part of the description: no unknown keys, no infinite numbers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Column(Entry):
+    """A column of the log: value in `unit` = factor·(cell - zero)."""
+
+    column: str
+    unit: str = ""
+    factor: float = 1.0
+    zero: float = 0.0
+
+    @field_validator("factor")
+    @classmethod
+    def _factor_is_not_zero(cls, value: float) -> float:
+        if value == 0.0:
+            raise ValueError("a factor of 0 erases the column")
+        return value
+
+
+class MotionColumn(Column):
+    """A position or a speed.
+
+    per_turn, per_metre  ticks of an encoder in a turn, or a metre, for the units tick and tick/s
+    """
+
+    per_turn: float | None = Field(default=None, gt=0)
+    per_metre: float | None = Field(default=None, gt=0)
+
+    @property
+    def si(self) -> str:
+        """What it is in SI: m, rad, m/s or rad/s; "" where the unit is of another kind."""
+        return self._meant[0]
+
+    @property
+    def scale(self) -> float:
+        """SI for one `unit`."""
+        return self._meant[1]
+
+    @property
+    def _meant(self) -> tuple[str, float]:
+        own = UNITS.get(self.unit)
+        name, _, rate = self.unit.partition("/")
+        if name != TICK:
+            known = own is not None and own.si in ("m", "rad", "m/s", "rad/s")
+            return (own.si, own.factor) if own and known else ("", 1.0)
+        per = f"/{rate}" if rate else ""
+        if self.per_metre is not None:
+            return f"m{per}", 1.0 / self.per_metre
+        return f"rad{per}", ANGLES["turn"] / (self.per_turn or 1.0)
+
+    @model_validator(mode="after")
+    def _ticks_are_counted(self) -> "MotionColumn":
+        counted = [n for n in (self.per_turn, self.per_metre) if n is not None]
+        if self.unit.partition("/")[0] == TICK and len(counted) != 1:
+            raise ValueError("ticks need per_turn, or per_metre: how many there are")
+        if self.unit.partition("/")[0] != TICK and counted:
+            raise ValueError("per_turn and per_metre belong to the units tick and tick/s")
+        return self
+
+
+class PositionColumn(MotionColumn):
+    """The position.
+
+    modulus  after which it begins again at its lowest value, in `unit`; absent: found in the log
+    side     where its sensor sits: at the "motor", or at the "load" behind gear and shaft
+    """
+
+    modulus: float | None = Field(default=None, gt=0)
+    side: Literal["motor", "load"] = "motor"
+
+
+class EffortColumn(Column):
+    """The effort: what it is, and whether it was measured or only commanded.
+
+    from    "column", or "control": computed from `control`, the reference and the motion
+    kind    of quantity after `factor`; a duty becomes a voltage by its supply
+    supply  voltage that a duty of 1 gives [V], or its column
+    origin  "sensor": a force or torque sensor behind the motor, which no drive can distort;
+            "measured": what the drive reports;  "command": what the drive was asked for
+    limit   size at which the drive saturates, in `unit`; rows beyond 98 % of it are left out
+    """
+
+    column: str = ""
+    source: Literal["column", "control"] = Field(default="column", alias="from")
+    kind: Literal["current", "voltage", "duty", "force", "torque"]
+    supply: float | Column | None = None
+    origin: Literal["sensor", "measured", "command"] = "measured"
+    name: str = ""
+    limit: float | None = Field(default=None, gt=0)
+
+    @model_validator(mode="after")
+    def _whole(self) -> "EffortColumn":
+        units = EFFORTS[self.kind]
+        if self.unit not in units:
+            raise ValueError(f"unit '{self.unit}' is no {self.kind}; known: {', '.join(units)}")
+        if (self.source == "column") != bool(self.column):
+            raise ValueError("give either its column, or from: control")
+        if (self.kind == "duty") != (self.supply is not None):
+            raise ValueError("a duty needs its supply [V], and nothing else has one")
+        if isinstance(self.supply, float) and self.supply <= 0:
+            raise ValueError("supply: more than 0 V")
+        if isinstance(self.supply, Column) and self.supply.unit not in EFFORTS["voltage"]:
+            raise ValueError(
+                f"supply.unit '{self.supply.unit}'; known: {', '.join(EFFORTS['voltage'])}"
+            )
+        return self
+
+    @property
+    def si(self) -> str:
+        """Its unit in the model: A, V, N or N·m."""
+        return SI[self.kind]
+
+    @property
+    def scale(self) -> float:
+        """SI for one `unit`; for a duty whose supply is a column, its share of that."""
+        volts = self.supply if isinstance(self.supply, float) else 1.0
+        return EFFORTS[self.kind][self.unit] * volts
+
+    @property
+    def title(self) -> str:
+        """What it is called in a sentence."""
+        return self.name or f"motor {'voltage' if self.kind == 'duty' else self.kind}"

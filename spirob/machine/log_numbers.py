@@ -1,0 +1,153 @@
+"""Numbers that a log has for itself: a force, what the axis carries, where its position begins.
+
+Three masses on one lever, three pressures in one cylinder, a mount that was moved: the logs share
+a machine, and differ in one number each.  `logs` in a description gives it, `per_log` has it
+fitted; a held-out log's own numbers are fitted to that log, as they say nothing of the others.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spirob.errors import ConfigError
+from spirob.machine.rig import PER_LOG, Bounded, RigFile
+from spirob.machine.scaling import Sizes
+from spirob.parameter import Parameter
+
+SYMBOLS = {"offset": "F", "payload": "m", "zero": "q_0"}
+WIDE = 10.0  # times the effort, or what the first log carries
+HEAVY = 100.0  # times the mass of a body, that its tip may carry
+BESIDE = 0.3  # of a nominal number: where a second one begins
+
+
+@dataclass(frozen=True)
+class LogNumbers:
+    """The own numbers of all logs of a rig, named `offset.LOG`, `payload.LOG`, `zero.LOG`.
+
+    about  name -> what is known of it;  known  name -> value of those that are not fitted
+    """
+
+    about: dict[str, Parameter]
+    known: dict[str, float]
+
+    def fitted(self, logs: Sequence[str]) -> list[str]:
+        """Names of the numbers of these logs that are fitted."""
+        return [n for n in self.about if n not in self.known and n.partition(".")[2] in logs]
+
+    @property
+    def kinds(self) -> list[str]:
+        """Which kinds of number the logs have for themselves."""
+        return sorted({name.partition(".")[0] for name in self.about})
+
+
+NONE = LogNumbers({}, {})
+
+
+def log_numbers(rig: RigFile, logs: Sequence[str], sizes: Sizes) -> LogNumbers:
+    """The own numbers of these logs, in the order of fitting, training logs first.
+
+    What only counts against the other logs is fixed for the first one: a payload without body or
+    mass counts in payloads of the first log, a position from its zero.  Raises ConfigError where
+    `logs` names a log that is not there, or leaves out one that has to be given.
+    """
+    if strange := [name for name in rig.logs if name not in logs]:
+        raise ConfigError(f"logs.{strange[0]}: no such log; given are {', '.join(logs)}")
+    given = {kind: _given(rig, kind) for kind in PER_LOG}
+    about: dict[str, Parameter] = {}
+    known: dict[str, float] = {}
+    for kind, values in given.items():
+        own = kind in (rig.per_log or ())
+        if not own and not values:
+            continue
+        _possible(kind, rig)
+        relative = not values and (kind == "zero" or (kind == "payload" and not _at_tip(rig)))
+        for k, log in enumerate(logs):
+            name = f"{kind}.{log}"
+            about[name] = _about(kind, rig, sizes)
+            if log in values:
+                known[name] = values[log]
+            elif relative and k == 0:
+                known[name] = 1.0 if kind == "payload" else 0.0
+            elif not own:
+                raise ConfigError(
+                    f"logs.{log}: has no {kind}; give it, or have it fitted by per_log: [{kind}]"
+                )
+    return LogNumbers(about, known)
+
+
+def with_payload(rig: RigFile, sizes: Sizes) -> RigFile:
+    """The rig with what a payload of 1 weighs and adds to the inertia to fit, where it carries one.
+
+    A body with a tip knows both.
+    """
+    if "payload" not in kinds_of(rig) or _at_tip(rig):
+        return rig
+    own = rig.fit.get("inertia")
+    nominal = own.nominal if own else rig.known.get("inertia", 0.0)
+    added: dict[str, Bounded] = {}
+    if nominal > 0.0:
+        high = own.high if own else WIDE * nominal
+        added["payload_inertia"] = Bounded(nominal=BESIDE * nominal, low=0.0, high=high)
+    if rig.position is not None:
+        most, begin = WIDE * sizes.torque, BESIDE * sizes.torque
+        added["payload_cosine"] = Bounded(nominal=begin, low=-most, high=most)
+        if rig.angular:
+            added["payload_sine"] = Bounded(nominal=begin, low=-most, high=most)
+    missing = {n: b for n, b in added.items() if n not in rig.fit and n not in rig.known}
+    return rig.model_copy(update={"fit": {**rig.fit, **missing}})
+
+
+def kinds_of(rig: RigFile) -> set[str]:
+    """Which kinds of number the logs of a rig have for themselves."""
+    return set(rig.per_log or ()) | {kind for kind in PER_LOG if _given(rig, kind)}
+
+
+def profiled(residual: Any, names: Sequence[str], start: Mapping[str, float]) -> dict[str, float]:
+    """The values of some numbers that make a residual least, by three steps of Gauss and Newton.
+
+    residual  changes -> (N,);  start  name -> (value, size of a step)
+    """
+    values = dict(start)
+    for _ in range(3):
+        here = residual(values)
+        columns = []
+        for name in names:
+            step = 1e-3 * max(abs(values[name]), 1.0)
+            columns.append((residual({**values, name: values[name] + step}) - here) / step)
+        found = np.linalg.lstsq(np.column_stack(columns), -here, rcond=None)[0]
+        values |= {n: values[n] + float(x) for n, x in zip(names, found, strict=True)}
+    return values
+
+
+def _given(rig: RigFile, kind: str) -> dict[str, float]:
+    found = {log: getattr(numbers, kind) for log, numbers in rig.logs.items()}
+    return {log: float(value) for log, value in found.items() if value is not None}
+
+
+def _at_tip(rig: RigFile) -> bool:
+    return not isinstance(rig.body, str) and rig.body.tip is not None
+
+
+def _possible(kind: str, rig: RigFile) -> None:
+    hinged = not isinstance(rig.body, str)
+    if kind == "payload" and hinged and not _at_tip(rig):
+        raise ConfigError("per_log: payload needs body.tip, the site that carries it")
+    if kind == "zero" and (hinged or rig.position is None):
+        why = "a body's zero is that of its model" if hinged else "it needs the position"
+        raise ConfigError(f"per_log: zero has no place here; {why}")
+
+
+def _about(kind: str, rig: RigFile, sizes: Sizes) -> Parameter:
+    if kind == "offset":
+        most, unit, nominal, low = WIDE * sizes.torque, sizes.torque_unit, 0.0, None
+    elif kind == "zero":
+        most, unit, nominal, low = max(sizes.stroke, 2 * np.pi), sizes.axis_unit, 0.0, None
+    elif _at_tip(rig):
+        most, unit, nominal, low = HEAVY * sizes.mass, "kg", sizes.mass, 0.0
+    else:
+        most, unit, nominal, low = HEAVY, "1", 1.0, 0.0
+    return Parameter(
+        nominal, -most if low is None else low, most, unit, SYMBOLS[kind], PER_LOG[kind]
+    )
