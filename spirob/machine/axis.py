@@ -1,21 +1,20 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from spirob.diagnose.atlas import atlas
-from spirob.effects import all_effects, find_effects
+from spirob.effects import Effect, all_effects, find_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
+from spirob.machine.differing import candidates
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
@@ -26,7 +25,9 @@ from spirob.machine.models import Model
 from spirob.machine.plausible import doubts, oddities
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
+from spirob.machine.result import Diagnosis
 from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes
 from spirob.machine.search import Found, Search
 from spirob.machine.shown import laws, overlay, parameters
 from spirob.machine.sizes_of import sizes_of
@@ -36,21 +37,19 @@ from spirob.machine.worth import Settings
 
 
 @dataclass(frozen=True)
-class Diagnosis:
-    """Everything that a diagnosis found; `document` is what is written.
+class _Ready:
+    """A rig and its logs, ready to be searched; `said` is what was repaired or left out."""
 
-    overlay     per sample: trial, role, time, position, measured, base, named
-    parameters  of the bare model, for the page
-    laws        per held-out sample what each effect of the chosen model does
-    motion      measured and predicted, see `predicted`; None where it was not asked for
-    """
-
-    document: dict[str, Any]
-    overlay: pd.DataFrame
-    parameters: dict[str, Any]
-    identifiability: str
-    laws: pd.DataFrame
-    motion: pd.DataFrame | None = None
+    rig: RigFile
+    body: RigidBody | None
+    train: list[Recording]
+    test: list[Recording]
+    own: list[type[Effect]]
+    possible: list[type[Effect]]
+    excluded: dict[str, str]
+    sizes: Sizes
+    rest_speed: float
+    said: list[str]
 
 
 def diagnose_recordings(
@@ -65,57 +64,71 @@ def diagnose_recordings(
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
     settings = settings or Settings()
+    ready = _ready(rig, folder, train, test)
+    # small matrices and trees lose more time to waiting threads than they win
+    with threadpool_limits(1):
+        search, gate = _search(ready, settings, progress)
+        found = search.run()
+        for kind in candidates(rig, search, found.chosen):
+            kinds = (*(ready.rig.per_log or ()), kind)
+            told = replace(ready, rig=ready.rig.model_copy(update={"per_log": kinds}))
+            wider, its_gate = _search(told, settings, progress)
+            its_found = wider.run()
+            if search.worth.matters(found.chosen, its_found.chosen):
+                said = f"The logs differ by a number of their own, {kind}: fitted for each."
+                ready = replace(told, said=[*told.said, said])
+                search, gate, found = wider, its_gate, its_found
+        return _finish(ready, search, found, gate)
+
+
+def _ready(rig: RigFile, folder: Path, train: list[Recording], test: list[Recording]) -> _Ready:
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
     repairs += said
-    angular = rig.angular
-    body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, angular)
-    turned = 0.0 if body or not angular or rig.position is None else _stroke(train)
+    body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
+    turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
     side = rig.position.side if rig.position else "motor"
     own = for_axis(find_effects(rig.effects), turned, side)
     library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
-    possible, excluded = applicable(library, rig, has_tip, stiffness, angular)
+    possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
     if missing := [e.name() for e in own if e not in possible]:
         raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
     sizes, rest = sizes_of(rig, body, train)
-    rig = with_payload(with_delay(rig, max(r.period for r in train)), sizes)
-    names = list(dict.fromkeys(r.log for r in (*train, *test)))
-    logs = log_numbers(rig, names, sizes)
-    fitted = logs.fitted([r.log for r in train])
-    alone = [n for n in logs.fitted([r.log for r in test]) if n not in fitted]
+    rig = with_delay(rig, max(r.period for r in train))
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
-    problems = [
-        InverseProblem(rig, body, r, possible, sizes, rest, logs, own)
-        for r, own in ((train, []), (test, alone))
-    ]
+    return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs)
+
+
+def _search(
+    ready: _Ready, settings: Settings, progress: Callable[[str], None]
+) -> tuple[Search, Identifiability]:
+    """The search over a rig's logs, and what they can say about its numbers."""
+    rig = with_payload(ready.rig, ready.sizes)
+    logs = log_numbers(rig, [*ready.train, *ready.test], ready.sizes)
+    fitted = logs.fitted([r.log for r in ready.train])
+    alone = [n for n in logs.fitted([r.log for r in ready.test]) if n not in fitted]
+    train, heldout = (
+        InverseProblem(rig, ready.body, r, ready.possible, ready.sizes, ready.rest_speed, logs, own)
+        for r, own in ((ready.train, []), (ready.test, alone))
+    )
     names = [*(f"rig.{name}" for name in rig.fit), *fitted]
-    names += [f"{e.name()}.{f}" for e in own for f in e.parameters()]
+    names += [f"{e.name()}.{f}" for e in ready.own for f in e.parameters()]
     if names == ["rig.delay"]:
         raise ConfigError("fit: name at least one number to fit, such as viscous")
-    table = problems[0].table
+    table = train.table
     asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
-    gate = probe(problems[0], asked, {n: table.about[n].nominal for n in asked})
+    gate = probe(train, asked, {n: table.about[n].nominal for n in asked})
     if gate.silent:
         raise ConfigError(f"fit: {gate.sentence}")
-    candidates = [e for e in possible if e not in own]
-    search = Search(problems[0], problems[1], names, candidates, settings, progress)
-    # small matrices and trees lose more time to waiting threads than they win
-    with threadpool_limits(1):
-        return _finish(rig, search, search.run(), gate, repairs, excluded)
+    absent = [e for e in ready.possible if e not in ready.own]
+    return Search(train, heldout, names, absent, settings, progress), gate
 
 
-def _finish(
-    rig: RigFile,
-    search: Search,
-    found: Found,
-    gate: Identifiability,
-    repairs: list[str],
-    excluded: dict[str, str],
-) -> Diagnosis:
+def _finish(ready: _Ready, search: Search, found: Found, gate: Identifiability) -> Diagnosis:
     problems = search.train, search.heldout
     rest = _ceiling(search, found.chosen)
     while (lesser := search.without_imitations(found, rest.share)) is not None:
@@ -124,13 +137,12 @@ def _finish(
     low = rest
     if chosen is not bare:
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
-    warnings = doubts(search, found, rest, gate)
-    judgement = judge(search, found, low, rest, warnings)
-    notes = [*repairs, *oddities(search, chosen)]
+    judgement = judge(search, found, low, rest, doubts(search, found, rest))
+    notes = [*ready.said, *oddities(search, chosen, gate)]
     regimes = atlas(search.train, bare.fit.residual)
-    written = document(rig, search, found, judgement, rest, regimes, notes, excluded)
+    written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
     curves = None
-    if rig.predict != "effort":
+    if ready.rig.predict != "effort":
         motion, curves = predicted(search, found)
         written["motion"] = plain(motion)
     return Diagnosis(

@@ -1,5 +1,6 @@
 """`RIG.yaml` from disk: data, never code; a mistake is an error that says where it stands."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
@@ -27,13 +28,18 @@ def load_rig(path: Path | str) -> tuple[RigFile | ArmFile, Path]:
     except (yaml.YAMLError, UnicodeError, RecursionError) as error:
         said = " ".join(str(error).split())
         raise ConfigError(f"{path}: this is no YAML: {said[:200]}") from error
-    if not isinstance(content, dict):
-        raise ConfigError(f"{path}: a rig is a mapping of keys, got {type(content).__name__}")
+    return rig_from(content, str(path)), path.parent
+
+
+def rig_from(content: object, where: str) -> RigFile | ArmFile:
+    """A description from plain data; raises ConfigError naming `where` and the first mistake."""
+    if not isinstance(content, Mapping):
+        raise ConfigError(f"{where}: a rig is a mapping of keys, got {type(content).__name__}")
     kind: type[RigFile] | type[ArmFile] = ArmFile if content.get("body") == "arm" else RigFile
     try:
-        return kind.model_validate(content), path.parent
+        return kind.model_validate(dict(content))
     except ValidationError as error:
-        raise ConfigError(f"{path}: {_first(error)}") from error
+        raise ConfigError(f"{where}: {_first(error)}") from error
 
 
 def _first(error: ValidationError) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from spirob.errors import ConfigError
+from spirob.machine.recording import Recording
 from spirob.machine.rig import PER_LOG, Bounded, RigFile
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Parameter
@@ -45,13 +46,16 @@ class LogNumbers:
 NONE = LogNumbers({}, {})
 
 
-def log_numbers(rig: RigFile, logs: Sequence[str], sizes: Sizes) -> LogNumbers:
-    """The own numbers of these logs, in the order of fitting, training logs first.
+def log_numbers(rig: RigFile, recordings: Sequence[Recording], sizes: Sizes) -> LogNumbers:
+    """The own numbers of the logs of these recordings, training logs first.
+
+    A payload begins where the effort of its log says.
 
     What only counts against the other logs is fixed for the first one: a payload without body or
     mass counts in payloads of the first log, a position from its zero.  Raises ConfigError where
     `logs` names a log that is not there, or leaves out one that has to be given.
     """
+    logs = list(dict.fromkeys(r.log for r in recordings))
     if strange := [name for name in rig.logs if name not in logs]:
         raise ConfigError(f"logs.{strange[0]}: no such log; given are {', '.join(logs)}")
     given = {kind: _given(rig, kind) for kind in PER_LOG}
@@ -65,7 +69,7 @@ def log_numbers(rig: RigFile, logs: Sequence[str], sizes: Sizes) -> LogNumbers:
         relative = not values and (kind == "zero" or (kind == "payload" and not _at_tip(rig)))
         for k, log in enumerate(logs):
             name = f"{kind}.{log}"
-            about[name] = _about(kind, rig, sizes)
+            about[name] = _about(kind, rig, sizes, _heavy(recordings, log))
             if log in values:
                 known[name] = values[log]
             elif relative and k == 0:
@@ -84,12 +88,13 @@ def with_payload(rig: RigFile, sizes: Sizes) -> RigFile:
     """
     if "payload" not in kinds_of(rig) or _at_tip(rig):
         return rig
-    own = rig.fit.get("inertia")
-    nominal = own.nominal if own else rig.known.get("inertia", 0.0)
+    inertia = rig.fit.get("inertia")
+    nominal = inertia.nominal if inertia else rig.known.get("inertia", 0.0)
     added: dict[str, Bounded] = {}
     if nominal > 0.0:
-        high = own.high if own else WIDE * nominal
-        added["payload_inertia"] = Bounded(nominal=BESIDE * nominal, low=0.0, high=high)
+        added["payload_inertia"] = Bounded(
+            nominal=BESIDE * nominal, low=0.0, high=WIDE**2 * nominal
+        )
     if rig.position is not None:
         most, begin = WIDE * sizes.torque, BESIDE * sizes.torque
         added["payload_cosine"] = Bounded(nominal=begin, low=-most, high=most)
@@ -139,15 +144,25 @@ def _possible(kind: str, rig: RigFile) -> None:
         raise ConfigError(f"per_log: zero has no place here; {why}")
 
 
-def _about(kind: str, rig: RigFile, sizes: Sizes) -> Parameter:
+def _heavy(recordings: Sequence[Recording], log: str) -> float:
+    """RMS of the effort of a log over that of the first one."""
+
+    def size(name: str) -> float:
+        parts = [p.effort[p.use] for r in recordings if r.log == name for p in r.pieces]
+        return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+    return float(np.clip(size(log) / size(recordings[0].log), 1.0 / WIDE, WIDE))
+
+
+def _about(kind: str, rig: RigFile, sizes: Sizes, heavy: float) -> Parameter:
     if kind == "offset":
         most, unit, nominal, low = WIDE * sizes.torque, sizes.torque_unit, 0.0, None
     elif kind == "zero":
         most, unit, nominal, low = max(sizes.stroke, 2 * np.pi), sizes.axis_unit, 0.0, None
     elif _at_tip(rig):
-        most, unit, nominal, low = HEAVY * sizes.mass, "kg", sizes.mass, 0.0
+        most, unit, nominal, low = HEAVY * sizes.mass, "kg", heavy * sizes.mass, 0.0
     else:
-        most, unit, nominal, low = HEAVY, "1", 1.0, 0.0
+        most, unit, nominal, low = HEAVY, "1", heavy, 0.0
     return Parameter(
         nominal, -most if low is None else low, most, unit, SYMBOLS[kind], PER_LOG[kind]
     )

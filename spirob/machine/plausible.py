@@ -1,9 +1,14 @@
-"""Do data and description fit together?  What has to be doubted before a name is believed."""
+"""Do data and description fit together?  What has to be doubted before a name is believed.
+
+A cause (a sign, a unit) is said only where mending it makes the model fit, with both figures;
+otherwise what was found.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.flexible import Ceiling
@@ -13,26 +18,25 @@ from spirob.machine.search import Found, Search
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 SENSE = 0.3  # R² below which the effort does not follow from this motion
-WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
-GIVEN = -0.1  # mean power over the product of RMS effort and speed: below, the axis drives
+HALF = 0.5  # of the squared error: mending the sign takes more than that
 SCALE = 10.0  # between the effort and what a model file asks for
+ALIKE = 0.1  # by which a factor between two logs counts as none
+WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
 FAR = 20.0  # between a number and its nominal one
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 
 
-def doubts(search: Search, found: Found, rest: Ceiling, gate: Identifiability) -> list[str]:
+def doubts(search: Search, found: Found, rest: Ceiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    said = [_senseless(search, found, rest), _backwards(search), _out_of_scale(search)]
+    said = [_senseless(search, found, rest), _turned(search), _out_of_scale(search)]
     residuals = found.chosen.fit.residual, found.chosen.heldout
     said.append(strangers((search.train, search.heldout), residuals))
-    if gate.condition > WEAK:
-        said.append(f"The fitted numbers cannot be told apart: {gate.sentence}")
-    return [text for text in said if text] + _at_bounds(search, found.chosen)
+    return [text for text in said if text]
 
 
-def oddities(search: Search, chosen: Model) -> list[str]:
-    """What a reader should know, though it changes no name: alignment, and doubtful scales."""
+def oddities(search: Search, chosen: Model, gate: Identifiability) -> list[str]:
+    """What a reader should know, though it changes no name: alignment, doubtful scales, bounds."""
     said = []
     delay = chosen.fit.estimates.get("rig.delay")
     if delay is not None and abs(delay.value) > SEEN * search.train.recordings[0].period:
@@ -42,6 +46,9 @@ def oddities(search: Search, chosen: Model) -> list[str]:
             f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms{more} in the logs; "
             "aligned."
         )
+    if gate.condition > WEAK:
+        said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
+    said += _at_bounds(search, chosen)
     about = search.train.table.about
     for name in search.models.base:
         value, nominal = chosen.fit.estimates[name].value, about[name].nominal
@@ -68,7 +75,7 @@ def _senseless(search: Search, found: Found, rest: Ceiling) -> str:
     if spread > 0 and 1.0 - left / spread < SENSE:
         return (
             f"The motion explains only {max(0.0, 1 - left / spread):.0%} of the effort's variance, "
-            "even with a flexible model: are the columns of two motors exchanged, or a unit wrong?"
+            "even with a flexible model: the effort is hardly that of this axis."
         )
     return ""
 
@@ -78,33 +85,69 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
 
     residuals  of one model on the trials of each problem
     """
-    shares: dict[str, float] = {}
+    shares: dict[str, tuple[float, str]] = {}
     for problem, residual in zip(problems, residuals, strict=True):
         for recording, (start, stop) in zip(
             problem.recordings, pairwise(problem.edges), strict=True
         ):
-            spread = float(np.var(problem.measured()[start:stop]))
-            missed = float(np.mean(residual[start:stop] ** 2))
-            shares[recording.name] = 1.0 - missed / max(spread, 1e-300)
-    strange = [name for name, share in shares.items() if share < STRANGE]
-    if not strange or max(shares.values()) < FAMILIAR:
+            measured = problem.measured()[start:stop]
+            own = measured + residual[start:stop]
+            shares[recording.name] = _explained(measured, own), _mended(measured, own)
+    strange = {name: text for name, (share, text) in shares.items() if share < STRANGE}
+    if not strange or max(share for share, _ in shares.values()) < FAMILIAR:
         return ""
-    return (
-        f"{', '.join(strange)}: what fits the other logs does not fit this at all: is it of "
-        "another motor, or are a sign, a unit or its columns others?"
+    mended = "; ".join(f"{name}: {text}" for name, text in strange.items() if text)
+    return f"{', '.join(strange)}: what fits the other logs does not fit this at all." + (
+        f" {mended}." if mended else ""
     )
 
 
-def _backwards(search: Search) -> str:
-    """A rig takes power from its motor; where it gives some, a sign is wrong."""
-    effort, speed = search.train.measured(), search.train.signals()["speed"]
-    size = float(np.sqrt(np.mean(effort**2) * np.mean(speed**2)))
-    if size > 0.0 and float(np.mean(effort * speed)) < GIVEN * size:
-        return (
-            "On the whole the axis drives the motor: the sign of position or effort is wrong (give "
-            "one of them the factor -1), or the columns of two motors are exchanged."
-        )
-    return ""
+def _explained(measured: np.ndarray, modelled: np.ndarray) -> float:
+    """Share of the variance that a model explains; below 0 where it misses more than the mean."""
+    spread = max(float(np.var(measured)), 1e-300)
+    return 1.0 - float(np.mean((modelled - measured) ** 2)) / spread
+
+
+def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
+    """What makes a log fit the model of the others, with the share that is explained then."""
+    turned = _explained(-measured, modelled)
+    if turned > FAMILIAR:
+        return f"with its effort's sign turned {turned:.0%} of the variance is explained"
+    design = np.column_stack([modelled, np.ones_like(modelled)])
+    (factor, offset), *_ = np.linalg.lstsq(design, measured, rcond=None)
+    share = _explained(measured, design @ (factor, offset))
+    if share < FAMILIAR or factor <= 0.0:
+        return ""
+    if abs(factor - 1.0) < ALIKE:
+        return f"with an offset of {offset:.3g} {share:.0%} of the variance is explained"
+    return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
+
+
+def _turned(search: Search) -> str:
+    """Whether inertia and friction, which only resist, fit with the other sign alone."""
+    effort, signals = search.train.measured(), search.train.signals()
+    sliding = np.tanh(signals["speed"] / search.train.rest_speed)
+    resisting = [signals["acceleration"], signals["speed"], sliding]
+    other = [np.ones_like(effort)]
+    if search.train.rig.position is not None:
+        other.append(signals["position"])
+        if search.train.sizes.axis_unit == "rad":
+            other += [np.sin(signals["position"]), np.cos(signals["position"])]
+    design = np.column_stack([*resisting, *other])
+    size = np.linalg.norm(design, axis=0) + 1e-300
+    low = np.r_[np.zeros(len(resisting)), np.full(len(other), -np.inf)]
+    shares = []
+    for sign in (1.0, -1.0):
+        found = lsq_linear(design / size, sign * effort, (low, np.full(len(low), np.inf)))
+        shares.append(_explained(sign * effort, design / size @ found.x))
+    as_logged, turned = shares
+    if turned < FAMILIAR or 1.0 - turned > HALF * (1.0 - as_logged):
+        return ""
+    return (
+        f"With the sign of the effort turned, inertia, friction and weight explain {turned:.0%} of "
+        f"its variance, as logged {max(0.0, as_logged):.0%}: give the effort or the motion the "
+        "factor -1."
+    )
 
 
 def _out_of_scale(search: Search) -> str:
@@ -117,11 +160,12 @@ def _out_of_scale(search: Search) -> str:
     if power == 0.0:
         return ""
     ratio = float(np.dot(asked, measured)) / power
-    if 1 / SCALE < abs(ratio) < SCALE or abs(np.corrcoef(asked, measured)[0, 1]) < np.sqrt(SENSE):
+    as_logged, mended = _explained(measured, asked), _explained(measured, ratio * asked)
+    if 1 / SCALE < abs(ratio) < SCALE or mended < SENSE:
         return ""
     return (
-        f"The effort is {ratio:.3g} times what the model file asks for: a unit, a factor or "
-        "known.scale is wrong."
+        f"The effort is {ratio:.3g} times what the model file asks for: with that factor it "
+        f"explains {mended:.0%} of the variance, as described {max(0.0, as_logged):.0%}."
     )
 
 
@@ -134,6 +178,7 @@ def _at_bounds(search: Search, chosen: Model) -> list[str]:
         if own and estimate.at_bound and not at_zero:
             said.append(
                 f"{name.removeprefix('rig.')} ended at its bound, {estimate.value:.3g} "
-                f"{estimate.unit}: the bounds, a unit or a factor are wrong."
+                f"{estimate.unit}: what the model lacks or these logs do not tell goes into it, "
+                "and other numbers make up for it."
             )
     return said

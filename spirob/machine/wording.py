@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spirob.diagnose.trees import share
 from spirob.effects import Effect
 from spirob.identify.problem import Effort
 from spirob.machine.flexible import Ceiling, depends_on
@@ -76,7 +77,7 @@ class Words:
             if partly
             else ""
         )
-        if self.rest.share < SOME:
+        if self._follows < SOME:
             return (
                 "Something is missing that the library does not hold: it follows from no signal "
                 "of the moment.",
@@ -89,7 +90,7 @@ class Words:
             f"Something is missing that the library does not hold: it depends "
             f"{depends_on(self.rest)}.",
             f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS on "
-            f"data left out. A flexible model of the motion explains {self.rest.share:.0%} of that "
+            f"data left out. A flexible model of the motion explains {self._follows:.0%} of that "
             f"squared error there; no effect of the library has its shape.{more}",
         )
 
@@ -103,12 +104,17 @@ class Words:
         )
 
     def _left(self) -> str:
-        if self.rest.share < SOME:
-            return "What is left does not follow from the motion."
+        if self._follows < SOME:
+            return "What is left hardly follows from the motion."
         return (
-            f"Of what is left, {self.rest.share:.0%} still follows from the motion: it depends "
-            f"{depends_on(self.rest)}."
+            f"Of what is left, {self._follows:.0%} of the square still follows from the motion: it "
+            f"depends {depends_on(self.rest)}."
         )
+
+    @property
+    def _follows(self) -> float:
+        """Share of what is left, squared, that a flexible model explains on data left out."""
+        return max(self.rest.share, share(self.after.heldout, self.rest.heldout))
 
     def _share(self, model: Model) -> float:
         return float(np.sqrt(model.mean_square)) / self.search.models.size

@@ -25,40 +25,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and write."""
-    import json
     from pathlib import Path
 
     from spirob.cli.search_progress import SearchProgress
-    from spirob.logs.atomic import write_text
     from spirob.machine.diagnosis import diagnose
-    from spirob.report.rig import build_rig_page
 
     out = Path(arguments.out)
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(20, "is a file, not a folder", str(out))
     with SearchProgress(sys.stderr, arguments.quiet) as progress:
-        found = diagnose(arguments.rig, arguments.train, arguments.test, progress=progress)
-    out.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
-    write_text(out / "diagnosis.json", text + "\n")
-    logs = [*arguments.train, *arguments.test]
-    command = _command(arguments)
-    build_rig_page(
-        found.document,
-        found.overlay,
-        found.parameters,
-        found.identifiability,
-        Path(arguments.rig),
-        [Path(log) for log in logs],
-        command,
-        out / "index.html",
-        found.laws,
-        found.motion,
-    )
-    for repair in found.document["repairs"]:
-        if not arguments.quiet:
-            print(f"note: {repair}", file=sys.stderr)
-    print(found.document["sentence"])
+        found = diagnose(
+            arguments.rig,
+            arguments.train,
+            arguments.test,
+            progress=progress,
+            command=_command(arguments),
+        )
+    found.save(out)
+    for note in found.notes if not arguments.quiet else ():
+        print(f"note: {note}", file=sys.stderr)
+    print(found.sentence)
     return 0
 
 

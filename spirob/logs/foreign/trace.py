@@ -8,8 +8,8 @@ from spirob.errors import DataError, MissingChannel
 from spirob.logs.foreign.agreement import check_names, check_rates
 from spirob.logs.foreign.clock import increasing
 from spirob.logs.foreign.mapping import Mapping
-from spirob.units import UNITS
 from spirob.trace import Trace
+from spirob.units import UNITS
 
 LOG_TIME = "log_time"  # column of nanoseconds that an MCAP file brings by itself
 

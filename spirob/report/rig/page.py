@@ -1,12 +1,11 @@
 """Puts a rig's diagnosis on one page: verdict first, then overlay, failure, ladder, repairs."""
 
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import pandas as pd
 
-from spirob.logs.atomic import write_text
 from spirob.report.builder import render
 from spirob.report.data import ReportData
 from spirob.report.provenance import collect
@@ -35,53 +34,51 @@ SECTIONS = (
 )
 
 
-def build_rig_page(
-    document: dict[str, Any],
-    overlay: pd.DataFrame,
-    parameters: dict[str, Any],
-    identifiability: str,
-    rig_file: Path,
-    logs: Sequence[Path],
-    command: str,
-    out: Path,
-    laws: pd.DataFrame | None = None,
-    motion: pd.DataFrame | None = None,
-) -> Path:
-    """Write the page, whole or not at all.
+class Shown(Protocol):
+    """What the page needs of a diagnosis; `spirob.machine.result.Diagnosis` is one.
 
     document    what diagnosis.json holds;  parameters  fitted numbers of the bare model
     overlay     per sample: trial, role, time, measured, base, named, in the unit of the effort
     laws        per held-out sample: effect, time, position, velocity, effort, shown, law, in SI
     motion      per sample: trial, role, time, position and speed as measured and as predicted, SI
-    command     that makes the page again
     """
-    config = rig_file.read_text(encoding="utf-8")
-    files = [rig_file.resolve(), *(log.resolve() for log in logs)]
-    found = collect(Path.cwd(), [str(f) for f in files], config)
+
+    @property
+    def document(self) -> dict[str, Any]: ...
+    @property
+    def overlay(self) -> pd.DataFrame: ...
+    @property
+    def parameters(self) -> dict[str, Any]: ...
+    @property
+    def identifiability(self) -> str: ...
+    @property
+    def laws(self) -> pd.DataFrame: ...
+    @property
+    def motion(self) -> pd.DataFrame | None: ...
+    @property
+    def sources(self) -> Any: ...
+
+
+def build_rig_page(found: Shown) -> str:
+    """The page as text."""
+    sources = found.sources
+    files = [str(file.resolve()) for file in sources.files]
+    about = collect(Path.cwd(), files, sources.config)
     # names, not places: where a log lies on somebody's disk is no provenance
-    hashes = {Path(path).name: digits for path, digits in found.hashes.items()}
-    provenance = type(found)(
-        commit=found.commit,
-        dirty=found.dirty,
-        changed=found.changed,
-        seed="0",
-        command=command,
-        versions=found.versions,
-        hashes=hashes,
-    )
+    hashes = {Path(path).name: digits for path, digits in about.hashes.items()}
+    provenance = replace(about, seed="0", command=sources.command, overrides=(), hashes=hashes)
     data = ReportData(
-        config=config,
-        identified={"parameters": parameters, "identifiability": identifiability},
+        config=sources.config,
+        identified={"parameters": found.parameters, "identifiability": found.identifiability},
         compare={},
-        diagnosis=_with_heldout(document),
-        overlay=overlay,
-        laws=laws,
-        motion=motion,
+        diagnosis=_with_heldout(found.document),
+        overlay=found.overlay,
+        laws=found.laws,
+        motion=found.motion,
         metrics={},
         provenance=provenance,
     )
-    write_text(out, render(data, [section() for section in SECTIONS]))
-    return out
+    return render(data, [section() for section in SECTIONS])
 
 
 def _with_heldout(document: dict[str, Any]) -> dict[str, Any]:

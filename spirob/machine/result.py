@@ -1,0 +1,131 @@
+"""What a diagnosis found: verdict, findings, tables, and the page that shows them."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from spirob.logs.atomic import write_text
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that is needed.
+
+    probability  how often it wins against its rivals and its absence on resampled blocks
+    equivalents  effects that say the same on this rig;  rivals  those that explain it as well
+    numbers      name -> value, low, high (95 %), unit
+    """
+
+    name: str
+    title: str
+    probability: float
+    equivalents: tuple[str, ...]
+    rivals: tuple[str, ...]
+    numbers: Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What a diagnosis was made from: the description's text, files read, command to repeat it."""
+
+    config: str = ""
+    files: tuple[Path, ...] = ()
+    command: str = ""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that a diagnosis found.
+
+    document    plain data, as `diagnosis.json` holds it
+    overlay     rows of samples: trial, role, time, position, measured, base, named
+    parameters  of the bare model, for the page;  identifiability  what the logs say of them
+    laws        rows of held-out samples: what each named effect does there
+    motion      measured and predicted motion; None where the rig does not ask for it
+    """
+
+    document: dict[str, Any]
+    overlay: pd.DataFrame
+    parameters: dict[str, Any]
+    identifiability: str
+    laws: pd.DataFrame
+    motion: pd.DataFrame | None = None
+    sources: Sources = field(default_factory=Sources)
+
+    @property
+    def verdict(self) -> str:
+        """named, undecided, nothing_missing or unknown."""
+        return str(self.document["verdict"])
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in a sentence."""
+        return str(self.document["sentence"])
+
+    @property
+    def explanation(self) -> str:
+        """Why, with the figures."""
+        return str(self.document["explanation"])
+
+    @property
+    def next_experiment(self) -> str:
+        """What to measure next; empty where nothing would change the verdict."""
+        return str(self.document["next_experiment"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What was repaired, left out or found odd in logs and description."""
+        return list(self.document["repairs"])
+
+    @property
+    def findings(self) -> list[Finding]:
+        """The named effects, or those between which nothing is decided."""
+        return [
+            Finding(
+                e["name"],
+                e["title"],
+                e["probability"],
+                tuple(e["equivalents"]),
+                tuple(e["rivals"]),
+                e["parameters"],
+            )
+            for e in self.document["effects"]
+        ]
+
+    @property
+    def ladder(self) -> pd.DataFrame:
+        """A row for each model: label, effects, and mae, rmse, r2 on train and test."""
+        rows = []
+        for rung in self.document["ladder"]:
+            row = {"label": rung["label"], "effects": rung["effects"]}
+            for role in ("train", "test"):
+                row |= {f"{role}_{name}": rung[role][name] for name in ("mae", "rmse", "r2")}
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    @property
+    def candidates(self) -> pd.DataFrame:
+        """A row for each effect that was considered, the most probable first."""
+        return pd.DataFrame(self.document["candidates"])
+
+    @property
+    def atlas(self) -> pd.DataFrame:
+        """A row for each regime of the motion: its share of time and of the error, bias, rmse."""
+        return pd.DataFrame(self.document["atlas"])
+
+    def save(self, folder: Path | str) -> Path:
+        """Write `diagnosis.json` and the page `index.html`, each whole or not at all."""
+        from spirob.report.rig import build_rig_page
+
+        out = Path(folder)
+        if out.exists() and not out.is_dir():
+            raise NotADirectoryError(20, "is a file, not a folder", str(out))
+        out.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(self.document, indent=2, ensure_ascii=False, allow_nan=False)
+        write_text(out / "diagnosis.json", text + "\n")
+        write_text(out / "index.html", build_rig_page(self))
+        return out
