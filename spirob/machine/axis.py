@@ -22,7 +22,7 @@ from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
 from spirob.machine.models import Model
-from spirob.machine.plausible import doubts, oddities
+from spirob.machine.plausible import beyond_bounds, doubts, oddities, released
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
@@ -78,6 +78,12 @@ def diagnose_recordings(
                 said = f"The logs differ by a number of their own, {kind}: fitted for each."
                 ready = replace(told, said=[*told.said, said])
                 search, gate, found = wider, its_gate, its_found
+        if held := beyond_bounds(search, found.chosen):
+            progress(f"once more, with {', '.join(held)} set free of its bounds")
+            search, gate = _search(
+                replace(ready, rig=released(ready.rig, held)), settings, progress
+            )
+            found = search.run()
         return _finish(ready, search, found, gate)
 
 
@@ -138,7 +144,7 @@ def _finish(ready: _Ready, search: Search, found: Found, gate: Identifiability) 
     if chosen is not bare:
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
     judgement = judge(search, found, low, rest, doubts(search, found, rest))
-    notes = [*ready.said, *oddities(search, chosen, gate)]
+    notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
     curves = None

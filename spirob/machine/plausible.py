@@ -14,6 +14,7 @@ from spirob.identify.identifiability import Identifiability
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Model
+from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.search import Found, Search
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
@@ -24,6 +25,7 @@ ALIKE = 0.1  # by which a factor between two logs counts as none
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
 FAR = 20.0  # between a number and its nominal one
+PREFIX = 1e3  # between a unit and its next prefix
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 
 
@@ -35,7 +37,7 @@ def doubts(search: Search, found: Found, rest: Ceiling) -> list[str]:
     return [text for text in said if text]
 
 
-def oddities(search: Search, chosen: Model, gate: Identifiability) -> list[str]:
+def oddities(search: Search, chosen: Model, gate: Identifiability, rig: RigFile) -> list[str]:
     """What a reader should know, though it changes no name: alignment, doubtful scales, bounds."""
     said = []
     delay = chosen.fit.estimates.get("rig.delay")
@@ -48,12 +50,12 @@ def oddities(search: Search, chosen: Model, gate: Identifiability) -> list[str]:
         )
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
-    said += _at_bounds(search, chosen)
+    said += _outside(search, chosen, rig)
     about = search.train.table.about
     for name in search.models.base:
-        value, nominal = chosen.fit.estimates[name].value, about[name].nominal
-        if name in ("rig.inertia", "rig.scale") and nominal > 0 and value > 0:
-            ratio = value / nominal
+        found, nominal = chosen.fit.estimates[name], about[name].nominal
+        if name in ("rig.inertia", "rig.scale") and nominal > 0 and found.low > 0:
+            ratio = found.value / nominal
             if not 1 / FAR < ratio < FAR:
                 said.append(
                     f"{name.removeprefix('rig.')} comes out {ratio:.3g} times its nominal value: "
@@ -169,16 +171,40 @@ def _out_of_scale(search: Search) -> str:
     )
 
 
-def _at_bounds(search: Search, chosen: Model) -> list[str]:
-    said = []
-    for name, estimate in chosen.fit.estimates.items():
-        about = search.train.table.about[name]
+def beyond_bounds(search: Search, chosen: Model) -> list[str]:
+    """Names of the rig's own numbers that ended at a bound, but for a 0 that they may be."""
+    found = []
+    for name in search.models.base:
+        estimate, about = chosen.fit.estimates[name], search.train.table.about[name]
         at_zero = about.low == 0.0 and estimate.value < 0.5 * about.high
-        own = name in search.models.base and name != "rig.delay"
-        if own and estimate.at_bound and not at_zero:
-            said.append(
-                f"{name.removeprefix('rig.')} ended at its bound, {estimate.value:.3g} "
-                f"{estimate.unit}: what the model lacks or these logs do not tell goes into it, "
-                "and other numbers make up for it."
-            )
+        if name.startswith("rig.") and estimate.at_bound and not at_zero and name != "rig.delay":
+            found.append(name.removeprefix("rig."))
+    return found
+
+
+def released(rig: RigFile, names: Sequence[str]) -> RigFile:
+    """The rig with wider bounds of these numbers, by as much as a unit's prefix may be wrong."""
+    fit = dict(rig.fit)
+    for name in names:
+        known = fit[name]
+        low = 0.0 if known.low >= 0.0 else PREFIX * known.low
+        high = PREFIX * max(abs(known.high), abs(known.low))
+        fit[name] = Bounded(nominal=known.nominal, low=low, high=high)
+    return rig.model_copy(update={"fit": fit})
+
+
+def _outside(search: Search, chosen: Model, rig: RigFile) -> list[str]:
+    """What came of numbers whose bounds in the description held them."""
+    said = []
+    for name, given in rig.fit.items():
+        found = chosen.fit.estimates[f"rig.{name}"]
+        if given.low <= found.value <= given.high:
+            continue
+        told = found.low > 0.0 and not (found.low <= given.high and given.low <= found.high)
+        why = "is a unit or a factor wrong?" if told else "these logs do not tell it."
+        said.append(
+            f"{name} ended at its bound, so it was set free: {found.value:.3g} {found.unit} "
+            f"({found.low:.3g} to {found.high:.3g}), where {given.low:g} to {given.high:g} are "
+            f"given; {why}"
+        )
     return said

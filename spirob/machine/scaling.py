@@ -137,25 +137,28 @@ def dimensions(unit: str) -> dict[str, int]:
     """Dimensions of a unit: N·m is torque, rad/s speed, what is left force, length, angle, time."""
     powers: Counter[str] = Counter()
     above, _, below = unit.partition("/")
-    for text, sign in ((above, 1), (below, -1)):
-        for name, raised in TOKEN.findall(text):
-            powers[name] += sign * int(raised.translate(SUPERSCRIPT) or 1)
     found: Counter[str] = Counter()
-    torque = powers["N"] if powers["N"] * powers["m"] > 0 else 0
-    if torque:
-        found["torque"] = torque
-        powers["N"] -= torque
-        powers["m"] -= torque
+    for text, sign in ((above, 1), (below, -1)):
+        part: Counter[str] = Counter()
+        for name, raised in TOKEN.findall(text):
+            part[name] += int(raised.translate(SUPERSCRIPT) or 1)
+        if part["N"] * part["m"] > 0:
+            torque = part["N"]
+            found["torque"] += sign * torque
+            part["N"] -= torque
+            part["m"] -= torque
+        for name, power in part.items():
+            powers[name] += sign * power
     if powers["rad"] * powers["s"] < 0:
         speed = min(abs(powers["rad"]), abs(powers["s"])) * (1 if powers["rad"] > 0 else -1)
-        found["speed"] = speed
+        found["speed"] += speed
         powers["rad"] -= speed
         powers["s"] += speed
     named = {"N": "force", "m": "length", "rad": "angle", "A": "current", "s": "time", "kg": "mass"}
     for name, power in powers.items():
         if power and name != "1":
             found[named.get(name, name)] += power
-    return dict(found)
+    return {name: power for name, power in found.items() if power}
 
 
 def _product(names: list[str]) -> str:

@@ -7,7 +7,7 @@ from spirob.effects import all_effects
 from spirob.effects.check import check
 from spirob.effects.replay import run
 from spirob.machine.candidates import applicable
-from spirob.machine.laws import AXIS, LEVER, TURNED, for_axis
+from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.rig import RigFile
@@ -16,7 +16,10 @@ from tests.machine.rigs import description
 DT = 1e-3
 
 
-@pytest.mark.parametrize("law", (AXIS | LEVER).values(), ids=AXIS | LEVER)
+LAWS = [*AXIS.values(), *LEVER.values(), *LOAD_SIDE.values()]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=[law.__module__ for law in LAWS])
 def test_a_law_keeps_what_every_effect_promises(law):
     assert [f"{f.law}: {f.sentence}" for f in check(law)] == []
 

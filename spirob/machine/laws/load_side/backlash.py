@@ -26,7 +26,9 @@ class Backlash(Effect):
     references = AtMotor.references
 
     play: float = bounded(1e-3, 0.0, 0.02, "m", "b", "way from flank to flank")
-    turn: float = bounded(2.0, 0.2, 20.0, "N", "t", "load over which the flanks change", log=True)
+    turn: float = bounded(
+        4e-3, 4e-4, 4e-2, "N·m", "t", "load over which the flanks change", log=True
+    )
     rotor_share: float = bounded(
         0.3, 0.0, 1.0, "1", "μ", "share of the inertia that moves with the motor"
     )

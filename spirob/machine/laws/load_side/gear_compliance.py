@@ -23,7 +23,7 @@ class GearCompliance(Effect):
     needs = AtMotor.needs
     references = AtMotor.references
 
-    compliance: float = bounded(5e-5, 0.0, 3e-3, "m/N", "c", "twist for one unit of load")
+    compliance: float = bounded(0.025, 0.0, 1.5, "m/(N·m)", "c", "twist for one unit of load")
     rotor_share: float = bounded(
         0.3, 0.0, 1.0, "1", "μ", "share of the inertia that moves with the motor"
     )

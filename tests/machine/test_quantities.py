@@ -1,0 +1,106 @@
+"""The same motion in other quantities and units is the same recording."""
+
+import numpy as np
+import pytest
+
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from tests.machine.rigs import description
+
+T = np.arange(0, 8, 2e-3)
+Q = 0.8 * np.sin(2.1 * T) + 0.3 * np.sin(5.3 * T) - 0.3 * np.sin(0.7 * T)
+V = 0.8 * 2.1 * np.cos(2.1 * T) + 0.3 * 5.3 * np.cos(5.3 * T) - 0.3 * 0.7 * np.cos(0.7 * T)
+U = 0.3 * V + 0.05 * np.sin(9 * T)
+
+
+def read(columns, **changes):
+    return prepare(
+        "log", {"t": T, "q": Q, "u": U, **columns}, RigFile.model_validate(description(**changes))
+    )
+
+
+PLAIN = read({})
+
+
+def same(made, names=("q", "v", "a", "effort"), rtol=1e-9):
+    for name in names:
+        wanted = getattr(PLAIN.pieces[0], name)
+        found = getattr(made.pieces[0], name)
+        np.testing.assert_allclose(found, wanted, atol=rtol * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "further"),
+    [
+        ("deg", 180 / np.pi, {}),
+        ("turn", 1 / (2 * np.pi), {}),
+        ("mrad", 1e3, {}),
+        ("tick", 4096 / (2 * np.pi), {"per_turn": 4096}),
+    ],
+)
+def test_a_position_in_any_unit_is_the_same_motion(unit, size, further):
+    position = {"column": "q", "unit": unit, **further}
+    same(read({"q": size * Q}, position=position))
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "further"),
+    [
+        ("rad/s", 1.0, {}),
+        ("rpm", 60 / (2 * np.pi), {}),
+        ("deg/s", 180 / np.pi, {}),
+        ("rev/s", 1 / (2 * np.pi), {}),
+        ("tick/s", 1024 / (2 * np.pi), {"per_turn": 1024}),
+    ],
+)
+def test_a_velocity_alone_is_the_same_speed_and_says_what_it_cannot(unit, size, further):
+    velocity = {"column": "v", "unit": unit, **further}
+    made = read({"v": size * V}, position=None, velocity=velocity)
+    inside = slice(200, -200)
+    np.testing.assert_allclose(
+        made.pieces[0].v[inside], PLAIN.pieces[0].v[inside], atol=2e-3 * np.abs(V).max()
+    )
+    same(made, ("effort",))
+    assert any("what depends on position cannot be told" in said for said in made.said)
+
+
+def test_a_duty_with_its_supply_is_a_voltage():
+    volts = 24.0 + 2.0 * np.sin(0.3 * T)
+    effort = {"column": "d", "unit": "%", "kind": "duty"}
+    fixed = read({"d": 100 * U / 24.0}, effort={**effort, "supply": 24.0})
+    logged = read(
+        {"d": 100 * U / volts, "bus": 1e3 * volts},
+        effort={**effort, "supply": {"column": "bus", "unit": "mV"}},
+    )
+    for made in (fixed, logged):
+        same(made, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "control",
+    [
+        {"kp": 4.0, "kd": 0.3, "ki": 0.5},
+        {"position": 8.0, "velocity": 0.5, "integral": 0.2},
+        {"kp": 4.0, "limit": 0.2},
+    ],
+)
+def test_the_effort_of_a_controller_follows_from_its_gains_and_error(control):
+    reference = Q + 0.05 * np.sin(3 * T)
+    p, d, i, a, b = RigFile.model_validate(
+        description(control=control, reference={"column": "r", "unit": "rad"})
+    ).control.gains
+    wound = np.cumsum(a * (reference - Q) - b * V) * (T[1] - T[0])
+    asked = p * (reference - Q) - d * V + i * wound
+    asked = np.clip(asked, -control.get("limit", np.inf), control.get("limit", np.inf))
+    given = read({"u": asked})
+    made = read(
+        {"r": reference},
+        effort={"from": "control", "unit": "N·m", "kind": "torque", "origin": "command"},
+        control=control,
+        reference={"column": "r", "unit": "rad"},
+    )
+    inside = slice(100, -100)
+    np.testing.assert_allclose(
+        made.pieces[0].effort[inside], given.pieces[0].effort[inside], atol=3e-3
+    )
+    assert any("computed from the controller's gains" in said for said in made.said)
