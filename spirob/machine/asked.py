@@ -54,11 +54,9 @@ class AskedEffort:
     def effort(self, p: np.ndarray) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table."""
         motion = self.seen(p)
-        own = {name: p[self.table.position(f"rig.{name}")] for name in NUMBERS}
-        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
+        own = self._own(p)
         tip = self.tip_mass(p)
-        if tip:
-            load = load + tip / self.sizes.mass * motion.body["payload"]
+        load = self._load(p, motion, tip)
         needed = load + own["viscous"] * motion.v
         signals = self.signals(motion, load)
         for port in ADDED:
@@ -72,6 +70,29 @@ class AskedEffort:
             aged = self.in_cycles(effect, p, motion)
             effort = effort + motion.effort - aged
         return late(effort, float(own["delay"]), motion)
+
+    def added(self, effect: type[Effect], p: np.ndarray) -> np.ndarray | None:
+        """What an effect adds to the effort, (n,), whatever else acts.
+
+        None where that depends on what else acts: for all but torques, and where a pipe or an error
+        of the motion is between them and the effort.
+        """
+        between = (*BEFORE, "winch.efficiency", *READ, "sensing.displacement")
+        if effect.port not in ADDED or any(self.present(port, p) for port in between):
+            return None
+        own, tip = self._own(p), self.tip_mass(p)
+        signals = self.signals(self.motion, self._load(p, self.motion, tip))
+        torque = self._torque(effect, p, self.motion, signals, tip)
+        return late(-torque / own["scale"], float(own["delay"]), self.motion)
+
+    def _own(self, p: np.ndarray) -> dict[str, float]:
+        return {name: p[self.table.position(f"rig.{name}")] for name in NUMBERS}
+
+    def _load(self, p: np.ndarray, motion: Motion, tip: float) -> np.ndarray:
+        """What a rigid axis without friction asks for, (n,)."""
+        own = self._own(p)
+        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
+        return load + tip / self.sizes.mass * motion.body["payload"] if tip else load
 
     def tip_mass(self, p: np.ndarray) -> float:
         """What the body carries at its tip [kg]."""

@@ -79,6 +79,15 @@ class InverseProblem:
         """Model minus measurement, (N,)."""
         return self._thin(self.model(changes)) - self._measured
 
+    def added(
+        self, effect: type[Effect], changes: Mapping[str, float], without: np.ndarray
+    ) -> np.ndarray:
+        """What an effect changes of the residual, (N,); `without` is the residual without it."""
+        torque = self.asked.added(effect, self._table.vector(changes))
+        if torque is None:
+            return self(changes) - without
+        return self._thin(self._smooth(torque))
+
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
         return [self(point) for point in points]

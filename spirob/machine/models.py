@@ -11,7 +11,8 @@ from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
-from spirob.machine.screening import left_out, room
+from spirob.machine.regression import left_out
+from spirob.machine.screening import room
 from spirob.score import Score, score
 
 ITERATIONS = 12  # of a fit

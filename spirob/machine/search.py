@@ -63,6 +63,7 @@ class Search:
         self.candidates, self.settings = list(candidates), settings
         self.worth = Worth(settings, self._least())
         self.vetoed: set[str] = set()
+        self._screened: dict[frozenset[str], Screening] = {}
 
     def run(self) -> Found:
         """Search from the bare model."""
@@ -129,9 +130,11 @@ class Search:
         return [e for e in self.candidates if e.name() not in out and not related(e, model.effects)]
 
     def _screen(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
-        screening = Screening(self.train, model.fit, self.models.folds)
-        self._last = screening
-        return [o for o in screening.offers(effects) if o.new > ABSORBED]
+        if model.names not in self._screened:
+            made = Screening(self.train, model.fit, self.models.folds)
+            self._screened[model.names] = made
+        offers = self._screened[model.names].offers(effects)
+        return [o for o in offers if o.new > ABSORBED]
 
     def _grown(self, current: Model, offers: Sequence[Offer]) -> Model | None:
         """The best addition of one effect or of two, None where none matters."""
@@ -141,7 +144,7 @@ class Search:
         if best is not None or space < 2:
             return best
         # two true effects may each raise the error alone and lower it together
-        pairs = [p for p in self._last.pairs(offers) if not related(p[1].effect, [p[2].effect])]
+        pairs = [p for p in self._screened[current.names].pairs(offers) if not related(p[1].effect, [p[2].effect])]
         return self._best_of(
             current,
             [(a, b) for error, a, b in pairs[:PAIRS] if self.worth.possible(current, error)],
