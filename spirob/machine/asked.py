@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from spirob.effects import Effect
+from spirob.machine.filtering import rates
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.motion import Motion
 from spirob.machine.rig import NUMBERS
@@ -26,7 +27,8 @@ READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
-KEPT = 24  # torques of effects, as arrays along all trials
+KEPT = 2e8  # bytes of effects' torques along all trials
+SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
 
@@ -50,6 +52,7 @@ class AskedEffort:
         self.rest_speed, self._stiffness = rest_speed, stiffness
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
         self._known: dict[tuple[object, ...], np.ndarray] = {}
+        self._fixed = self._moving(motion)
 
     def effort(self, p: np.ndarray) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table."""
@@ -115,13 +118,17 @@ class AskedEffort:
 
     def signals(self, motion: Motion, load: np.ndarray) -> dict[str, np.ndarray]:
         """What kernels may read, each (n,)."""
+        fixed = self._fixed if motion is self.motion else self._moving(motion)
+        return {**fixed, "motor.load_torque": load}
+
+    def _moving(self, motion: Motion) -> dict[str, np.ndarray]:
+        """Of these, what follows from the motion alone."""
         n = len(motion.q)
         return {
             "time": motion.seconds,
             "motor.rest_speed": np.full(n, self.rest_speed),
             "motor.speed": motion.v,
             "motor.angle": motion.q / self.sizes.angle,
-            "motor.load_torque": load,
             "hinge.angle": motion.q,
             "hinge.speed": motion.v,
             "hinge.stiffness": np.full(n, self._stiffness),
@@ -141,6 +148,7 @@ class AskedEffort:
         effort = wanted
         if not pipes and not shares:
             return effort
+        close = SOLVED * np.max(np.abs(wanted))
         step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
         for _ in range(PASSES):
             seen = {**signals, "motor.current": effort, "motor.command": effort}
@@ -151,6 +159,8 @@ class AskedEffort:
             for effect in shares:
                 share = self.run(effect, p, motion, seen, share)
             miss = wanted - share * passed
+            if np.max(np.abs(miss)) <= close:
+                break
             flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
             step, missed = np.where(flat, 2.0 * step, 1.0), miss
             effort = effort + step * miss
@@ -209,11 +219,13 @@ class AskedEffort:
         if "motor.load_torque" in effect.reads.values():
             own = (p[self.table.position(f"rig.{n}")] for n in ("inertia", "stiffness"))
             key = (*key, *own, tip)
-        if key not in self._known:
-            if len(self._known) >= KEPT:
-                self._known.pop(next(iter(self._known)))
-            self._known[key] = self.run(effect, p, motion, signals, None)
-        return self._known[key]
+        torque = self._known.pop(key, None)
+        if torque is None:
+            torque = self.run(effect, p, motion, signals, None)
+        while len(self._known) * torque.nbytes > KEPT:
+            self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
+        self._known[key] = torque
+        return torque
 
     def seen(self, p: np.ndarray) -> Motion:
         """The motion with errors of its sensor taken out."""
@@ -234,12 +246,13 @@ def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
     """e(t - δ): whole samples by moving rows, the rest, half a sample at most, to second order."""
     if delay == 0.0:
         return effort
-    first, second = motion.rates(effort)
     out = np.empty_like(effort)
     for k, step in enumerate(motion.steps):
         whole = round(delay / step)
         rest = delay - whole * step
-        begin, end = int(motion.starts[k]), int(motion.starts[k + 1])
-        at = np.clip(np.arange(begin, end) - whole, begin, end - 1)
-        out[begin:end] = effort[at] - rest * first[at] + 0.5 * rest**2 * second[at]
+        own = effort[motion.starts[k] : motion.starts[k + 1]]
+        first, second = rates(own, step)
+        moved = own - rest * first + 0.5 * rest**2 * second
+        at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
+        out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
     return out

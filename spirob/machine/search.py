@@ -144,7 +144,8 @@ class Search:
         if best is not None or space < 2:
             return best
         # two true effects may each raise the error alone and lower it together
-        pairs = [p for p in self._screened[current.names].pairs(offers) if not related(p[1].effect, [p[2].effect])]
+        pairs = self._screened[current.names].pairs(offers)
+        pairs = [p for p in pairs if not related(p[1].effect, [p[2].effect])]
         return self._best_of(
             current,
             [(a, b) for error, a, b in pairs[:PAIRS] if self.worth.possible(current, error)],
