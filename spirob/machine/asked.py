@@ -21,13 +21,14 @@ from spirob.machine.rig import NUMBERS
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
-PASSES = 10  # of the solution for the effort before the drive's pipes
+PASSES = 12  # of the solution for the effort before the drive's pipes
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 KEPT = 2e8  # bytes of effects' torques along all trials
+TRUSTED = 1.5  # a secant's step, or one over it: with a slope near 1, it halves what is missed
 SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
@@ -139,9 +140,10 @@ class AskedEffort:
     def solved(
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """e with P(e) = wanted, by fixed-point iteration from e = wanted.
+        """e with P(e) = wanted, by secants from e = wanted.
 
-        Where an effort changes nothing, in a dead band, the steps grow until it does.
+        A secant far from a slope of 1 is not trusted: where an effort changes nothing, in a dead
+        band, the steps grow until it does.
         """
         pipes = [e for port in BEFORE for e in self.present(port, p)]
         shares = self.present("winch.efficiency", p)
@@ -150,6 +152,7 @@ class AskedEffort:
             return effort
         close = SOLVED * np.max(np.abs(wanted))
         step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
+        moved = np.zeros_like(effort)
         for _ in range(PASSES):
             seen = {**signals, "motor.current": effort, "motor.command": effort}
             passed = effort
@@ -162,8 +165,9 @@ class AskedEffort:
             if np.max(np.abs(miss)) <= close:
                 break
             flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
-            step, missed = np.where(flat, 2.0 * step, 1.0), miss
-            effort = effort + step * miss
+            step = np.where(flat, 2.0 * step, _secant(moved, missed - miss))
+            moved, missed = step * miss, miss
+            effort = effort + moved
         return effort
 
     def run(
@@ -240,6 +244,13 @@ class AskedEffort:
 
     def _at(self, port: str) -> list[type[Effect]]:
         return [e for e in self.effects if e.port == port]
+
+
+def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
+    """Step for each unit that is missed, from the last move and what it gained; 1 far from that."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = moved / gained
+    return np.where((steps > 1.0 / TRUSTED) & (steps < TRUSTED), steps, 1.0)
 
 
 def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:

@@ -41,8 +41,9 @@ def derivative(values: np.ndarray, period: float) -> np.ndarray:
     if len(values) < 5:
         return np.asarray(np.gradient(values, period))
     found = np.empty(len(values))
-    found[:2] = np.gradient(values[:3], period)[:2]
-    found[-2:] = np.gradient(values[-3:], period)[1:]
+    found[0], found[-1] = (values[1] - values[0]) / period, (values[-1] - values[-2]) / period
+    found[1] = (values[2] - values[0]) / (2.0 * period)
+    found[-2] = (values[-1] - values[-3]) / (2.0 * period)
     near, far = values[3:-1] - values[1:-3], values[4:] - values[:-4]
     found[2:-2] = (8.0 * near - far) / (12.0 * period)
     return found

@@ -17,7 +17,7 @@ from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.regression import error, products, step
-from spirob.machine.shapes import grid, starts
+from spirob.machine.shapes import grid, shaping, starts
 from spirob.parameter import Parameter, Table
 
 GRIDDED, WALK = 2, 6  # numbers of a shape that a grid still covers; places on a walk along one
@@ -25,6 +25,9 @@ PROBE = 0.2  # of an amplitude's nominal value
 ABSORBED = (
     1e-3  # share of a column outside the span of the fitted numbers: below, it is one of them
 )
+
+
+Columns = dict[tuple[str | float, ...], np.ndarray]  # amplitude, shape numbers that matter to it
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ class Screening:
 
     def pairs(self, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
         """All pairs of offers with the error of the two together, best first."""
-        probed = [self._probe(o.effect, self._shape(o)) for o in offers]
+        probed = [self._probe(o.effect, self._shape(o), {}) for o in offers]
         sums = self._sums(*(p.columns for p in probed))
         own = self.jacobian.shape[1]
         ends = own + np.cumsum([0, *(len(p.low) for p in probed)])
@@ -125,29 +128,32 @@ class Screening:
         if len(about) - len(effect.neutral) > GRIDDED:
             return self._walked(effect, about)
         shapes = starts(effect, about, self.residual, self._signals)
-        return min((self._trial(effect, s) for s in shapes), key=lambda trial: trial.error)
+        known: Columns = {}
+        return min((self._trial(effect, s, known) for s in shapes), key=lambda trial: trial.error)
 
     def _walked(self, effect: type[Effect], about: Mapping[str, Parameter]) -> Trial:
         """The best shape by walking along one number after the other, from the nominal ones."""
         shape = {f: p.nominal for f, p in about.items() if f not in effect.neutral}
-        best, seen = self._trial(effect, shape), {tuple(shape.values())}
+        known: Columns = {}
+        best, seen = self._trial(effect, shape, known), {tuple(shape.values())}
         for field in [*shape, *shape]:
             for value in grid(about[field], WALK):
                 shape = {**best.probed.shape, field: value}
                 if (place := tuple(shape.values())) in seen:
                     continue
                 seen.add(place)
-                tried = self._trial(effect, shape)
+                tried = self._trial(effect, shape, known)
                 if tried.error < best.error:
                     best = tried
         return best
 
-    def _trial(self, effect: type[Effect], shape: Mapping[str, float]) -> Trial:
-        probed = self._probe(effect, shape)
+    def _trial(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Trial:
+        probed = self._probe(effect, shape, known)
         sums = self._sums(probed.columns)
         return Trial(probed, sums, self._error(sums, probed))
 
-    def _probe(self, effect: type[Effect], shape: Mapping[str, float]) -> Probed:
+    def _probe(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Probed:
+        """The columns of a shape; those that are `known` from another one are taken from there."""
         table, name = self.problem.table, effect.name()
         at_shape = {f"{name}.{f}": v for f, v in shape.items()}
         columns, low, high, sizes = [], [], [], []
@@ -155,8 +161,11 @@ class Screening:
             full = f"{name}.{field}"
             about, zero = table.about[full], float(table.values[table.position(full)])
             size = about.nominal - zero or 0.02 * (about.high - zero)
-            point = {**self.changes, **at_shape, full: zero + PROBE * size}
-            columns.append(self.problem.added(effect, point, self.residual) / PROBE)
+            key = (field, *(shape[f] for f in shaping(effect, field)))
+            if key not in known:
+                point = {**self.changes, **at_shape, full: zero + PROBE * size}
+                known[key] = self.problem.added(effect, point, self.residual) / PROBE
+            columns.append(known[key])
             sizes.append(size)
             edges = sorted(((about.low - zero) / size, (about.high - zero) / size))
             low.append(min(edges[0], -1e-9))
