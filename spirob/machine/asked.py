@@ -10,6 +10,7 @@ run over the measured signals.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from threading import Lock
 
 import numpy as np
 
@@ -53,6 +54,7 @@ class AskedEffort:
         self.rest_speed, self._stiffness = rest_speed, stiffness
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
         self._known: dict[tuple[object, ...], np.ndarray] = {}
+        self._lock = Lock()
         self._fixed = self._moving(motion)
 
     def effort(self, p: np.ndarray) -> np.ndarray:
@@ -223,12 +225,14 @@ class AskedEffort:
         if "motor.load_torque" in effect.reads.values():
             own = (p[self.table.position(f"rig.{n}")] for n in ("inertia", "stiffness"))
             key = (*key, *own, tip)
-        torque = self._known.pop(key, None)
+        with self._lock:
+            torque = self._known.pop(key, None)
         if torque is None:
             torque = self.run(effect, p, motion, signals, None)
-        while len(self._known) * torque.nbytes > KEPT:
-            self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
-        self._known[key] = torque
+        with self._lock:
+            while len(self._known) * torque.nbytes > KEPT:
+                self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
+            self._known[key] = torque
         return torque
 
     def seen(self, p: np.ndarray) -> Motion:

@@ -4,6 +4,7 @@ Measured and modelled effort pass the same filters; the equations are in `asked`
 """
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
 BLOCK = 0.5  # s, over which a residual is correlated at most
+LONG = 20_000  # samples from which on threads do not mostly wait for one another
 
 
 class InverseProblem:
@@ -27,8 +29,6 @@ class InverseProblem:
     sizes  of the rig, which set the effects' nominal numbers; shared by all roles
     asked  the equations of the inverse model over these trials
     """
-
-    workers = 1
 
     def __init__(
         self,
@@ -46,6 +46,7 @@ class InverseProblem:
         motion = motion_of(self.recordings, body, sizes.mass)
         stiffness = body.stiffness if body else 0.0
         self.asked = AskedEffort(motion, effects, self._table, sizes, rest_speed, stiffness)
+        self.workers = 2 if len(motion.q) >= LONG else 1
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))
         counts = {id(r): 0 for r in self.recordings}
@@ -90,7 +91,8 @@ class InverseProblem:
 
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
-        return [self(point) for point in points]
+        with ThreadPoolExecutor(self.workers) as pool:
+            return list(pool.map(self, points))
 
     def model(self, changes: Mapping[str, float]) -> np.ndarray:
         """The modelled effort at every sample of every piece, filtered, (n,)."""

@@ -7,6 +7,7 @@ raise the error when it is added alone.
 """
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -87,9 +88,9 @@ class Screening:
 
     def offers(self, effects: Sequence[type[Effect]]) -> list[Offer]:
         """The effects, each at its best shape, best first."""
-        for effect in effects:
-            if effect.name() not in self._tried:
-                self._tried[effect.name()] = self._offer(effect)
+        new = [e for e in effects if e.name() not in self._tried]
+        with ThreadPoolExecutor(self.problem.workers) as pool:
+            self._tried |= {o.effect.name(): o for o in pool.map(self._offer, new)}
         return sorted((self._tried[e.name()] for e in effects), key=lambda offer: offer.error)
 
     def pairs(self, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
