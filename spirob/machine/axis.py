@@ -21,7 +21,7 @@ from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
-from spirob.machine.models import Model
+from spirob.machine.models import Model, label
 from spirob.machine.plausible import doubts, oddities
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
@@ -114,6 +114,7 @@ def _finish(
     bare, chosen = found.rungs[0], found.chosen
     low = rest
     if chosen is not bare:
+        search.progress(f"what follows from the motion beside {label(bare.effects)}")
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
     warnings = doubts(search, found, rest, gate)
     judgement = judge(search, found, low, rest, warnings)
@@ -140,4 +141,5 @@ def _stroke(recordings: list[Recording]) -> float:
 
 def _ceiling(search: Search, model: Model) -> Ceiling:
     problems = search.train, search.heldout
+    search.progress(f"what follows from the motion beside {label(model.effects)}")
     return ceiling(*problems, model.fit.residual, model.heldout, search.models.folds)

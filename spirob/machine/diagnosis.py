@@ -31,6 +31,7 @@ def diagnose(
     _each_once(train, test)
     if isinstance(rig, ArmFile):
         return _arm(rig, train, test, progress)
+    progress(f"reading {len(train) + len(test)} logs")
     first = [read_trial(path, rig) for path in train]
     cutoff = min(r.cutoff for r in first) if rig.filter.cutoff is None else None
     trials = [read_trial(path, rig, cutoff) for path in train]

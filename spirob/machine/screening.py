@@ -88,10 +88,14 @@ class Screening:
 
     def offers(self, effects: Sequence[type[Effect]]) -> list[Offer]:
         """The effects, each at its best shape, best first."""
-        new = [e for e in effects if e.name() not in self._tried]
         with ThreadPoolExecutor(self.problem.workers) as pool:
-            self._tried |= {o.effect.name(): o for o in pool.map(self._offer, new)}
+            for offer in pool.map(self._offer, self.untried(effects)):
+                self._tried[offer.effect.name()] = offer
         return sorted((self._tried[e.name()] for e in effects), key=lambda offer: offer.error)
+
+    def untried(self, effects: Sequence[type[Effect]]) -> list[type[Effect]]:
+        """Those of the effects that were not asked for before."""
+        return [e for e in effects if e.name() not in self._tried]
 
     def pairs(self, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
         """All pairs of offers with the error of the two together, best first."""
