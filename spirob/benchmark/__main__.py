@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from spirob.benchmark import coupled_tick, decoding, identification, screening, threads
+from spirob.benchmark import coupled_tick, decoding, diagnosis, identification, screening, threads
 from spirob.benchmark.turns import TINY, Size
 
 MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
@@ -14,6 +14,7 @@ MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
     "decoding": decoding.measure,
     "identification": identification.measure,
     "screening": screening.measure,
+    "diagnosis": diagnosis.measure,
 }
 
 

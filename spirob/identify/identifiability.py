@@ -94,7 +94,7 @@ def null_space(slopes: np.ndarray, names: Sequence[str]) -> list[dict[str, float
     """Directions along which the slopes vanish, row-reduced, so that each names few parameters."""
     if not len(names):
         return []
-    _, singular, rows = np.linalg.svd(slopes, full_matrices=True)
+    _, singular, rows = np.linalg.svd(np.linalg.qr(slopes, mode="r"), full_matrices=True)
     least = NULL * singular[0]
     basis = rows[int(np.sum(singular > least)) :].copy()
     taken: list[int] = []

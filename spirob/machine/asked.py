@@ -13,24 +13,28 @@ run over the measured signals.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from threading import Lock
 
 import numpy as np
 
 from spirob.effects import Effect
+from spirob.machine.filtering import rates
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.motion import Motion
 from spirob.machine.rig import NUMBERS, PER_LOG
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
-PASSES = 10  # of the solution for the effort before the drive's pipes
+PASSES = 12  # of the solution for the effort before the drive's pipes
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
-KEPT = 24  # torques of effects, as arrays along all trials
+KEPT = 2e8  # bytes of effects' torques along all trials
+TRUSTED = 1.5  # a secant's step, or one over it: with a slope near 1, it halves what is missed
+SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
 
@@ -54,8 +58,11 @@ class AskedEffort:
         self.rest_speed, self._stiffness = rest_speed, stiffness
         self._has_body = bool(np.any(motion.body["payload"]))
         self._of_logs = _cells(table, motion)
+        self._carried = self._load_cells()
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
         self._known: dict[tuple[object, ...], np.ndarray] = {}
+        self._lock = Lock()
+        self._fixed = self._moving(motion)
 
     def effort(self, p: np.ndarray) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table."""
@@ -110,6 +117,23 @@ class AskedEffort:
         weight = own["payload_cosine"] * np.cos(turned) + own["payload_sine"] * np.sin(turned)
         return own["payload_inertia"] * motion.a + weight
 
+    def added(self, effect: type[Effect], p: np.ndarray) -> np.ndarray | None:
+        """What an effect adds to the effort, (n,), whatever else acts.
+
+        None where that depends on what else acts: for all but torques, where a pipe or an error of
+        the motion is between them and the effort, and for a load where friction feels it.
+        """
+        between = (*BEFORE, "winch.efficiency", *READ, SENSOR)
+        if any(self.present(port, p) for port in between):
+            return None
+        felt = any(_feels_load(e) for port in ADDED for e in self.present(port, p))
+        if effect.port not in ADDED and (effect.port != HINGE or felt):
+            return None
+        signals = self.signals(self.motion, self.load(self.motion, p))
+        own = self.own(p)
+        torque = self._torque(effect, p, self.motion, signals)
+        return late(-torque / own["scale"], own["delay"], self.motion)
+
     def tip_mass(self, p: np.ndarray) -> float:
         """What the body carries at its tip [kg]."""
         return float(sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass")))
@@ -131,13 +155,17 @@ class AskedEffort:
 
     def signals(self, motion: Motion, load: np.ndarray) -> dict[str, np.ndarray]:
         """What kernels may read, each (n,)."""
+        fixed = self._fixed if motion is self.motion else self._moving(motion)
+        return {**fixed, "motor.load_torque": load}
+
+    def _moving(self, motion: Motion) -> dict[str, np.ndarray]:
+        """Of these, what follows from the motion alone."""
         n = len(motion.q)
         return {
             "time": motion.seconds,
             "motor.rest_speed": np.full(n, self.rest_speed),
             "motor.speed": motion.v,
             "motor.angle": motion.q / self.sizes.angle,
-            "motor.load_torque": load,
             "hinge.angle": motion.q,
             "hinge.speed": motion.v,
             "hinge.stiffness": np.full(n, self._stiffness),
@@ -148,16 +176,19 @@ class AskedEffort:
     def solved(
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """e with P(e) = wanted, by fixed-point iteration from e = wanted.
+        """e with P(e) = wanted, by secants from e = wanted.
 
-        Where an effort changes nothing, in a dead band, the steps grow until it does.
+        A secant far from a slope of 1 is not trusted: where an effort changes nothing, in a dead
+        band, the steps grow until it does.
         """
         pipes = [e for port in BEFORE for e in self.present(port, p)]
         shares = self.present("winch.efficiency", p)
         effort = wanted
         if not pipes and not shares:
             return effort
+        close = SOLVED * np.max(np.abs(wanted))
         step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
+        moved = np.zeros_like(effort)
         for _ in range(PASSES):
             seen = {**signals, "motor.current": effort, "motor.command": effort}
             passed = effort
@@ -167,9 +198,12 @@ class AskedEffort:
             for effect in shares:
                 share = self.run(effect, p, motion, seen, share)
             miss = wanted - share * passed
+            if np.max(np.abs(miss)) <= close:
+                break
             flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
-            step, missed = np.where(flat, 2.0 * step, 1.0), miss
-            effort = effort + step * miss
+            step = np.where(flat, 2.0 * step, _secant(moved, missed - miss))
+            moved, missed = step * miss, miss
+            effort = effort + moved
         return effort
 
     def run(
@@ -221,13 +255,17 @@ class AskedEffort:
         if motion is not self.motion:
             return self.run(effect, p, motion, signals, None)
         key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
-        if "motor.load_torque" in effect.reads.values():
-            key = (*key, p.tobytes())
-        if key not in self._known:
-            if len(self._known) >= KEPT:
-                self._known.pop(next(iter(self._known)))
-            self._known[key] = self.run(effect, p, motion, signals, None)
-        return self._known[key]
+        if _feels_load(effect):
+            key = (*key, p[self._carried].tobytes())
+        with self._lock:
+            torque = self._known.pop(key, None)
+        if torque is None:
+            torque = self.run(effect, p, motion, signals, None)
+        with self._lock:
+            while len(self._known) * torque.nbytes > KEPT:
+                self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
+            self._known[key] = torque
+        return torque
 
     def seen(self, p: np.ndarray) -> Motion:
         """The motor's motion: what its sensor tells, without the errors that the model holds."""
@@ -239,12 +277,12 @@ class AskedEffort:
         zero, found = self.of_log("zero", p), self.motion
         if np.any(zero):
             found = replace(found, q=found.q + zero)
-        wrong = [e for e in self.present(SENSOR, p) if not _twists(e)]
+        wrong = [e for e in self.present(SENSOR, p) if not _feels_load(e)]
         return self._without(wrong, p, found, np.zeros_like(found.q)) if wrong else found
 
     def _ahead(self, behind: Motion, load: np.ndarray, p: np.ndarray) -> tuple[Motion, float]:
         """The motor's motion where the sensor sits at the load, and its share of the inertia."""
-        twisted = [e for e in self.present(SENSOR, p) if _twists(e)]
+        twisted = [e for e in self.present(SENSOR, p) if _feels_load(e)]
         if not twisted:
             return behind, 0.0
         share = max(self.values(e, p).get("rotor_share", 0.0) for e in twisted)
@@ -259,6 +297,14 @@ class AskedEffort:
             error += self.run(effect, p, motion, signals, motion.q) - motion.q
         return motion.without(error)
 
+    def _load_cells(self) -> list[int]:
+        """Places in the table of all numbers that the load depends on."""
+        owners = {e.name() for port in (HINGE, "body.tip_mass") for e in self._at(port)}
+        rig = ("inertia", "stiffness", "payload_inertia", "payload_cosine", "payload_sine")
+        owners |= {"payload", *(f"rig.{name}" for name in rig)}
+        names = self.table.names
+        return [k for k, n in enumerate(names) if n in owners or n.partition(".")[0] in owners]
+
     def _at(self, port: str) -> list[type[Effect]]:
         return [e for e in self.effects if e.port == port]
 
@@ -269,21 +315,29 @@ def _cells(table: Table, motion: Motion) -> dict[str, list[int]]:
     return {kind: [table.position(f"{kind}.{log}") for log in motion.logs] for kind in kinds}
 
 
-def _twists(effect: type[Effect]) -> bool:
-    """Whether an error of the reading is the twist under load between motor and sensor."""
+def _feels_load(effect: type[Effect]) -> bool:
+    """Whether an effect reads the load; an error of the reading that does is a twist under it."""
     return "motor.load_torque" in effect.reads.values()
+
+
+def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
+    """Step for each unit that is missed, from the last move and what it gained; 1 far from that."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = moved / gained
+    return np.where((steps > 1.0 / TRUSTED) & (steps < TRUSTED), steps, 1.0)
 
 
 def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
     """e(t - δ): whole samples by moving rows, the rest, half a sample at most, to second order."""
     if delay == 0.0:
         return effort
-    first, second = motion.rates(effort)
     out = np.empty_like(effort)
     for k, step in enumerate(motion.steps):
         whole = round(delay / step)
         rest = delay - whole * step
-        begin, end = int(motion.starts[k]), int(motion.starts[k + 1])
-        at = np.clip(np.arange(begin, end) - whole, begin, end - 1)
-        out[begin:end] = effort[at] - rest * first[at] + 0.5 * rest**2 * second[at]
+        own = effort[motion.starts[k] : motion.starts[k + 1]]
+        first, second = rates(own, step)
+        moved = own - rest * first + 0.5 * rest**2 * second
+        at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
+        out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
     return out

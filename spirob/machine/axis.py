@@ -21,7 +21,7 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
-from spirob.machine.models import Model
+from spirob.machine.models import Model, label
 from spirob.machine.plausible import beyond_bounds, doubts, oddities, released
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
@@ -142,6 +142,7 @@ def _finish(ready: _Ready, search: Search, found: Found, gate: Identifiability) 
     bare, chosen = found.rungs[0], found.chosen
     low = rest
     if chosen is not bare:
+        search.progress(f"what follows from the motion beside {label(bare.effects)}")
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
     judgement = judge(search, found, low, rest, doubts(search, found, rest))
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
@@ -167,4 +168,5 @@ def _stroke(recordings: list[Recording]) -> float:
 
 def _ceiling(search: Search, model: Model) -> Ceiling:
     problems = search.train, search.heldout
+    search.progress(f"what follows from the motion beside {label(model.effects)}")
     return ceiling(*problems, model.fit.residual, model.heldout, search.models.folds)

@@ -93,7 +93,7 @@ def _axis(
     settings: Settings | None,
     progress: Callable[[str], None],
 ) -> Diagnosis:
-    progress("reading the logs")
+    progress(f"reading {len(train) + len(test)} logs")
     first = [read_trial(path, rig) for path in train]
     cutoff = min(r.cutoff for r in first) if rig.filter.cutoff is None else None
     trials = [read_trial(path, rig, cutoff) for path in train]

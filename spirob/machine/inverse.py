@@ -4,6 +4,7 @@ Measured and modelled effort pass the same filters; the equations are in `asked`
 """
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
 BLOCK = 0.5  # s, over which a residual is correlated at most
+LONG = 20_000  # samples from which on threads do not mostly wait for one another
 
 
 class InverseProblem:
@@ -30,8 +32,6 @@ class InverseProblem:
            because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
     """
-
-    workers = 1
 
     def __init__(
         self,
@@ -52,6 +52,7 @@ class InverseProblem:
         motion = motion_of(self.recordings, body, sizes.mass)
         stiffness = body.stiffness if body else 0.0
         self.asked = AskedEffort(motion, effects, self._table, sizes, rest_speed, stiffness)
+        self.workers = 2 if len(motion.q) >= LONG else 1
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))
         counts = {id(r): 0 for r in self.recordings}
@@ -95,9 +96,19 @@ class InverseProblem:
 
         return {**changes, **profiled(residual, self.own, start)}
 
+    def added(
+        self, effect: type[Effect], changes: Mapping[str, float], without: np.ndarray
+    ) -> np.ndarray:
+        """What an effect changes of the residual, (N,); `without` is the residual without it."""
+        torque = self.asked.added(effect, self._table.vector(changes))
+        if torque is None:
+            return self(changes) - without
+        return self._thin(self._smooth(torque))
+
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
-        return [self(point) for point in points]
+        with ThreadPoolExecutor(self.workers) as pool:
+            return list(pool.map(self, points))
 
     def model(self, changes: Mapping[str, float]) -> np.ndarray:
         """The modelled effort at every sample of every piece, filtered, (n,)."""

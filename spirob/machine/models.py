@@ -11,7 +11,8 @@ from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
-from spirob.machine.screening import left_out, room
+from spirob.machine.regression import left_out
+from spirob.machine.screening import room
 from spirob.score import Score, score
 
 ITERATIONS = 12  # of a fit
@@ -104,7 +105,7 @@ class Models:
             block_errors(held, self.heldout.edges, self.heldout.block),
         )
         share = np.sqrt(made.mean_square) / self.size
-        self.progress(f"{' + '.join(e.name() for e in effects) or 'bare model'}: {share:.2%}")
+        self.progress(f"{label(effects)}: {share:.2%} of the effort left")
         return made
 
     def scores(self, model: Model) -> dict[str, Score]:
@@ -114,3 +115,8 @@ class Models:
             "train": score(measured[0], measured[0] + model.fit.residual),
             "test": score(measured[1], measured[1] + model.heldout),
         }
+
+
+def label(effects: Sequence[type[Effect]]) -> str:
+    """A set of effects in a line of progress."""
+    return " + ".join(e.name() for e in effects) or "the fitted numbers alone"

@@ -14,13 +14,15 @@ from spirob.machine.alignment import only_aligns
 from spirob.machine.dry import is_dry
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kinship import related, same_wave
-from spirob.machine.models import Model, Models
+from spirob.machine.models import Model, Models, label
 from spirob.machine.motion_noise import noise_in_effort
 from spirob.machine.screening import ABSORBED, Offer, Screening
 from spirob.machine.worth import Settings, Worth
 from spirob.told import Steps
 
 SINGLES, PAIRS, EXCHANGES = 4, 3, 3  # finalists of a round, fitted in full
+EACH = 2 + EXCHANGES  # steps for an effect of a set: without it, what then is missing, exchanges
+CEILINGS = 2  # over the bare and the chosen model
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
 
 
@@ -58,11 +60,12 @@ class Search:
         progress: Callable[[str], None] = lambda text: None,
     ):
         self.train, self.heldout = train, heldout
-        self.progress = Steps(progress, _fits(0, settings.most))
+        self.progress = Steps(progress, _steps(0, settings.most))
         self.models = Models(train, heldout, names, self.progress)
         self.candidates, self.settings = list(candidates), settings
         self.worth = Worth(settings, self._least())
         self.vetoed: set[str] = set()
+        self._screened: dict[frozenset[str], Screening] = {}
 
     def run(self) -> Found:
         """Search from the bare model."""
@@ -83,10 +86,10 @@ class Search:
             if current.names in seen:  # an exchange for a simpler effect may lead back
                 break
             seen.add(current.names)
-            self.progress(f"chosen so far: {', '.join(sorted(current.names))}")
-            self.progress.expect(_fits(len(current.effects), self.settings.most))
+            self.progress(f"chosen so far: {label(current.effects)}")
+            self.progress.expect(_steps(len(current.effects), self.settings.most))
             offers = self._screen(current, self._absent(current))
-        self.progress.expect(_rivals(len(current.effects)))
+        self.progress.expect(_last(len(current.effects)))
         return self._found(self._pruned(current), first)
 
     def without_imitations(self, found: Found, share: float) -> Found | None:
@@ -129,9 +132,14 @@ class Search:
         return [e for e in self.candidates if e.name() not in out and not related(e, model.effects)]
 
     def _screen(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
-        screening = Screening(self.train, model.fit, self.models.folds)
-        self._last = screening
-        return [o for o in screening.offers(effects) if o.new > ABSORBED]
+        if model.names not in self._screened:
+            made = Screening(self.train, model.fit, self.models.folds)
+            self._screened[model.names] = made
+        screening = self._screened[model.names]
+        if new := screening.untried(effects):
+            self.progress(f"{len(new)} effects screened beside {label(model.effects)}")
+        offers = screening.offers(effects)
+        return [o for o in offers if o.new > ABSORBED]
 
     def _grown(self, current: Model, offers: Sequence[Offer]) -> Model | None:
         """The best addition of one effect or of two, None where none matters."""
@@ -141,7 +149,8 @@ class Search:
         if best is not None or space < 2:
             return best
         # two true effects may each raise the error alone and lower it together
-        pairs = [p for p in self._last.pairs(offers) if not related(p[1].effect, [p[2].effect])]
+        pairs = self._screened[current.names].pairs(offers)
+        pairs = [p for p in pairs if not related(p[1].effect, [p[2].effect])]
         return self._best_of(
             current,
             [(a, b) for error, a, b in pairs[:PAIRS] if self.worth.possible(current, error)],
@@ -242,12 +251,15 @@ class Search:
         return rungs
 
 
-def _fits(effects: int, most: int) -> int:
-    """Models to fit at most from a set of so many effects to the end of the search."""
+def _steps(effects: int, most: int) -> int:
+    """Steps at most from a set of so many effects to the end of a diagnosis.
+
+    A step is a model that is fitted, a screening, or a choice.
+    """
     grown = range(effects + 1, most + 1)
-    return sum(SINGLES + PAIRS + n * (1 + EXCHANGES) for n in grown) + _rivals(most)
+    return sum(2 + SINGLES + PAIRS + n * EACH for n in grown) + _last(most)
 
 
-def _rivals(effects: int) -> int:
-    """Models to fit at most to prune the last set, and for its rivals."""
-    return effects * (1 + EXCHANGES)
+def _last(effects: int) -> int:
+    """Steps at most to prune the last set, for its rivals, and to look at what is left."""
+    return effects * EACH + CEILINGS

@@ -6,6 +6,7 @@ from the peaks of the residual's spectrum over that angle.
 """
 
 from collections.abc import Mapping
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -17,6 +18,7 @@ from spirob.parameter import Parameter
 from spirob.ports import SIGNALS
 
 MOST = 12  # combinations of one effect
+DRAWS = 30  # of all that a kernel is given, over six decades, to see what matters to it
 WIDE = 30.0  # bounds further apart than this factor are walked by ratio
 
 
@@ -90,6 +92,38 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
     scale = abs(here) + 1e-12
     repeats = abs(effect.kernel(**turned) - here) < 1e-9 * scale
     return bool(repeats and abs(effect.kernel(**half) - here) > 1e-6 * scale)
+
+
+@cache
+def shaping(effect: type[Effect], amplitude: str) -> tuple[str, ...]:
+    """The shape numbers that matter where of the amplitudes only this one is not neutral.
+
+    Asked of the kernel itself: the ratio of a ripple's second wave is nothing to the first wave.
+    """
+    shape = [f for f in effect.parameters() if f not in effect.neutral]
+    if effect.state:
+        return tuple(shape)
+    return tuple(f for f in shape if _matters(effect, amplitude, f))
+
+
+def _matters(effect: type[Effect], amplitude: str, field: str) -> bool:
+    rng = np.random.default_rng(0)
+    about = effect.parameters()
+    for _ in range(DRAWS):
+        drawn = {f: float(rng.uniform(p.low, p.high)) for f, p in about.items()}
+        values = {**drawn, **effect.neutral, amplitude: drawn[amplitude]}
+        signs = rng.choice([-1.0, 1.0], len(effect.reads) + 1)
+        sizes = 10.0 ** rng.uniform(-3.0, 3.0, len(signs))
+        told = [*effect.reads, *(["upstream"] if is_pipe(effect) else [])]
+        values |= {a: float(s * z) for a, s, z in zip(told, signs, sizes, strict=False)}
+        values |= {"dt": 1e-3} if "dt" in effect.arguments() else {}
+        other = {**values, field: float(rng.uniform(about[field].low, about[field].high))}
+        try:
+            if effect.kernel(**values) != effect.kernel(**other):
+                return True
+        except (ArithmeticError, ValueError):  # not made for such numbers: nothing is known
+            return True
+    return False
 
 
 def _bounds(effect: type[Effect]) -> list[tuple[str, Parameter]]:

@@ -1,0 +1,93 @@
+"""How long `spirob diagnose` takes for the logs of a servo, from its start to the written page.
+
+The servo is a rotor under a digital controller at 1 kHz, its encoder counts 32768 to a turn; dry
+friction and cogging are hidden.  Three logs, the last of them held out.  The command runs as a
+process of its own, once before it is timed, so that its kernels are compiled; what it names tells
+whether what was timed was of use.
+"""
+
+import json
+import math
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from spirob.benchmark.turns import Size
+
+ROWS = {"10k": 10_000, "100k": 100_000}  # of all logs
+LEAST = 8_000  # rows of a short round: seconds of motion in each log
+SHARES = (0.4, 0.4, 0.2)  # of them in each log
+HIDDEN = {"coulomb_friction", "cogging"}
+PERIOD, SUBSTEPS = 1e-3, 4
+INERTIA, VISCOUS, DRY, COGGING, TEETH = 0.02, 0.05, 0.15, 0.08, 7.0
+COUNT = 2 * math.pi / 32768
+NOISE = 0.01  # N·m
+RIG = """
+name: servo of the benchmark
+time: {column: time, unit: s}
+position: {column: position, unit: rad}
+effort: {column: torque, unit: N·m, kind: torque, origin: measured}
+fit:
+  inertia: {nominal: 0.015, low: 1.0e-4, high: 1.0}
+  viscous: {nominal: 0.03, low: 0.0, high: 1.0}
+"""
+
+
+def measure(size: Size) -> dict[str, float]:
+    """`diagnosis_seconds_10k`, `diagnosis_seconds_100k` rows, `diagnosis_named` of the two."""
+    figures: dict[str, float] = {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for label, rows in ROWS.items():
+            logs = _logs(folder, max(LEAST, int(rows * size.seconds / Size.seconds)))
+            if not figures:
+                _diagnose(folder, logs)
+            figures[f"diagnosis_seconds_{label}"] = _diagnose(folder, logs)
+        found = json.loads((folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+    figures["diagnosis_named"] = float(len(HIDDEN & {e["name"] for e in found["effects"]}))
+    return figures
+
+
+def _diagnose(folder: Path, logs: list[str]) -> float:
+    """Seconds of one run of the command."""
+    command = [sys.executable, "-m", "spirob.cli.main", "diagnose", "--quiet"]
+    command += ["--rig", "rig.yaml", "--train", *logs[:-1], "--test", logs[-1], "--out", "out"]
+    begun = time.perf_counter()
+    subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - begun
+
+
+def _logs(folder: Path, rows: int) -> list[str]:
+    """Written logs of so many rows in all, and the rig's description beside them."""
+    (folder / "rig.yaml").write_text(RIG, encoding="utf-8")
+    names = []
+    for k, share in enumerate(SHARES):
+        names.append(f"log{k}.csv")
+        header = "time,position,torque"
+        table = _servo(round(rows * share), np.random.default_rng(k))
+        np.savetxt(folder / names[-1], table, delimiter=",", header=header, comments="")
+    return names
+
+
+def _servo(count: int, random: np.random.Generator) -> np.ndarray:
+    """Time [s], position [rad] and torque [N·m] as they would be logged, (count, 3)."""
+    t = PERIOD * np.arange(count)
+    speeds, phases = 2 * np.pi * random.uniform(0.1, 1.5, 8), random.uniform(0.0, 2 * np.pi, 8)
+    sizes = random.uniform(0.5, 2.0, 8) / speeds
+    wanted = (sizes * np.sin(np.outer(t, speeds) + phases)).sum(axis=1)
+    fast = (sizes * speeds * np.cos(np.outer(t, speeds) + phases)).sum(axis=1)
+    q, v, step = float(wanted[0]), 0.0, PERIOD / SUBSTEPS
+    position, torque = np.empty(count), np.empty(count)
+    for k in range(count):
+        position[k] = q
+        torque[k] = push = 8.0 * (wanted[k] - q) + 0.8 * (fast[k] - v)
+        for _ in range(SUBSTEPS):
+            lost = VISCOUS * v + DRY * math.tanh(100.0 * v) + COGGING * math.sin(TEETH * q)
+            v += step * (push - lost) / INERTIA
+            q += step * v
+    seen = np.round(position / COUNT) * COUNT
+    return np.column_stack([t, seen, torque + random.normal(0.0, NOISE, count)])
