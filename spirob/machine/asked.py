@@ -28,6 +28,7 @@ READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
+REACH = 4  # samples to either side that a second derivative looks at
 KEPT = 2e8  # bytes of effects' torques along all trials
 TRUSTED = 1.5  # a secant's step, or one over it: with a slope near 1, it halves what is missed
 SOLVED = 1e-12  # of the largest effort
@@ -266,8 +267,26 @@ def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
         whole = round(delay / step)
         rest = delay - whole * step
         own = effort[motion.starts[k] : motion.starts[k + 1]]
-        first, second = rates(own, step)
-        moved = own - rest * first + 0.5 * rest**2 * second
+        moved = _moved(own, rest, step)
         at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
         out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
+    return out
+
+
+def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
+    """Values (n,) as they were `by` seconds earlier, to second order.
+
+    Away from the ends, where derivatives are one-sided, this is one filter of a few taps.
+    """
+
+    def exact(v: np.ndarray) -> np.ndarray:
+        first, second = rates(v, period)
+        return v - by * first + 0.5 * by**2 * second
+
+    if len(values) <= 6 * REACH:
+        return exact(values)
+    impulse = exact(np.eye(1, 4 * REACH + 1, 2 * REACH)[0])
+    out = np.convolve(values, impulse[REACH : 3 * REACH + 1], "same")
+    out[:REACH] = exact(values[: 3 * REACH])[:REACH]
+    out[-REACH:] = exact(values[-3 * REACH :])[-REACH:]
     return out
