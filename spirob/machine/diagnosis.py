@@ -3,11 +3,8 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from spirob.diagnose.rungs import Settings as ArmSettings
 from spirob.errors import ConfigError
-from spirob.machine.arm import diagnosis as arm
 from spirob.machine.arm.description import ArmFile
-from spirob.machine.arm.page import overlay, parameters
 from spirob.machine.axis import Diagnosis, diagnose_recordings
 from spirob.machine.loading import load_rig
 from spirob.machine.recording import read_trial
@@ -56,6 +53,10 @@ def _arm(
     progress: Callable[[str], None],
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else; its search has settings of its own."""
+    from spirob.diagnose.rungs import Settings as ArmSettings
+    from spirob.machine.arm import diagnosis as arm
+    from spirob.machine.arm.page import overlay, parameters
+
     settings = ArmSettings(intervals=False)
     trials, said = arm.read(rig, train, test)
     search, residuals = arm.searched(rig, trials, settings, progress)
