@@ -30,7 +30,6 @@ ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 REACH = 4  # samples to either side that a second derivative looks at
 KEPT = 2e8  # bytes of effects' torques along all trials
-TRUSTED = 1.5  # a secant's step, or one over it: with a slope near 1, it halves what is missed
 SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
@@ -145,8 +144,8 @@ class AskedEffort:
     ) -> np.ndarray:
         """e with P(e) = wanted, by secants from e = wanted.
 
-        A secant far from a slope of 1 is not trusted: where an effort changes nothing, in a dead
-        band, the steps grow until it does.
+        Where an effort changes nothing, in a dead band, the steps grow until it does; a secant over
+        its edge is of no use there.
         """
         pipes = [e for port in BEFORE for e in self.present(port, p)]
         shares = self.present("winch.efficiency", p)
@@ -155,7 +154,7 @@ class AskedEffort:
             return effort
         close = SOLVED * np.max(np.abs(wanted))
         step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
-        moved = np.zeros_like(effort)
+        moved, edges = np.zeros_like(effort), np.zeros(len(effort), bool)
         for _ in range(PASSES):
             seen = {**signals, "motor.current": effort, "motor.command": effort}
             passed = effort
@@ -168,7 +167,9 @@ class AskedEffort:
             if np.max(np.abs(miss)) <= close:
                 break
             flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
-            step = np.where(flat, 2.0 * step, _secant(moved, missed - miss))
+            edges |= flat
+            smooth = np.where(edges, 1.0, _secant(moved, missed - miss))
+            step = np.where(flat, 2.0 * step, smooth)
             moved, missed = step * miss, miss
             effort = effort + moved
         return effort
@@ -252,10 +253,10 @@ class AskedEffort:
 
 
 def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
-    """Step for each unit that is missed, from the last move and what it gained; 1 far from that."""
+    """Step for each unit that is missed, from the last move and its gain; 1 where far from it."""
     with np.errstate(divide="ignore", invalid="ignore"):
         steps = moved / gained
-    return np.where((steps > 1.0 / TRUSTED) & (steps < TRUSTED), steps, 1.0)
+    return np.where((steps > SHRINKS) & (steps < 1.0 / SHRINKS), steps, 1.0)
 
 
 def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
