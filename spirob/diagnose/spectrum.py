@@ -129,8 +129,13 @@ def _products(
     angle: np.ndarray, left: np.ndarray, grid: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Of each order's sine and cosine with one another and with the residuals."""
-    columns = [_columns(angle, order) for order in grid]
-    return np.array([c.T @ c for c in columns]), np.array([c.T @ left for c in columns])
+    rows = np.ascontiguousarray(left.T)  # long rows: a product goes through memory once
+    squares, seen = [], []
+    for order in grid:
+        waves = _columns(angle, order).T
+        squares.append(waves @ waves.T)
+        seen.append(waves @ rows.T)
+    return np.array(squares), np.array(seen)
 
 
 def _inverse(square: np.ndarray) -> np.ndarray:
@@ -140,7 +145,8 @@ def _inverse(square: np.ndarray) -> np.ndarray:
 
 
 def _columns(angle: np.ndarray, order: float) -> np.ndarray:
-    return np.column_stack([np.sin(order * angle), np.cos(order * angle)])
+    phase = order * angle
+    return np.array([np.sin(phase), np.cos(phase)]).T
 
 
 def _motors(pieces: Sequence[Stretch]) -> list[list[np.ndarray]]:

@@ -32,8 +32,8 @@ BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torqu
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
+REACH = 4  # samples to either side that a second derivative looks at
 KEPT = 2e8  # bytes of effects' torques along all trials
-TRUSTED = 1.5  # a secant's step, or one over it: with a slope near 1, it halves what is missed
 SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
@@ -178,8 +178,8 @@ class AskedEffort:
     ) -> np.ndarray:
         """e with P(e) = wanted, by secants from e = wanted.
 
-        A secant far from a slope of 1 is not trusted: where an effort changes nothing, in a dead
-        band, the steps grow until it does.
+        Where an effort changes nothing, in a dead band, the steps grow until it does; a secant over
+        its edge is of no use there.
         """
         pipes = [e for port in BEFORE for e in self.present(port, p)]
         shares = self.present("winch.efficiency", p)
@@ -188,7 +188,7 @@ class AskedEffort:
             return effort
         close = SOLVED * np.max(np.abs(wanted))
         step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
-        moved = np.zeros_like(effort)
+        moved, edges = np.zeros_like(effort), np.zeros(len(effort), bool)
         for _ in range(PASSES):
             seen = {**signals, "motor.current": effort, "motor.command": effort}
             passed = effort
@@ -201,7 +201,9 @@ class AskedEffort:
             if np.max(np.abs(miss)) <= close:
                 break
             flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
-            step = np.where(flat, 2.0 * step, _secant(moved, missed - miss))
+            edges |= flat
+            smooth = np.where(edges, 1.0, _secant(moved, missed - miss))
+            step = np.where(flat, 2.0 * step, smooth)
             moved, missed = step * miss, miss
             effort = effort + moved
         return effort
@@ -321,10 +323,10 @@ def _feels_load(effect: type[Effect]) -> bool:
 
 
 def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
-    """Step for each unit that is missed, from the last move and what it gained; 1 far from that."""
+    """Step for each unit that is missed, from the last move and its gain; 1 where far from it."""
     with np.errstate(divide="ignore", invalid="ignore"):
         steps = moved / gained
-    return np.where((steps > 1.0 / TRUSTED) & (steps < TRUSTED), steps, 1.0)
+    return np.where((steps > SHRINKS) & (steps < 1.0 / SHRINKS), steps, 1.0)
 
 
 def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
@@ -336,8 +338,26 @@ def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
         whole = round(delay / step)
         rest = delay - whole * step
         own = effort[motion.starts[k] : motion.starts[k + 1]]
-        first, second = rates(own, step)
-        moved = own - rest * first + 0.5 * rest**2 * second
+        moved = _moved(own, rest, step)
         at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
         out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
+    return out
+
+
+def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
+    """Values (n,) as they were `by` seconds earlier, to second order.
+
+    Away from the ends, where derivatives are one-sided, this is one filter of a few taps.
+    """
+
+    def exact(v: np.ndarray) -> np.ndarray:
+        first, second = rates(v, period)
+        return v - by * first + 0.5 * by**2 * second
+
+    if len(values) <= 6 * REACH:
+        return exact(values)
+    impulse = exact(np.eye(1, 4 * REACH + 1, 2 * REACH)[0])
+    out = np.convolve(values, impulse[REACH : 3 * REACH + 1], "same")
+    out[:REACH] = exact(values[: 3 * REACH])[:REACH]
+    out[-REACH:] = exact(values[-3 * REACH :])[-REACH:]
     return out

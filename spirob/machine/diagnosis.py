@@ -8,11 +8,8 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from spirob.diagnose.rungs import Settings as ArmSettings
 from spirob.errors import ConfigError
-from spirob.machine.arm import diagnosis as arm
 from spirob.machine.arm.description import ArmFile
-from spirob.machine.arm.page import overlay, parameters
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.loading import load_rig, rig_from
 from spirob.machine.recording import read_trial
@@ -108,6 +105,10 @@ def _arm(
     progress: Callable[[str], None],
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else; its search has settings of its own."""
+    from spirob.diagnose.rungs import Settings as ArmSettings
+    from spirob.machine.arm import diagnosis as arm
+    from spirob.machine.arm.page import overlay, parameters
+
     settings = ArmSettings(intervals=False)
     trials, said = arm.read(rig, train, test)
     search, residuals = arm.searched(rig, trials, settings, progress)

@@ -1,17 +1,21 @@
 """The inverse model: the library's kernels over measured signals, in the rig's size and unit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from spirob.diagnose.periodogram import peaks
 from spirob.effects import all_effects
+from spirob.machine.asked import late
 from spirob.machine.candidates import applicable
+from spirob.machine.filtering import rates
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, dimensions, parameters
-from spirob.machine.shapes import counts_periods
+from spirob.machine.shapes import counts_periods, shaping
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
@@ -60,6 +64,8 @@ def test_a_torque_of_the_library_is_what_the_drive_has_to_add():
         ("torque_constant_saturation", "saturation", 0.02),
         ("torque_ripple", "sine", 0.2),
         ("direction_dependent_efficiency", "back_excess", 0.3),
+        ("direction_dependent_efficiency", "back_excess", 0.65),
+        ("driver_dead_band", "dead_band", 0.1),
     ],
 )
 def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
@@ -75,7 +81,66 @@ def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
     above = np.ones_like(effort) if share else effort
     out = asked.run(effect, p, motion, {**signals, "motor.current": effort}, above)
     reached = out * effort if share else out
-    np.testing.assert_allclose(reached, wanted, atol=0.01 * np.abs(wanted).max())
+    np.testing.assert_allclose(reached, wanted, atol=1e-9 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("before", [(), ("torque_constant_saturation",), ("current_lag",)])
+@pytest.mark.parametrize("name", ["coulomb_friction", "load_dependent_friction", "current_offset"])
+def test_what_an_effect_adds_is_the_difference_that_it_makes(name, before):
+    """Also behind a pipe, where a torque is not simply added."""
+    made = problem(name, *before)
+    numbers = {f"{e}.{f}": p.nominal for e in before for f, p in LIBRARY[e].parameters().items()}
+    at = {"rig.inertia": 0.03, "rig.viscous": 0.2, "rig.delay": 0.003, **numbers}
+    own = {f"{name}.{f}": p.nominal for f, p in LIBRARY[name].parameters().items()}
+    without, whole = made(at), made({**at, **own})
+    assert np.abs(whole - without).max() > 0.0
+    added = made.added(LIBRARY[name], {**at, **own}, without)
+    np.testing.assert_allclose(added, whole - without, atol=1e-12 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize("count", [4, 24, 25, 300])
+@pytest.mark.parametrize("delay", [0.0, 1e-4, -3e-4, 2e-3, 0.0237])
+def test_a_late_effort_is_its_series_of_second_order(count, delay):
+    """In whole samples it moves; what is left is e - r·e' + r²/2·e'', at the ends as well."""
+    random = np.random.default_rng(count)
+    motion = problem().asked.motion
+    starts, steps = np.array([0, count, 2 * count]), np.array([2e-3, 1e-3])
+    pieces = replace(motion, starts=starts, steps=steps)
+    effort = random.standard_normal(2 * count)
+    found = late(effort, delay, pieces)
+    for k, step in enumerate(steps):
+        own = slice(starts[k], starts[k + 1])
+        whole = round(delay / step)
+        rest = delay - whole * step
+        first, second = rates(effort[own], step)
+        series = effort[own] - rest * first + 0.5 * rest**2 * second
+        at = np.clip(np.arange(count) - whole, 0, count - 1)
+        np.testing.assert_allclose(found[own], series[at], atol=1e-12)
+
+
+def test_two_threads_find_what_one_finds():
+    rig = RigFile.model_validate(description())
+    t = np.arange(0, 45, 2e-3)
+    long = {"t": t, "q": np.sin(3 * t) + 0.2 * np.sin(7 * t), "u": np.cos(3 * t)}
+    effects = [LIBRARY["coulomb_friction"], LIBRARY["load_dependent_friction"]]
+    made = InverseProblem(rig, None, [prepare("log", long, rig)], effects, SIZES, 0.02)
+    assert made.workers == 2
+    points = [
+        {"rig.inertia": 0.01 * k, "coulomb_friction.coulomb_torque": 0.02 * (k % 3)}
+        for k in range(12)
+    ]
+    for both, alone in zip(made.many(points), map(made, points), strict=True):
+        np.testing.assert_array_equal(both, alone)
+
+
+def test_a_ratio_shapes_the_second_wave_alone():
+    cogging = LIBRARY["cogging"]
+    assert shaping(cogging, "sine") == ("order",)
+    assert shaping(cogging, "second_cosine") == ("order", "ratio")
+    # a memory is asked for nothing: all of its shape may matter later
+    friction = LIBRARY["presliding_friction"]
+    shape = tuple(f for f in friction.parameters() if f not in friction.neutral)
+    assert shaping(friction, "sliding_torque") == shape
 
 
 @pytest.mark.parametrize("name", ["coulomb_friction", "presliding_friction", "current_lag"])
