@@ -28,7 +28,7 @@ def stage(root: Path) -> None:
 
 
 def _size(root: Path) -> None:
-    model = load_model(root / "data/models/size.joblib")
+    model = load_model(root / "data/models/size.skops")
     known, listed = features_of(root, "train"), features_of(root, "paper")
     tests = {"simulation": features_of(root, "unseen"), "robot": features_of(root, "robot")}
     metrics: dict[str, dict[str, Any]] = {}

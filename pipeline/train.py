@@ -22,7 +22,7 @@ def stage(root: Path) -> None:
     model, tried = learnt(table, config)
     if table["diameter"].nunique() >= 4:  # fewer leave nothing to hold out
         model = calibrated(model, table, workers())
-    save_model(model, root / "data/models/size.joblib")
+    save_model(model, root / "data/models/size.skops")
     write_json(root / CHOICE, {"tried": tried})
     tell(f"trained on {len(model.out_of_fold)} wraps; ridge weighs {model.weight:.2f}")
 

@@ -37,7 +37,7 @@ def stage(root: Path) -> None:
     """Train on each model's wraps and score all on the robot's."""
     config = public_config(root)
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
-    shipped = load_model(root / "data/models/size.joblib")
+    shipped = load_model(root / "data/models/size.skops")
     wraps, named = compared_wraps(config), read_json(root / "data/diagnosis/model.json", "decide")
     models = {**_before(root, config), "named": named}
     sizes: dict[str, dict[str, np.ndarray]] = {"robot": {}}
