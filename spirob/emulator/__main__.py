@@ -10,6 +10,7 @@ import sys
 
 import can
 
+from spirob.can_interface import require_interface
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.service import serve
@@ -26,6 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1, help="which machine of its kind")
     chosen = parser.parse_args(arguments)
     try:
+        require_interface(chosen.interface, f"CAN bus {chosen.interface}:{chosen.channel}")
         machine = Machine(EmulatedRig(), HiddenSettings(chosen.hidden), chosen.seed)
         print("compiling, the first time for half a minute", file=sys.stderr, flush=True)
         machine.cycle((0.0, 0.0))  # compiled before time counts
