@@ -6,7 +6,7 @@ import pandas as pd
 
 from pipeline.features import features_of
 from pipeline.schema import Config
-from pipeline.stage import public_config, run, tell, workers, write_json
+from pipeline.stage import entry, public_config, tell, workers, write_json
 from spirob.perceive.choice import chosen
 from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
@@ -48,4 +48,4 @@ def _told(one: dict[str, float]) -> str:
 
 
 if __name__ == "__main__":
-    run("train", stage)
+    entry("train", stage, __doc__)

@@ -6,6 +6,7 @@ The rehearsal for a laboratory: it answers `conf/robot/can.yaml` exactly as driv
 """
 
 import argparse
+import signal
 import sys
 
 import can
@@ -14,6 +15,7 @@ from spirob.can_interface import require_interface
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.service import serve
+from spirob.ending import end_with_parent
 from spirob.errors import SpirobError
 
 
@@ -44,4 +46,6 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # not under nohup
+        end_with_parent()
     sys.exit(main())
