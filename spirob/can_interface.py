@@ -17,11 +17,16 @@ NEEDS = {
 PACKAGES = {"serial": "pyserial"}
 
 
-def require_interface(interface: str, what: str) -> None:
-    """Raises HardwareError, about `what`, where there is no such interface or its library lacks."""
+def require_known(interface: str, what: str) -> None:
+    """Raises HardwareError, about `what`, where python-can has no such interface."""
     if interface not in can.VALID_INTERFACES:
         known = ", ".join(sorted(can.VALID_INTERFACES))
         raise HardwareError(f"{what}: no interface '{interface}'; known: {known}")
+
+
+def require_interface(interface: str, what: str) -> None:
+    """Raises HardwareError, about `what`, where there is no such interface or its library lacks."""
+    require_known(interface, what)
     module = NEEDS.get(interface)
     if module and find_spec(module) is None:
         package = PACKAGES.get(module, module)

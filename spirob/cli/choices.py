@@ -1,7 +1,10 @@
 """What the commands that run a part of the pipeline share: their choices, and the run."""
 
 import argparse
+import sys
 from pathlib import Path
+
+BACK = "the choices are taken back: params.yaml and data/config are as before"
 
 
 def add_choices(parser: argparse.ArgumentParser) -> None:
@@ -17,19 +20,27 @@ def add_choices(parser: argparse.ArgumentParser) -> None:
 def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Path]:
     """Take over the choices and run up to the stage `target`: exit code, and the project's folder.
 
-    Choices that the configuration refuses are taken back.
+    Choices of a run that does not come to its end are taken back.
     """
+    from spirob.cli.exit_codes import DONE
+    from spirob.cli.kept import Kept, alone
     from spirob.cli.project import find_project, read_overrides, write_overrides
     from spirob.cli.reproduce import reproduce
     from spirob.cli.stages import stages
 
     project = find_project(arguments.project)
     stages(project, target)  # a stage that is none is said before anything is changed
-    before = read_overrides(project)
-    chosen = arguments.choices or arguments.defaults
-    if chosen:
-        write_overrides(project, arguments.choices)
-    outcome = reproduce(project, target, arguments.verbose)
-    if chosen and outcome.failed == "config":
-        write_overrides(project, before)
-    return outcome.code, project
+    read_overrides(project)  # and so are choices that cannot be read
+    with alone(project), Kept(project, chosen(arguments)) as kept:
+        if chosen(arguments) is not None:
+            write_overrides(project, arguments.choices)
+        code = reproduce(project, target, arguments.verbose).code
+        kept.done = code == DONE
+    if not kept.done and chosen(arguments) is not None:
+        print(BACK, file=sys.stderr)
+    return code, project
+
+
+def chosen(arguments: argparse.Namespace) -> list[str] | None:
+    """The choices that this command makes; None where it leaves the earlier ones."""
+    return list(arguments.choices) if arguments.choices or arguments.defaults else None
