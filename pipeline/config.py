@@ -18,7 +18,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.checks import about, check, hidden_of
 from pipeline.schema import validated
 from pipeline.stage import HIDDEN, PUBLIC, entry, read_yaml
-from spirob.errors import ConfigError
+from spirob.errors import ConfigError, SpirobError
 from spirob.logs.atomic import write_text
 
 REFUSED = (HydraException, OmegaConfBaseException)
@@ -64,12 +64,20 @@ def _fault(folder: Path, overrides: list[str]) -> str:
             known = list(dict.fromkeys([*groups, *_named(plain)]))
             if override.startswith("+") or _key(override) in known:
                 return f"'{override}': {said}"
+            said = f"'{override}': conf/ lists no '{_key(override)}'"
+            if _accepted(folder, [*ordered[: k - 1], f"+{override}"]):
+                return f"{said}; a number that only the code knows is added: '+{override}'"
             near = get_close_matches(_key(override), known, NEAREST) or groups
-            said = f"'{override}': conf/ lists no '{_key(override)}'; nearest: {', '.join(near)}"
-            if _key(override).rpartition(".")[0] in known and not override.startswith("~"):
-                said += f"; a number that only the code has is added as '+{override}'"
-            return said
+            return f"{said}; nearest: {', '.join(near)}"
     return f"conf/ with overrides {overrides} cannot be composed"
+
+
+def _accepted(folder: Path, overrides: list[str]) -> bool:
+    try:
+        check(validated(_plain(folder, overrides), str(folder)))
+    except (SpirobError, *REFUSED):
+        return False
+    return True
 
 
 def _key(override: str) -> str:
