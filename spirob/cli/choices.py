@@ -1,16 +1,16 @@
 """What the commands that run a part of the pipeline share: their choices, and the run."""
 
 import argparse
-import sys
 from pathlib import Path
-
-BACK = "the choices are taken back: params.yaml and data/config are as before"
 
 
 def add_choices(parser: argparse.ArgumentParser) -> None:
     """Their arguments."""
     parser.add_argument(
-        "choices", nargs="*", metavar="KEY=VALUE", help="such as robot.hidden.effect=cogging"
+        "choices",
+        nargs="*",
+        metavar="CHOICE",
+        help="KEY=VALUE, such as robot.hidden.effect=cogging, or the name of presets: short",
     )
     parser.add_argument("--defaults", action="store_true", help="forget earlier choices")
     parser.add_argument("--project", metavar="DIR", help="its folder; else the nearest above")
@@ -24,11 +24,11 @@ def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Pat
     """
     from spirob.cli.exit_codes import DONE
     from spirob.cli.kept import Kept, alone
-    from spirob.cli.project import find_project, read_overrides, write_overrides
+    from spirob.cli.project import read_overrides, write_overrides
     from spirob.cli.reproduce import reproduce
     from spirob.cli.stages import stages
 
-    project = find_project(arguments.project)
+    project = taken_up(arguments)
     stages(project, target)  # a stage that is none is said before anything is changed
     read_overrides(project)  # and so are choices that cannot be read
     with alone(project), Kept(project, chosen(arguments)) as kept:
@@ -36,9 +36,16 @@ def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Pat
             write_overrides(project, arguments.choices)
         code = reproduce(project, target, arguments.verbose).code
         kept.done = code == DONE
-    if not kept.done and chosen(arguments) is not None:
-        print(BACK, file=sys.stderr)
     return code, project
+
+
+def taken_up(arguments: argparse.Namespace) -> Path:
+    """The project's folder; names of presets among the choices are spelt out from now on."""
+    from spirob.cli.project import find_project, spelt_out
+
+    project = find_project(arguments.project)
+    arguments.choices = spelt_out(project, arguments.choices)
+    return project
 
 
 def chosen(arguments: argparse.Namespace) -> list[str] | None:

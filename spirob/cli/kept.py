@@ -5,6 +5,7 @@ file in one go.  Choices that somebody else has made meanwhile stay.
 """
 
 import fcntl
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ from spirob.errors import ConfigError
 from spirob.logs.atomic import write_bytes
 
 PARAMS = "params.yaml"
+BACK = "the choices are taken back: params.yaml and data/config are as before"
 COMPOSED = Path("data/config")
 
 
@@ -50,8 +52,11 @@ class Kept:
         for path, content in self._composed.items():
             if now.get(path) != content:
                 write_bytes(path, content)
-        if self._chosen is not None and read_overrides(self._project) == self._chosen:
-            write_bytes(self._project / PARAMS, self._params)
+        path = self._project / PARAMS
+        ours = self._chosen is not None and read_overrides(self._project) == self._chosen
+        if ours and path.read_bytes() != self._params:
+            write_bytes(path, self._params)
+            print(BACK, file=sys.stderr)
 
     def _found(self) -> dict[Path, bytes]:
         inside = (self._project / COMPOSED).rglob("*")

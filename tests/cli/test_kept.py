@@ -85,13 +85,13 @@ def test_a_kill_leaves_no_stage_behind(project):
         stderr=subprocess.DEVNULL,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )
-    stage = asleep(project)
+    group = os.getpgid(asleep(project))  # DVC's and the stage's
     started.kill()
     started.wait()
     deadline = time.monotonic() + 60
-    while alive(stage) and time.monotonic() < deadline:
+    while alive(-group) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert not alive(stage)
+    assert not alive(-group)
     assert run(project, "speed=3") == 0
 
 
@@ -107,6 +107,7 @@ def asleep(project):
 
 
 def alive(number):
+    """Whether a process is there, or of a negative number, any of that group."""
     try:
         os.kill(number, 0)
     except ProcessLookupError:

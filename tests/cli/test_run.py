@@ -28,7 +28,11 @@ def run(project, *arguments):
 def test_a_run_says_the_verdict_and_every_stage_and_a_second_has_nothing_to_do(project, capfd):
     assert run(project, "speed=3", "--until", "report") == 0
     out, err = capfd.readouterr()
-    assert out.splitlines() == ["Nothing is missing.", f"report: {project / 'reports/index.html'}"]
+    assert out.splitlines() == [
+        "Nothing is missing.",
+        f"report: {project / 'reports/index.html'}",
+        "these choices stay in params.yaml; the way back: spirob run --defaults",
+    ]
     assert [line.split(":")[0] for line in err.splitlines()] == ["config", "diagnose", "report"]
     assert read_overrides(project) == ["speed=3"]
     assert set(json.loads((project / TIMES).read_text())) == {"config", "diagnose", "report"}
