@@ -7,7 +7,7 @@ robot.  Real hardware is never driven from here: what to record is said.
 from pathlib import Path
 
 from pipeline.robots import record_all
-from pipeline.stage import ASKED, HIDDEN, public_config, read_json, read_yaml, run, tell
+from pipeline.stage import ASKED, HIDDEN, entry, public_config, read_json, read_yaml, tell
 
 
 def stage(root: Path) -> None:
@@ -32,4 +32,4 @@ def stage(root: Path) -> None:
 
 
 if __name__ == "__main__":
-    run("ask", stage)
+    entry("ask", stage, __doc__)

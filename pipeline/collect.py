@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeline.posture import FOLDER
 from pipeline.robots import record_all
-from pipeline.stage import HIDDEN, public_config, read_yaml, run, write_json
+from pipeline.stage import HIDDEN, entry, public_config, read_yaml, write_json
 from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import MissingLog
 from spirob.logs.atomic import replacing
@@ -44,4 +44,4 @@ def _fetch(root: Path, name: str) -> None:
 
 
 if __name__ == "__main__":
-    run("collect", stage)
+    entry("collect", stage, __doc__)

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.model import plant, residual
-from pipeline.stage import public_config, read_json, run, tell, write_json
+from pipeline.stage import entry, public_config, read_json, tell, write_json
 from spirob.diagnose.compare import CHANNELS, compare
 
 
@@ -31,4 +31,4 @@ def stage(root: Path) -> None:
 
 
 if __name__ == "__main__":
-    run("compare", stage)
+    entry("compare", stage, __doc__)

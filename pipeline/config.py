@@ -4,6 +4,8 @@ Two files come out.  data/config/config.yaml is public: every other stage reads 
 data/config/hidden.yaml holds what only the emulated robot knows, and only `collect` reads it.
 """
 
+from collections.abc import Iterator
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -13,18 +15,14 @@ from hydra.errors import HydraException
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline.checks import about, check, hidden_of
 from pipeline.schema import validated
-from pipeline.sides import merged
-from pipeline.stage import HIDDEN, PUBLIC, read_yaml, run
-from spirob.bench import Trial
-from spirob.bench.wrap import WrapSettings
-from spirob.effects import find_effects
-from spirob.errors import ConfigError
-from spirob.experiments import experiment_from
+from pipeline.stage import HIDDEN, PUBLIC, entry, read_yaml
+from spirob.errors import ConfigError, SpirobError
 from spirob.logs.atomic import write_text
-from spirob.perceive.choice import require_choices
-from spirob.perceive.size import SizeSettings
-from spirob.plant import Plant, Rig
+
+REFUSED = (HydraException, OmegaConfBaseException)
+NEAREST = 3  # keys that are named beside one that there is none of
 
 
 def stage(root: Path) -> None:
@@ -37,53 +35,72 @@ def stage(root: Path) -> None:
 
 
 def composed(root: Path, overrides: list[str]) -> Any:
-    """conf/ with overrides as plain data; raises ConfigError naming what Hydra did not like."""
+    """conf/ with overrides as plain data.
+
+    Raises ConfigError naming the override at fault and the nearest keys, or what Hydra says of it.
+    """
+    folder = root / "conf"
     try:
-        folder = str((root / "conf").resolve())
-        with initialize_config_dir(version_base="1.3", config_dir=folder):
-            return OmegaConf.to_container(compose("config", overrides), resolve=True)
-    except (HydraException, OmegaConfBaseException) as error:
-        said = " ".join(str(error).split())
-        raise ConfigError(f"conf/ with overrides {overrides}: {said}") from None
+        return _plain(folder, overrides)
+    except REFUSED:
+        raise ConfigError(_fault(folder, overrides)) from None
+
+
+def _plain(folder: Path, overrides: list[str]) -> Any:
+    with initialize_config_dir(version_base="1.3", config_dir=str(folder.resolve())):
+        return OmegaConf.to_container(compose("config", overrides), resolve=True)
+
+
+def _fault(folder: Path, overrides: list[str]) -> str:
+    """Which override is at fault, and why: choices of a group are made first, then the others."""
+    groups = [path.name for path in folder.iterdir() if path.is_dir()]
+    ordered = sorted(overrides, key=lambda one: _key(one) not in groups)
+    plain: Any = {}
+    for k, override in enumerate(["", *ordered]):
+        try:
+            plain = _plain(folder, ordered[:k])
+        except REFUSED as error:
+            said = " ".join(str(error).split()).partition(" Config search path")[0]
+            known = list(dict.fromkeys([*groups, *_named(plain)]))
+            if override.startswith("+") or _key(override) in known:
+                return f"'{override}': {said}"
+            said = f"'{override}': conf/ lists no '{_key(override)}'"
+            if _accepted(folder, [*ordered[: k - 1], f"+{override}"]):
+                return f"{said}; a number that only the code knows is added: '+{override}'"
+            near = get_close_matches(_key(override), known, NEAREST) or groups
+            return f"{said}; nearest: {', '.join(near)}"
+    return f"conf/ with overrides {overrides} cannot be composed"
+
+
+def _accepted(folder: Path, overrides: list[str]) -> bool:
+    try:
+        check(validated(_plain(folder, overrides), str(folder)))
+    except (SpirobError, *REFUSED):
+        return False
+    return True
+
+
+def _key(override: str) -> str:
+    return override.partition("=")[0].lstrip("~+")
+
+
+def _named(plain: Any, above: str = "") -> Iterator[str]:
+    for key, value in plain.items() if isinstance(plain, dict) else enumerate(plain):
+        yield f"{above}{key}"
+        if isinstance(value, dict | list):
+            yield from _named(value, f"{above}{key}.")
 
 
 def write(root: Path, plain: Any, source: str) -> None:
     """Check a composed configuration and write its public and its hidden part."""
     config = validated(plain, source)
-    check(config.model_dump())
+    with about(source):
+        check(config)
+        hidden = hidden_of(config)
     public = config.model_dump(mode="json", exclude={"robot": {"hidden"}})
-    hidden = {}
-    if config.robot.kind == "emulated":
-        if config.robot.hidden is None:
-            raise ConfigError(f"{source}: robot.hidden is missing; effect 'none' hides nothing")
-        hidden = config.robot.hidden.model_dump()
-    write_text(root / PUBLIC, yaml.safe_dump(public, sort_keys=False, allow_unicode=True))
     write_text(root / HIDDEN, yaml.safe_dump(hidden, sort_keys=False))
-
-
-def check(plain: dict[str, Any]) -> None:
-    """Check what only the library knows: rig numbers, trials, effects, parameter names."""
-    rig = Rig.from_mapping(plain["rig"])
-    trials = [Trial.from_plain(t) for t in plain["experiment"]["trials"]]
-    names = [t.name for t in trials]
-    if twice := {n for n in names if names.count(n) > 1}:
-        raise ConfigError(f"experiment: trial name '{twice.pop()}' occurs twice")
-    for role in ("train", "validate", "heldout"):
-        if role not in {t.role for t in trials}:
-            raise ConfigError(f"experiment: no trial has the role '{role}'")
-    for name, settings in plain["experiments"].items():
-        for play in experiment_from(name, settings).plays():
-            Trial.from_plain(play.trial)
-            Rig.from_mapping(merged(plain["rig"], play.rig))
-    perceive = plain["perceive"]
-    WrapSettings.from_mapping(perceive["wrap"] | perceive["drawn"]["wrap"])
-    SizeSettings.from_mapping(perceive["size"])
-    require_choices(perceive["choose"])
-    find_effects(plain["diagnose"]["candidates"])
-    plant = Plant(rig, find_effects(plain["plant"]["effects"]))
-    for name in plain["identify"]["parameters"]:
-        plant.table.position(name)
+    write_text(root / PUBLIC, yaml.safe_dump(public, sort_keys=False, allow_unicode=True))
 
 
 if __name__ == "__main__":
-    run("config", stage)
+    entry("config", stage, __doc__)

@@ -17,15 +17,16 @@ from pipeline.schema import Config
 from pipeline.sides import model_side, robot_side
 from pipeline.stage import (
     HIDDEN,
+    entry,
     public_config,
     read_json,
     read_yaml,
-    run,
     tell,
     workers,
     write_json,
 )
 from pipeline.wraps import SENSOR_NOISE
+from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
 from spirob.experiments.contact_parts import in_parts
 from spirob.experiments.contact_rates import (
@@ -55,7 +56,7 @@ def stage(root: Path) -> None:
     for domain, pegs, seed in (("simulation", SIMULATED, 1), ("robot", EMULATED, 2)):
         trials = uncurlings(pegs, seed)
         jobs = [delayed(_play)(root, plain, hidden, named, domain, t) for t in trials]
-        domains[domain] = (trials, Parallel(n_jobs=workers())(jobs))
+        domains[domain] = (trials, Parallel(n_jobs=workers(), initializer=end_with_parent)(jobs))
         tell(f"{domain}: {len(trials)} uncurlings")
     write_json(root / "reports/metrics/contacts.json", judged(domains))
 
@@ -94,4 +95,4 @@ def _play(
 
 
 if __name__ == "__main__":
-    run("contacts", stage)
+    entry("contacts", stage, __doc__)

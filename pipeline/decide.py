@@ -13,7 +13,7 @@ from typing import Any
 from pipeline.diagnose import model_of, settings_of
 from pipeline.model import plant, residual
 from pipeline.overlay import motion, overlay
-from pipeline.stage import ASKED, public_config, read_json, run, tell, write_json
+from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
 from spirob.diagnose.again import decided_again, joined
 from spirob.diagnose.contest import Contestant, in_question
@@ -160,4 +160,4 @@ def _model(
 
 
 if __name__ == "__main__":
-    run("decide", stage)
+    entry("decide", stage, __doc__)

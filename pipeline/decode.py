@@ -4,7 +4,8 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from pipeline.stage import run, tell, workers
+from pipeline.stage import entry, tell, workers
+from spirob.ending import end_with_parent
 from spirob.errors import MissingLog
 from spirob.logs import read_log, write_parquet
 
@@ -15,7 +16,8 @@ def stage(root: Path) -> None:
     if not logs:
         raise MissingLog(f"{root / 'data/raw'} holds no log; the stage 'collect' writes them")
     out = root / "data/traces"
-    Parallel(n_jobs=workers())(delayed(_decode)(log, out / f"{log.stem}.parquet") for log in logs)
+    jobs = (delayed(_decode)(log, out / f"{log.stem}.parquet") for log in logs)
+    Parallel(n_jobs=workers(), initializer=end_with_parent)(jobs)
     tell(f"decoded {len(logs)} logs")
 
 
@@ -24,4 +26,4 @@ def _decode(log: Path, out: Path) -> None:
 
 
 if __name__ == "__main__":
-    run("decode", stage)
+    entry("decode", stage, __doc__)

@@ -7,7 +7,7 @@ from typing import Any
 from pipeline.model import fitted_names, plant, residual
 from pipeline.overlay import motion, overlay
 from pipeline.schema import Config
-from pipeline.stage import public_config, read_json, run, tell, write_json
+from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnose.again import proposed
 from spirob.diagnose.contest import in_question
@@ -89,4 +89,4 @@ def _first(further: Sequence[Proposal]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    run("diagnose", stage)
+    entry("diagnose", stage, __doc__)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.features import features_of
-from pipeline.stage import read_json, run, tell, write_json
+from pipeline.stage import entry, read_json, tell, write_json
 from pipeline.train import CHOICE
 from spirob.logs.atomic import replacing
 from spirob.perceive.bootstrap import mean_gain, scored
@@ -28,7 +28,7 @@ def stage(root: Path) -> None:
 
 
 def _size(root: Path) -> None:
-    model = load_model(root / "data/models/size.joblib")
+    model = load_model(root / "data/models/size.skops")
     known, listed = features_of(root, "train"), features_of(root, "paper")
     tests = {"simulation": features_of(root, "unseen"), "robot": features_of(root, "robot")}
     metrics: dict[str, dict[str, Any]] = {}
@@ -108,4 +108,4 @@ def _rounded(values: dict[str, float]) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    run("evaluate", stage)
+    entry("evaluate", stage, __doc__)

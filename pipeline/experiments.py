@@ -13,14 +13,15 @@ from pipeline.schema import Config
 from pipeline.sides import Models, play_all
 from pipeline.stage import (
     HIDDEN,
+    entry,
     public_config,
     read_json,
     read_yaml,
-    run,
     tell,
     workers,
     write_json,
 )
+from spirob.ending import end_with_parent
 from spirob.experiments import Experiment, Play, Side, experiment_from
 
 LOGS = Path("data/experiments/raw")
@@ -57,7 +58,7 @@ def _played(
     plays = experiment.plays()
     plain = config.model_dump()
     jobs = [delayed(_one)(root, plain, hidden, play, models) for play in plays]
-    answers = Parallel(n_jobs=workers())(jobs)
+    answers = Parallel(n_jobs=workers(), initializer=end_with_parent)(jobs)
     return {play.name: sides for play, sides in zip(plays, answers, strict=True)}
 
 
@@ -74,4 +75,4 @@ def _figures(row: dict[str, Any]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    run("experiments", stage)
+    entry("experiments", stage, __doc__)

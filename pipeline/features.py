@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.stage import public_config, read_json, run, tell
+from pipeline.stage import entry, public_config, read_json, tell
 from pipeline.trials import paper_wraps, robot_wraps, unseen_wraps
 from pipeline.wraps import together, wrapped, write
 from spirob.errors import MissingLog
@@ -50,4 +50,4 @@ def _recorded(root: Path, name: str) -> Trace:
 
 
 if __name__ == "__main__":
-    run("features", stage)
+    entry("features", stage, __doc__)

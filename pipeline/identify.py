@@ -5,7 +5,7 @@ from typing import Any
 
 from pipeline.model import fitted_names, plant, residual, start
 from pipeline.resolution import resolution
-from pipeline.stage import public_config, run, tell, write_json
+from pipeline.stage import entry, public_config, tell, write_json
 from spirob.identify.fit import Fit, best_start, fit_identifiable
 from spirob.identify.identifiability import probe
 from spirob.identify.near import near
@@ -79,4 +79,4 @@ def described(found: Fit, table: Table) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    run("identify", stage)
+    entry("identify", stage, __doc__)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from pipeline.collect import RECORDED
 from pipeline.robots import record_all
-from pipeline.stage import public_config, run, tell
+from pipeline.stage import entry, public_config, tell
 from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import ConfigError
 
@@ -36,4 +36,4 @@ def stage(root: Path) -> None:
 
 
 if __name__ == "__main__":
-    run("record", stage)
+    entry("record", stage, __doc__)

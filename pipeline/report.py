@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pipeline.stage import run, tell
+from pipeline.stage import entry, tell
 from spirob.report import build, load
 
 
@@ -14,4 +14,4 @@ def stage(root: Path) -> None:
 
 
 if __name__ == "__main__":
-    run("report", stage)
+    entry("report", stage, __doc__)

@@ -17,6 +17,7 @@ from spirob.drives import Drive, find_drive
 from spirob.effects import find_effects
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
+from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
 from spirob.logs.provenance import git_commit, versions
 from spirob.logs.transmission import Transmission
@@ -39,7 +40,8 @@ def record_all(
     Returns what an emulated robot really is, for scoring; empty for the others.
     """
     jobs = [delayed(_record)(root, config.model_dump(), dict(hidden), t, folder) for t in trials]
-    found = Parallel(n_jobs=1 if config.robot.kind == "can" else workers())(jobs)
+    count = 1 if config.robot.kind == "can" else workers()
+    found = Parallel(n_jobs=count, initializer=end_with_parent)(jobs)
     return next((truth for truth in found if truth), {})
 
 

@@ -1,5 +1,6 @@
 """What all stages share: the public configuration, plain files, and errors as sentences."""
 
+import argparse
 import json
 import os
 import sys
@@ -10,6 +11,7 @@ from typing import Any
 import yaml
 
 from pipeline.schema import Config, validated
+from spirob.ending import stop_as_by_hand
 from spirob.errors import DataError, MissingLog, SpirobError
 from spirob.logs.atomic import write_text
 
@@ -19,8 +21,19 @@ ASKED = Path("data/asked")  # logs of trials that decide between rivals
 FAILED, INTERRUPTED = 2, 130
 
 
+def entry(name: str, stage: Callable[[Path], None], about: str | None) -> None:
+    """What `python -m pipeline.NAME` does: run the stage, or say with --help what it is about."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(
+        prog=f"python -m pipeline.{name}", description=about, formatter_class=raw
+    )
+    parser.parse_args()
+    run(name, stage)
+
+
 def run(name: str, stage: Callable[[Path], None]) -> None:
     """Run a stage in the current folder; a user's mistake becomes one sentence and code 2."""
+    stop_as_by_hand()
     try:
         stage(Path("."))
     except SpirobError as error:

@@ -11,6 +11,7 @@ cores; another launcher (SLURM, Dask) is a choice of the command line, `hydra/la
 import hashlib
 import json
 import sys
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from pipeline import collect, compare, config, decode, identify
 from pipeline.stage import FAILED, read_json, tell, write_json
+from spirob.ending import end_with_parent
 from spirob.errors import SpirobError
 
 TABLE = Path("data/sweep/table.json")
@@ -29,6 +31,8 @@ POINTS = Path("data/sweep/points")
 @hydra.main(version_base="1.3", config_path="../conf", config_name="config")
 def main(composed: DictConfig) -> None:
     """Run one point of the grid."""
+    if parent_process():  # a worker of the launcher
+        end_with_parent()
     overrides = [str(o) for o in HydraConfig.get().overrides.task]
     try:
         plain = OmegaConf.to_container(composed, resolve=True)

@@ -6,7 +6,7 @@ import pandas as pd
 
 from pipeline.features import features_of
 from pipeline.schema import Config
-from pipeline.stage import public_config, run, tell, workers, write_json
+from pipeline.stage import entry, public_config, tell, workers, write_json
 from spirob.perceive.choice import chosen
 from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
@@ -22,7 +22,7 @@ def stage(root: Path) -> None:
     model, tried = learnt(table, config)
     if table["diameter"].nunique() >= 4:  # fewer leave nothing to hold out
         model = calibrated(model, table, workers())
-    save_model(model, root / "data/models/size.joblib")
+    save_model(model, root / "data/models/size.skops")
     write_json(root / CHOICE, {"tried": tried})
     tell(f"trained on {len(model.out_of_fold)} wraps; ridge weighs {model.weight:.2f}")
 
@@ -48,4 +48,4 @@ def _told(one: dict[str, float]) -> str:
 
 
 if __name__ == "__main__":
-    run("train", stage)
+    entry("train", stage, __doc__)

@@ -19,7 +19,7 @@ import pandas as pd
 from pipeline.features import features_of
 from pipeline.model import plant
 from pipeline.schema import Config
-from pipeline.stage import public_config, read_json, run, tell, write_json
+from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.train import learnt as learnt_from
 from pipeline.trials import compared_wraps
 from pipeline.wraps import wrapped
@@ -37,7 +37,7 @@ def stage(root: Path) -> None:
     """Train on each model's wraps and score all on the robot's."""
     config = public_config(root)
     robot, unseen = features_of(root, "robot"), features_of(root, "unseen")
-    shipped = load_model(root / "data/models/size.joblib")
+    shipped = load_model(root / "data/models/size.skops")
     wraps, named = compared_wraps(config), read_json(root / "data/diagnosis/model.json", "decide")
     models = {**_before(root, config), "named": named}
     sizes: dict[str, dict[str, np.ndarray]] = {"robot": {}}
@@ -137,4 +137,4 @@ def _rounded(values: Mapping[str, float]) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    run("transfer", stage)
+    entry("transfer", stage, __doc__)

@@ -5,7 +5,7 @@ The whole test takes hours and is played by `spirob trial`; this one shows that 
 
 from pathlib import Path
 
-from pipeline.stage import public_config, run, tell, workers, write_json
+from pipeline.stage import entry, public_config, tell, workers, write_json
 from spirob.trial.campaign import cases, play
 from spirob.trial.rates import rates
 
@@ -22,4 +22,4 @@ def stage(root: Path) -> None:
 
 
 if __name__ == "__main__":
-    run("trial", stage)
+    entry("trial", stage, __doc__)

@@ -24,10 +24,10 @@ from pipeline.schema import Config
 from pipeline.sides import model_side, robot_side
 from pipeline.stage import (
     HIDDEN,
+    entry,
     public_config,
     read_json,
     read_yaml,
-    run,
     tell,
     workers,
     write_json,
@@ -155,4 +155,4 @@ def _compared(
 
 
 if __name__ == "__main__":
-    run("twins", stage)
+    entry("twins", stage, __doc__)

@@ -11,6 +11,7 @@ line, `hydra/launcher=...`.
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from pipeline.trials import paper_wraps, train_wraps
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
 from spirob.effects import find_effects
+from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, MissingLog, SpirobError
 from spirob.logs.atomic import replacing
 from spirob.perceive.features import table
@@ -38,6 +40,8 @@ SHARES = Path("data/wraps")
 @hydra.main(version_base="1.3", config_path="../conf", config_name="wraps")
 def main(shared: DictConfig) -> None:
     """Play one share."""
+    if parent_process():  # a worker of the launcher
+        end_with_parent()
     try:
         share(Path("."), shared.part, shared.parts)
     except SpirobError as error:

@@ -22,6 +22,7 @@ from spirob.bench.simulated import SimulatedRobot
 from spirob.benchmark.recording import recorded
 from spirob.benchmark.trials import moving
 from spirob.can_protocol import AMPERE_PER_COUNT
+from spirob.ending import end_with_parent
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.polish import polished
@@ -125,7 +126,8 @@ def measure(
 ) -> dict[str, Any]:
     """Coverage over so many sets of true numbers and draws of noise with each, in parallel."""
     tasks = (delayed(one)(seed, names, repeats) for seed in range(truths))
-    return coverage([draw for draws in Parallel(n_jobs=jobs)(tasks) for draw in draws])
+    found = Parallel(n_jobs=jobs, initializer=end_with_parent)(tasks)
+    return coverage([draw for draws in found for draw in draws])
 
 
 def main(arguments: list[str] | None = None) -> None:

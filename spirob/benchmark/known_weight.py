@@ -20,6 +20,7 @@ from spirob.bench import Trial
 from spirob.benchmark.coverage import LOSS_SCALE, SPREADS
 from spirob.benchmark.recording import recorded
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
+from spirob.ending import end_with_parent
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.polish import polished
 from spirob.identify.residual import Residual
@@ -122,7 +123,8 @@ def _errors(found: Mapping[str, float], true: Mapping[str, float]) -> dict[str, 
 
 def measure(seeds: Sequence[int], jobs: int = 1) -> dict[str, Any]:
     """Errors of several robots, and the largest of each kind."""
-    robots = list(Parallel(n_jobs=jobs)(delayed(one)(seed) for seed in seeds))
+    tasks = (delayed(one)(seed) for seed in seeds)
+    robots = list(Parallel(n_jobs=jobs, initializer=end_with_parent)(tasks))
     return {
         "weight_kg": WEIGHT,
         "largest_error_of_ratios_without": _largest(r["without"]["ratios"] for r in robots),

@@ -4,6 +4,7 @@ from typing import Any
 
 import can
 
+from spirob.can_interface import require_interface
 from spirob.errors import HardwareError
 
 BITRATE = 1_000_000  # of C620-style drives; a wrong rate sends the bus into error, not the drive
@@ -15,12 +16,10 @@ def open_bus(interface: str, channel: str, bitrate: int = BITRATE, **options: An
     interface  e.g. "pcan", "socketcan", "virtual";  channel e.g. "PCAN_USBBUS1", "can0"
     bitrate    [bit/s]; socketcan takes it from the system, where it is set with `ip link`
 
-    Raises HardwareError naming the interface and the channel.
+    Raises HardwareError naming the interface, the channel, and what to install.
     """
     what = f"CAN bus {interface}:{channel}"
-    if interface not in can.VALID_INTERFACES:
-        known = ", ".join(sorted(can.VALID_INTERFACES))
-        raise HardwareError(f"{what}: no interface '{interface}'; known: {known}")
+    require_interface(interface, what)
     try:
         bus = can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
     except (can.CanError, OSError, ImportError, ValueError, TypeError, NameError) as error:

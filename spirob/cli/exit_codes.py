@@ -3,7 +3,7 @@
 DONE = 0  # whatever the verdict is
 BUG = 1  # of ours: a traceback is shown
 MISTAKE = 2  # of the user's: said in one sentence on stderr
-STOPPED = 130  # by Ctrl-C; nothing is left half-written
+STOPPED = 130  # by Ctrl-C or SIGTERM; nothing is left half-written
 
 MEANINGS = {
     DONE: "done",

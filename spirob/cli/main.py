@@ -13,6 +13,7 @@ from types import ModuleType
 
 from spirob.cli import commands
 from spirob.cli.exit_codes import DONE, MEANINGS, MISTAKE, STOPPED
+from spirob.ending import stop_as_by_hand
 from spirob.errors import SpirobError
 
 ABOUT = """\
@@ -41,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not hasattr(chosen, "run"):
         parser.print_help()
         return MISTAKE
+    stop_as_by_hand()
     return _guarded(chosen)
 
 

@@ -25,6 +25,15 @@ def find_project(given: str | None) -> Path:
     raise ConfigError(f"no pipeline in {where}: dvc.yaml, params.yaml and pipeline/ belong to it")
 
 
+def spelt_out(project: Path, choices: Sequence[str]) -> list[str]:
+    """The choices, with the name of presets as a choice of each: `short`, `identify=short` ..."""
+    out: list[str] = []
+    for choice in choices:
+        found = sorted((project / "conf").glob(f"*/{choice}.yaml")) if choice.isidentifier() else []
+        out += [f"{preset.parent.name}={choice}" for preset in found] or [choice]
+    return out
+
+
 def read_overrides(project: Path) -> list[str]:
     """The choices on top of the defaults, as params.yaml lists them."""
     import yaml
@@ -45,7 +54,10 @@ def write_overrides(project: Path, overrides: Sequence[str]) -> None:
 
     for item in overrides:
         if not OVERRIDE.match(item):
-            raise ConfigError(f"'{item}' is no KEY=VALUE, such as robot.hidden.effect=cogging")
+            raise ConfigError(
+                f"'{item}' is no KEY=VALUE, such as robot.hidden.effect=cogging, and no preset, "
+                "such as short"
+            )
     path = project / "params.yaml"
     text = path.read_text(encoding="utf-8")
     listed = yaml.safe_dump(list(overrides), default_flow_style=True, width=10_000).strip()

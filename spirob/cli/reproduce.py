@@ -3,9 +3,11 @@
 import collections
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,6 +21,7 @@ IDLE = re.compile(r"^Stage '(?P<stage>[\w@-]+)' (?P<why>didn't change|is cached)
 FAILED = re.compile(
     r"^ERROR: failed to reproduce '(?P<stage>[\w@-]+)'.*exited with (?P<code>-?\d+)"
 )
+PATIENCE = 10.0  # s for what is interrupted to come to its end
 LAST_LINES = 40  # of a failing stage
 CHATTER = ("Updating lock", "Generating lock", "To track the changes", "\tgit add", "> ")
 
@@ -48,7 +51,8 @@ def reproduce(project: Path, target: str | None = None, verbose: bool = False) -
     """
     for name in discard_torn(project):
         print(f"{name} was torn by a kill and is written anew", file=sys.stderr)
-    command = [sys.executable, "-m", "dvc", "repro", *([target] if target else [])]
+    command = [sys.executable, "-m", "spirob.ending", "dvc", "repro"]
+    command += [target] if target else []
     with Progress(stages(project, target), times(project)) as progress:
         process = subprocess.Popen(
             command,
@@ -59,13 +63,14 @@ def reproduce(project: Path, target: str | None = None, verbose: bool = False) -
             text=True,
             encoding="utf-8",
             errors="replace",
+            process_group=0,  # so that all it starts can be stopped with it
         )
         assert process.stdout is not None
         try:
             outcome = follow(process.stdout, progress, verbose)
             process.wait()
-        except KeyboardInterrupt:
-            process.wait()  # it was interrupted with us and leaves nothing half-written
+        except BaseException:
+            _stop(process)
             raise
         finally:
             keep_times(project, progress.taken)
@@ -73,6 +78,16 @@ def reproduce(project: Path, target: str | None = None, verbose: bool = False) -
     if outcome.code != DONE and not verbose:
         print("\n".join(outcome.lines), file=sys.stderr)
     return outcome
+
+
+def _stop(process: subprocess.Popen[str]) -> None:
+    """Interrupt it with all that it started, wait for its end, and insist where it takes long."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)
+            return
 
 
 def follow(lines: Iterable[str], progress: Progress, verbose: bool = False) -> Outcome:

@@ -6,13 +6,16 @@ The rehearsal for a laboratory: it answers `conf/robot/can.yaml` exactly as driv
 """
 
 import argparse
+import signal
 import sys
 
 import can
 
+from spirob.can_interface import require_interface
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.service import serve
+from spirob.ending import end_with_parent
 from spirob.errors import SpirobError
 
 
@@ -26,6 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1, help="which machine of its kind")
     chosen = parser.parse_args(arguments)
     try:
+        require_interface(chosen.interface, f"CAN bus {chosen.interface}:{chosen.channel}")
         machine = Machine(EmulatedRig(), HiddenSettings(chosen.hidden), chosen.seed)
         print("compiling, the first time for half a minute", file=sys.stderr, flush=True)
         machine.cycle((0.0, 0.0))  # compiled before time counts
@@ -42,4 +46,6 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # not under nohup
+        end_with_parent()
     sys.exit(main())

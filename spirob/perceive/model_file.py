@@ -1,32 +1,46 @@
 """A trained model on disk, beside the SHA-256 of its bytes.
 
-joblib files are pickles: loading one runs what it says.  So the bytes are compared with the hash
-file first, or with a hash the caller already knows, and nothing of a file that differs is run.
+The format is skops': a zip of plain arrays and of the names of classes, of which only those of
+scikit-learn and of `TRUSTED` are made.  Nothing in a file is run.  The hash guards against damage
+and mix-ups.
 """
 
 import hashlib
 import io
-import os
 import re
 from pathlib import Path
+from typing import Any
+from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile, ZipInfo
+
+import numpy as np
 
 from spirob.errors import DataError
+from spirob.logs.atomic import write_bytes
 from spirob.perceive.size import SizeModel
 
 HASH_SUFFIX = ".sha256"
+MOST = 256 << 20  # bytes that a file may unpack to; 1200 wraps need some 5 MiB
+TRUSTED = (  # beside what skops itself takes for plain
+    "sklearn.tree._tree.Tree",  # its links are checked in `_require_trees`
+    "spirob.perceive.base_models.Cut",
+    "spirob.perceive.base_models.MonotoneFeatures",
+    "spirob.perceive.size.SizeModel",
+    "spirob.perceive.size.SizeSettings",
+)
 
 
 def save_model(model: SizeModel, path: Path | str) -> str:
-    """Write the model and `<path>.sha256`, each in one go; returns the hash in hex."""
-    import joblib
+    """Write the model and `<path>.sha256`, each in one go; returns the hash in hex.
+
+    The same model gives the same bytes.
+    """
+    import skops.io
 
     path = Path(path)
-    buffer = io.BytesIO()
-    joblib.dump(model, buffer)
-    digest = hashlib.sha256(buffer.getvalue()).hexdigest()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    _replace(path, buffer.getvalue())
-    _replace(hash_file(path), f"{digest}  {path.name}\n".encode())
+    content = _same_bytes(skops.io.dumps(model))
+    digest = hashlib.sha256(content).hexdigest()
+    write_bytes(path, content)
+    write_bytes(hash_file(path), f"{digest}  {path.name}\n".encode())
     return digest
 
 
@@ -34,11 +48,9 @@ def load_model(path: Path | str, expected: str | None = None) -> SizeModel:
     """Read a model whose bytes have the expected hash.
 
     expected  hash in hex from a source that is trusted more than the folder; where None, the one
-              in `<path>.sha256`, which guards against damage and mix-ups
+              in `<path>.sha256`
     Raises DataError where a file is missing, its hash differs, or it holds something else.
     """
-    import joblib
-
     path = Path(path)
     content = _content(path)
     wanted = expected or _content(hash_file(path)).decode("ascii", "replace").partition(" ")[0]
@@ -51,7 +63,7 @@ def load_model(path: Path | str, expected: str | None = None) -> SizeModel:
             f"{path}: its hash is {found[:12]}…, but {wanted[:12]}… is expected; the file was "
             "changed and is not loaded"
         )
-    model = joblib.load(io.BytesIO(content))
+    model = _made(path, content)
     if not isinstance(model, SizeModel):
         raise DataError(f"{path}: it holds a {type(model).__name__}, not a size model")
     return model
@@ -62,14 +74,62 @@ def hash_file(path: Path | str) -> Path:
     return Path(f"{path}{HASH_SUFFIX}")
 
 
+def _made(path: Path, content: bytes) -> Any:
+    import skops.io
+    from skops.io.exceptions import UntrustedTypesFoundException
+
+    try:
+        with ZipFile(io.BytesIO(content)) as parts:
+            if sum(part.file_size for part in parts.infolist()) > MOST:
+                raise DataError(f"{path}: it unpacks to more than {MOST >> 20} MiB")
+        model = skops.io.loads(content, trusted=TRUSTED)
+        if isinstance(model, SizeModel):
+            _require_trees(path, model)
+        return model
+    except DataError:
+        raise
+    except BadZipFile:
+        raise DataError(
+            f"{path}: not a model of this program; the stage 'train' writes one"
+        ) from None
+    except UntrustedTypesFoundException as error:
+        raise DataError(f"{path}: it names what no size model has: {error}") from None
+    except Exception as error:  # a foreign schema brings up anything
+        raise DataError(f"{path}: damaged ({type(error).__name__}: {error})") from None
+
+
+def _require_trees(path: Path, model: SizeModel) -> None:
+    """Every link of a tree leads on within it: compiled code follows them unchecked."""
+    for boosting in model.meta.values():
+        for tree in [] if boosting is None else [one.tree_ for one in boosting.estimators_.flat]:
+            left, right, here = tree.children_left, tree.children_right, np.arange(tree.node_count)
+            leaf = (left == -1) & (right == -1)
+            inner = (np.minimum(left, right) > here) & (np.maximum(left, right) < len(here))
+            inner &= (tree.feature >= 0) & (tree.feature < tree.n_features)
+            if not (leaf | inner).all():
+                raise DataError(f"{path}: damaged (a tree's links lead nowhere)")
+
+
+def _same_bytes(content: bytes) -> bytes:
+    """The file without what differs from one run to another: addresses in memory, and dates."""
+    numbers: dict[str, str] = {}
+
+    def numbered(found: re.Match[str]) -> str:
+        return numbers.setdefault(found[0], str(len(numbers)))
+
+    out = io.BytesIO()
+    with ZipFile(io.BytesIO(content)) as given, ZipFile(out, "w") as written:
+        schema = given.read("schema.json").decode()
+        schema = re.sub(r'(?<="__id__": )\d+|(?<="file": ")\d+(?=\.npy")', numbered, schema)
+        for name in given.namelist():
+            part = schema.encode() if name == "schema.json" else given.read(name)
+            named = re.sub(r"^\d+(?=\.npy$)", numbered, name)
+            written.writestr(ZipInfo(named), part, ZIP_DEFLATED)
+    return out.getvalue()
+
+
 def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
-
-
-def _replace(path: Path, content: bytes) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(content)
-    os.replace(part, path)

@@ -8,6 +8,8 @@ from spirob.errors import ConfigError
 from spirob.parameter import Numbers
 from spirob.plant.nominal import COMPONENTS, Arm, Drive, Motor, Tendon, Winch
 
+UNITS = (2, 200)  # that an arm may have
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -21,6 +23,10 @@ class Rig:
     tendon: Tendon = field(default_factory=Tendon)
     arm: Arm = field(default_factory=Arm)
     gains: Gains = field(default_factory=Gains)
+
+    def __post_init__(self) -> None:
+        if not UNITS[0] <= self.units <= UNITS[1]:
+            raise ConfigError(f"rig: units = {self.units} is out of range {list(UNITS)}")
 
     @classmethod
     def from_mapping(cls, settings: Mapping[str, object]) -> "Rig":

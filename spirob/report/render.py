@@ -6,7 +6,7 @@ ANGLES holds hinge angles [rad], (frames, N).  A graphics driver that is broken 
 process instead of raising, and MUJOCO_GL must be set before MuJoCo is imported.
 """
 
-import sys
+import argparse
 from pathlib import Path
 
 import mujoco
@@ -96,4 +96,10 @@ def main(source: str, target: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("angles", metavar="ANGLES.npy")
+    parser.add_argument("clip", metavar="CLIP.webp")
+    given = parser.parse_args()
+    main(given.angles, given.clip)

@@ -9,6 +9,7 @@ from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from spirob.diagnose.rungs import Settings
+from spirob.ending import end_with_parent
 from spirob.logs.atomic import replacing
 from spirob.trial.answers import ANSWERS
 from spirob.trial.case import Case, run
@@ -99,7 +100,9 @@ def _run(
     tell: Callable[[str], None],
 ) -> None:
     jobs = (delayed(_one)(case, settings) for case in todo)
-    done = Parallel(n_jobs=workers, return_as="generator_unordered")(jobs)
+    done = Parallel(n_jobs=workers, return_as="generator_unordered", initializer=end_with_parent)(
+        jobs
+    )
     for k, (case, results) in enumerate(done, 1):
         with replacing(_path(folder, case)) as temporary:  # here: workers may share no disk
             temporary.write_text(json.dumps(results, indent=1) + "\n")

@@ -17,6 +17,7 @@ from joblib import Parallel, delayed
 from spirob.diagnose.ladder import begun
 from spirob.diagnose.rungs import Rung, Settings
 from spirob.emulator.rig import HiddenSettings
+from spirob.ending import end_with_parent
 from spirob.identify.numbers import FITTED
 from spirob.identify.problem import Problem, effort_rms
 from spirob.plant import Plant, Rig
@@ -69,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--kinds", nargs="+", default=sorted(VISIBLE), choices=sorted(VISIBLE))
     parser.add_argument("--jobs", type=int, default=-1)
     given = parser.parse_args(arguments)
-    run = Parallel(given.jobs, return_as="generator")
+    run = Parallel(given.jobs, return_as="generator", initializer=end_with_parent)
     plain = dict(zip(given.seeds, run(delayed(nothing)(s) for s in given.seeds), strict=True))
     print(f"nothing hidden leaves {plain}", flush=True)
     jobs = [delayed(visible)(k, s, plain[s]) for k in given.kinds for s in given.seeds]

@@ -1,5 +1,6 @@
 """The robot on a bus keeps time, and commands zero before it complains."""
 
+import sys
 import time
 
 import can
@@ -10,6 +11,7 @@ from spirob.can_protocol import COMMAND_ID, encode_command
 from spirob.canbus import CanRobot, open_bus
 from spirob.canbus.urgency import Urgency
 from spirob.control.law import Gains
+from spirob.emulator.__main__ import main as serve
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.robot import CYCLE_NS, MOTORS, Cylinder, Scene
@@ -175,6 +177,22 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
 def test_an_unknown_interface_lists_the_known_ones():
     with pytest.raises(HardwareError, match=r"no interface 'smoke'; known: .*pcan.*socketcan"):
         open_bus("smoke", "0")
+
+
+@pytest.mark.parametrize(
+    ("interface", "module", "package"),
+    [("udp_multicast", "msgpack", "msgpack"), ("slcan", "serial", "pyserial")],
+)
+def test_the_library_that_an_interface_lacks_is_named(monkeypatch, interface, module, package):
+    monkeypatch.setitem(sys.modules, module, None)  # as if it were not installed
+    with pytest.raises(HardwareError, match=rf"{interface} needs {package}.*\[can\]"):
+        open_bus(interface, "239.74.163.2")
+
+
+def test_the_emulator_names_it_too(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "msgpack", None)
+    assert serve(["--interface", "udp_multicast"]) == 2
+    assert "needs msgpack, which is not installed" in capsys.readouterr().err
 
 
 def test_a_bus_that_cannot_be_opened_is_named():

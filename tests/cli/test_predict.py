@@ -26,7 +26,7 @@ def folder(tmp_path_factory):
     plain = [wrap_trial(f"w{k}", "train", s, {}, rng) for k, s in enumerate(sorted(sizes * 2))]
     changes = {"motor.rotor_damping": 5e-5}
     known = table([simulate(plant, Trial.from_plain(p), changes) for p in plain])
-    save_model(calibrated(train(known), known), folder / "size.joblib")
+    save_model(calibrated(train(known), known), folder / "size.skops")
     still = wrap_trial("still", "heldout", 0.04, {"speed": 0.001, "duration": 1.5}, rng)
     for given in (wrap_trial("wrap", "heldout", 0.04, {}, rng), still):
         trial, robot = Trial.from_plain(given), EmulatedRobot(seed=2)
@@ -43,7 +43,7 @@ def folder(tmp_path_factory):
 
 
 def predict(folder, *arguments):
-    return main(["predict", *map(str, arguments), "--model", str(folder / "size.joblib")])
+    return main(["predict", *map(str, arguments), "--model", str(folder / "size.skops")])
 
 
 def test_a_wrap_has_a_size_and_an_interval(folder, capsys):
@@ -74,7 +74,7 @@ def test_anything_else_is_one_sentence(folder, capsys, arguments, said):
 
 
 def test_a_model_that_was_changed_is_not_loaded(folder, tmp_path, capsys):
-    (tmp_path / "size.joblib").write_bytes((folder / "size.joblib").read_bytes() + b"x")
-    (tmp_path / "size.joblib.sha256").write_text((folder / "size.joblib.sha256").read_text())
+    (tmp_path / "size.skops").write_bytes((folder / "size.skops").read_bytes() + b"x")
+    (tmp_path / "size.skops.sha256").write_text((folder / "size.skops.sha256").read_text())
     assert predict(tmp_path, folder / "wrap.mcap") == 2
     assert "was changed and is not loaded" in capsys.readouterr().err

@@ -5,8 +5,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.cli.project import find_project, read_overrides, write_overrides
+from spirob.cli.project import find_project, read_overrides, spelt_out, write_overrides
 from spirob.errors import ConfigError
+from tests.pipeline.project import SHORT, SOURCE
 
 HEAD = "# Hydra overrides, one string each, e.g. ['robot.hidden.effect=joint_creep'].\n"
 
@@ -64,6 +65,23 @@ def test_what_is_no_choice_is_refused(tmp_path, item):
     with pytest.raises(ConfigError, match="KEY=VALUE"):
         write_overrides(tmp_path, [item])
     assert read_overrides(tmp_path) == []
+
+
+def test_a_preset_is_chosen_in_every_group_that_has_it(tmp_path):
+    for name in ("b/short", "a/short", "a/long"):
+        (tmp_path / f"conf/{name}.yaml").parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / f"conf/{name}.yaml").touch()
+    assert spelt_out(tmp_path, ["short", "c=short", "~d"]) == [
+        "a=short",
+        "b=short",
+        "c=short",
+        "~d",
+    ]
+    assert spelt_out(tmp_path, ["none", "../a/long", "*"]) == ["none", "../a/long", "*"]
+
+
+def test_short_is_all_that_a_short_run_needs():
+    assert sorted(spelt_out(SOURCE, ["short"])) == sorted(SHORT)
 
 
 @pytest.mark.parametrize("params", ["overrides: [", "overrides: robot=can\n"])

@@ -13,57 +13,12 @@ import pytest
 from spirob.cli.main import main
 from spirob.cli.project import read_overrides
 from spirob.cli.stages import TIMES, stages
-
-DVC = """stages:
-  config:
-    cmd: python stage.py config
-    deps: [params.yaml, stage.py]
-    outs: [data/config]
-  diagnose:
-    cmd: python stage.py diagnose
-    deps: [data/config]
-    outs: [data/diagnosis]
-  report:
-    cmd: python stage.py report
-    deps: [data/diagnosis]
-    outs: [reports/index.html]
-  aside:
-    cmd: python stage.py aside
-    deps: [stage.py]
-    outs: [data/aside]
-"""
-STAGE = """import pathlib, sys, time, yaml
-name = sys.argv[1]
-print(f"{name} speaks")
-if name == "config" and "bad=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
-    print("config: bad may not be 1", file=sys.stderr)
-    sys.exit(2)
-if name == "diagnose" and "bug=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
-    raise ZeroDivisionError("ours")
-if name == "diagnose" and "slow=1" in yaml.safe_load(open("params.yaml"))["overrides"]:
-    pathlib.Path("asleep").touch()
-    time.sleep(60)
-if name == "report":
-    pathlib.Path("reports").mkdir(exist_ok=True)
-    pathlib.Path("reports/index.html").write_text("page")
-else:
-    folder = pathlib.Path("data", name.replace("diagnose", "diagnosis"))
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{folder.name}.json").write_text('{"sentence": "Nothing is missing."}')
-    (folder / "choices").write_text(open("params.yaml").read())
-"""
+from tests.cli.toy import toy
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    root = tmp_path_factory.mktemp("project")
-    (root / "pipeline").mkdir()
-    (root / "dvc.yaml").write_text(DVC.replace("python stage", f"{sys.executable} stage"))
-    (root / "stage.py").write_text(STAGE)
-    (root / "params.yaml").write_text("# choices\noverrides: []\n")
-    subprocess.run(["git", "init", "-q"], cwd=root, check=True)
-    subprocess.run([sys.executable, "-m", "dvc", "init", "-q"], cwd=root, check=True)
-    return root
+    return toy(tmp_path_factory.mktemp("project"))
 
 
 def run(project, *arguments):
@@ -73,7 +28,11 @@ def run(project, *arguments):
 def test_a_run_says_the_verdict_and_every_stage_and_a_second_has_nothing_to_do(project, capfd):
     assert run(project, "speed=3", "--until", "report") == 0
     out, err = capfd.readouterr()
-    assert out.splitlines() == ["Nothing is missing.", f"report: {project / 'reports/index.html'}"]
+    assert out.splitlines() == [
+        "Nothing is missing.",
+        f"report: {project / 'reports/index.html'}",
+        "these choices stay in params.yaml; the way back: spirob run --defaults",
+    ]
     assert [line.split(":")[0] for line in err.splitlines()] == ["config", "diagnose", "report"]
     assert read_overrides(project) == ["speed=3"]
     assert set(json.loads((project / TIMES).read_text())) == {"config", "diagnose", "report"}
@@ -83,7 +42,7 @@ def test_a_run_says_the_verdict_and_every_stage_and_a_second_has_nothing_to_do(p
 
 def test_a_refused_choice_is_one_sentence_and_is_taken_back(project, capfd):
     before = read_overrides(project)
-    assert run(project, "bad=1", "--until", "report") == 2
+    assert run(project, "config.bad=1", "--until", "report") == 2
     _, err = capfd.readouterr()
     assert "config: bad may not be 1" in err
     assert "Traceback" not in err

@@ -58,7 +58,7 @@ def test_a_contact_is_printed_and_nothing_is_sent(tmp_path, capsys):
             "no feedback",
         ),
         (["--interface", "smoke", "--model", "none"], "no interface 'smoke'"),
-        (["--interface", "virtual", "--model", "nowhere.joblib"], "nowhere.joblib"),
+        (["--interface", "virtual", "--model", "nowhere.skops"], "nowhere.skops"),
         (["--interface", "virtual", "--seconds", "nan"], "--seconds nan is out of range"),
         (["--interface", "virtual", "--gear", "0", "--model", "none"], "gear_ratio"),
         (["--interface", "virtual", "--drive", "none", "--model", "none"], "no drive 'none'"),

@@ -68,12 +68,76 @@ def configured(project):
         ("experiment.trials.0.role=heldout", "no trial has the role 'train'"),
         ("perceive.repeats=0", "perceive.repeats"),
         ("rig.name=x y z=", "rig.name"),
+        ("+rig.units=0", "units"),
+        # what later stages would refuse, after the robot has played for a minute
+        ("robot.hidden.effect=coging", "robot.hidden.effect: no hidden effect 'coging'; known: "),
+        ("robot.hidden.effect=cogging:50", "robot.hidden.effect: hidden effect: strength = 50"),
+        ("robot.faults=[{kind: gone}]", "robot.faults: no fault 'gone'"),
+        ("+robot.safety.speed=-1", "robot.safety: safety.speed = -1"),
+        ("+robot.safety.sped=1", "safety has no number 'sped'; it has: current, slew"),
+        ("+rig.winch.radius=0.11", "winch_radius = 0.11"),
+        ("plant.effects=[cogging,cogging]", "plant.effects: 'cogging' stands twice"),
+        ("diagnose.candidates=[cogging,cogging]", "diagnose.candidates: 'cogging' stands twice"),
+        ("identify.parameters=[motor.rotor_inertia,motor.rotor_inertia]", "stands twice"),
+        ("experiment.trials.1.name=train_left", "'train_left' stands twice"),
+        ("experiment.trials.0.duration=0.05", "trial 'train_left': 50 ms"),
+        ("perceive.diameters=[0.02,0.02,0.02]", "perceive.diameters"),
+        ("perceive.unseen=[-0.1]", "diameter must be above 0"),
+        ("trial.kinds=[magic]", "trial.kinds: trial: no kind 'magic'"),
+        ("trial.seeds=[3,1]", "trial.seeds"),
     ],
 )
 def test_a_bad_configuration(project, override, said):
     project.override([*SHORT, override])
     assert said in project.refused("config")
     assert not (project.root / "data/config").exists()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        (["robot=simulated", "robot.effects=[magic]"], "robot.effects: no effect 'magic'"),
+        (["robot=simulated", "+robot.changes.motor=1"], "robot.changes: no parameter 'motor'"),
+        (["robot=can", "robot.interface=smoke"], "no interface 'smoke'"),
+        (["robot=can", "robot.drive=nothing"], "no drive 'nothing'"),
+        (["identify.filter.kind=moving_average", "identify.filter.window=9000"], "needs at least"),
+    ],
+)
+def test_a_bad_configuration_of_several(project, overrides, said):
+    project.override([*SHORT, *overrides])
+    assert said in project.refused("config")
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        (
+            "plnat.effects=[]",
+            "'plnat.effects=[]': conf/ lists no 'plnat.effects'; nearest: plant.eff",
+        ),
+        ("robot.hiden.effect=none", "nearest: robot.hidden.effect"),
+        ("robott=can", "nearest: robot,"),
+        ("robot=cann", "'robot=cann': In 'config': Could not find 'robot/cann' Available options"),
+        ("plant.effects=[cogging", "'plant.effects=[cogging': "),
+        ("rig.winch.radius=0.03", "only the code knows is added: '+rig.winch.radius=0.03'"),
+        ("+robot.interface=x", "key 'robot.interface': Extra inputs are not permitted; known here"),
+        ("~robot.hiden", "nearest: robot.hidden"),
+    ],
+)
+def test_an_override_at_fault_is_named_with_the_nearest_keys(project, override, said):
+    for overrides in ([*SHORT, override], [override, *SHORT], [override]):
+        project.override(overrides)
+        spoken = project.refused("config")
+        assert said in spoken
+        assert "trial=short" not in spoken
+
+
+def test_a_refused_configuration_leaves_the_last_one(configured):
+    folder = configured.root / "data/config"
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    configured.override([*SHORT, "robot.hidden.effect=coging"])
+    configured.refused("config")
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
 def test_overrides_that_are_no_list(project):

@@ -5,11 +5,13 @@ by --record alone: it plays the trials on the bus and leaves the logs that the p
 """
 
 import argparse
+from contextlib import suppress
 
-from spirob.cli.choices import add_choices, advance
+from spirob.cli.choices import add_choices, advance, chosen, taken_up
 
 HELP = "play the trials on the robot, and log them"
 ORDER = 20
+OWN_END = 1.0  # s: Ctrl-C in a terminal reaches the recording as well
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,21 +22,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Record where that was asked for, then collect and decode."""
-    if arguments.record:
-        code, project = advance(arguments, "config")
-        code = code or _record(str(project))
-        if code:
-            return code
-        arguments.choices, arguments.defaults = [], False  # they stand in params.yaml by now
-    code, project = advance(arguments, "decode")
+    from spirob.cli.kept import Kept
+
+    with Kept(taken_up(arguments), chosen(arguments)) as kept:
+        code = _recorded(arguments) if arguments.record else 0
+        if code == 0:
+            code, project = advance(arguments, "decode")
+        kept.done = code == 0
     if code == 0:
         count = len(list((project / "data/traces").glob("*.parquet")))
         print(f"{count} trials in {project / 'data/traces'}")
     return code
 
 
-def _record(project: str) -> int:
+def _recorded(arguments: argparse.Namespace) -> int:
     import subprocess
     import sys
 
-    return subprocess.run([sys.executable, "-m", "pipeline.record"], cwd=project).returncode
+    code, project = advance(arguments, "config")
+    if code:
+        return code
+    arguments.choices, arguments.defaults = [], False  # they stand in params.yaml by now
+    command = [sys.executable, "-m", "spirob.ending", "pipeline.record"]
+    with subprocess.Popen(command, cwd=project) as process:
+        try:
+            return process.wait()
+        except BaseException:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(OWN_END)
+            process.terminate()  # zero current comes first
+            process.wait()
+            raise

@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("logs", nargs="+", metavar="LOG.mcap", help="logs of wraps")
     parser.add_argument(
         "--model",
-        default="data/models/size.joblib",
+        default="data/models/size.skops",
         metavar="FILE",
         help="trained model, with FILE.sha256 beside it (default: %(default)s)",
     )

@@ -1,7 +1,8 @@
 """Run the pipeline: play the trials, fit, compare, diagnose, estimate sizes, write the report.
 
-Choices KEY=VALUE replace those in params.yaml and stay there until others are made; without any,
-params.yaml is left as it is.  Only what a change touches runs again.
+Choices KEY=VALUE, or the name of presets (`spirob run short`), replace those in params.yaml and
+stay there until others are made; without any, params.yaml is left as it is.  Those of a run that
+does not come to its end are taken back.  Only what a change touches runs again.
 """
 
 import argparse
@@ -28,4 +29,6 @@ def run(arguments: argparse.Namespace) -> int:
         print(found["sentence"])
     if code == 0 and arguments.until in (None, "report"):
         print(f"report: {project / 'reports/index.html'}")
+    if code == 0 and arguments.choices:
+        print("these choices stay in params.yaml; the way back: spirob run --defaults")
     return code

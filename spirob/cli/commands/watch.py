@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--radius", type=float, default=0.02, help="of the winch [m]")
     parser.add_argument(
         "--model",
-        default="data/models/size.joblib",
+        default="data/models/size.skops",
         metavar="FILE",
         help="trained model of sizes, or 'none' for contacts alone (default: %(default)s)",
     )

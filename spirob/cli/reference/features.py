@@ -4,10 +4,9 @@ It stands in docs/experiments.md between two comments, and a test holds it again
 """
 
 import re
-import sys
 from pathlib import Path
 
-from spirob.logs.atomic import write_text
+from spirob.cli.reference.renewal import renew
 from spirob.perceive.features import FEATURES
 
 PAGE = Path("docs/experiments.md")
@@ -30,5 +29,4 @@ def renewed(text: str) -> str:
 
 
 if __name__ == "__main__":
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE
-    write_text(page, renewed(page.read_text(encoding="utf-8")))
+    renew(__doc__, PAGE, renewed)

@@ -5,10 +5,9 @@ They stand in docs/conventions.md between two comments, and a test holds them ag
 """
 
 import re
-import sys
 from pathlib import Path
 
-from spirob.logs.atomic import write_text
+from spirob.cli.reference.renewal import renew
 from spirob.ports import PORTS, SIGNALS
 
 PAGE = Path("docs/conventions.md")
@@ -38,5 +37,4 @@ def renewed(text: str) -> str:
 
 
 if __name__ == "__main__":
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE
-    write_text(page, renewed(page.read_text(encoding="utf-8")))
+    renew(__doc__, PAGE, renewed)

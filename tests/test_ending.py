@@ -1,0 +1,109 @@
+"""No process outlives the one that started it, however that one ends."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import pytest
+
+from spirob.ending import stop_as_by_hand
+
+PATIENCE = 60.0  # s, for a busy machine; what is waited for takes one or two
+NOTE = """
+import os, pathlib, sys, time
+folder = pathlib.Path(sys.argv[-1])
+def sleeper(*given):
+    part = folder / f".{os.getpid()}"
+    part.touch()
+    part.rename(folder / str(os.getpid()))
+    time.sleep(1000)
+"""
+PARENTS = {
+    "a pool": """
+        from joblib import Parallel, delayed
+        from spirob.ending import end_with_parent
+        Parallel(n_jobs=2, initializer=end_with_parent)(delayed(sleeper)() for _ in range(2))
+    """,
+    "a trial": """
+        from spirob.trial import campaign
+        from spirob.trial.case import Case
+        campaign._one = sleeper
+        campaign.play([Case("none", 0), Case("none", 1)], folder / "results", 2)
+    """,
+    "a stage": """
+        import subprocess
+        from pipeline import robots
+        from pipeline.schema import Config, Emulated
+        robots._record = sleeper
+        config = Config.model_construct(robot=Emulated(kind="emulated"))
+        robots.workers = lambda: 2
+        robots.record_all(folder, config, {}, [{}, {}])
+    """,
+    "a module": """
+        import subprocess
+        (folder / "asleep.py").write_text(NOTE + "sleeper()")
+        os.environ["PYTHONPATH"] += os.pathsep + str(folder)
+        for _ in range(2):
+            subprocess.Popen([sys.executable, "-m", "spirob.ending", "asleep", str(folder)])
+        time.sleep(1000)
+    """,
+}
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("parent", PARENTS)
+def test_those_it_started_end_with_it(tmp_path, parent, number):
+    code = f"NOTE = {NOTE!r}\n{NOTE}\n{textwrap.dedent(PARENTS[parent])}"
+    started = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    children = waited(lambda: noted(tmp_path)[1:] and noted(tmp_path))
+    started.send_signal(number)
+    started.wait(PATIENCE)
+    waited(lambda: not any(alive(child) for child in children))
+
+
+def noted(folder):
+    return [int(path.name) for path in folder.iterdir() if path.name.isdigit()]
+
+
+def alive(number):
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def waited(sought):
+    deadline = time.monotonic() + PATIENCE
+    while not (found := sought()):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_is_raised_as_by_hand(number):
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        stop_as_by_hand()
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), number)
+    finally:
+        signal.signal(number, before)
+
+
+def test_a_signal_that_is_ignored_stays_so():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        stop_as_by_hand()
+        os.kill(os.getpid(), signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
