@@ -32,6 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.logs.foreign import read_mapping, trace_from
     from spirob.logs.parquet import write_parquet
     from spirob.logs.readers import read_table
+    from spirob.logs.readers.columns.table import printable
 
     out = Path(arguments.out)
     if out.suffix != ".parquet":
@@ -44,5 +45,5 @@ def run(arguments: argparse.Namespace) -> int:
     write_parquet(trace, out)
     for note in table.said:
         print(f"note: {note}", file=sys.stderr)
-    print(f"{out}: {len(trace)} rows of {', '.join(trace.signals)}")
+    print(printable(f"{out}: {len(trace)} rows of {', '.join(trace.signals)}"))
     return 0

@@ -166,7 +166,8 @@ def _decoded(message: "Message", frames: list[Frame]) -> Series:
             column.append(found.get(name, column[-1] if column else np.nan))
     stamps = np.array([frame.stamp for frame in frames], np.int64)
     values = {f"{message.name}.{name}": np.array(column, float) for name, column in rows.items()}
-    return Series(message.name, stamps, values)
+    there = {name: column for name, column in values.items() if not np.all(np.isnan(column))}
+    return Series(message.name, stamps, there)
 
 
 def _short(table: Table) -> None:

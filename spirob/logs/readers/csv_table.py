@@ -2,6 +2,7 @@
 
 import io
 import re
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,11 +45,13 @@ def read(asked: Asked) -> Table:
         )
     separator, decimal = _dialect(where, lines)
     names = _cells(lines[0], separator)
-    frame = _parse(where, text, separator, decimal)
+    frame, cut = _parse(where, text, separator, decimal)
     for k, name in enumerate(frame.columns):
         add(table, str(name).strip().strip('"'), frame.iloc[:, k])
     for name in sorted({n for n in names if n and names.count(n) > 1}):
         table.say(f"{names.count(name)} columns are called '{name}'; the first is used.")
+    if cut:
+        table.say("rows have more cells than there are names; those beyond are left out.")
     if (separator, decimal) != (",", "."):
         between = WORDS.get(separator, f"'{separator}'")
         table.say(f"read with {between} between columns and '{decimal}' as decimal sign.")
@@ -118,19 +121,23 @@ def _cells(line: str, separator: str) -> list[str]:
     return [cell.strip().strip('"') for cell in cells]
 
 
-def _parse(where: str, text: str, separator: str, decimal: str) -> "pd.DataFrame":
+def _parse(where: str, text: str, separator: str, decimal: str) -> tuple["pd.DataFrame", bool]:
+    """The table, and whether rows were cut."""
     import pandas as pd
 
     try:
-        return pd.read_csv(
-            io.BytesIO(text.encode("utf-8", "replace")),
-            sep=r"\s+" if separator == " " else separator,
-            decimal=decimal,
-            skipinitialspace=True,
-            on_bad_lines="error",
-            index_col=False,
-            low_memory=False,
-        )
+        with warnings.catch_warnings(record=True) as cut:
+            warnings.simplefilter("always", pd.errors.ParserWarning)
+            frame = pd.read_csv(
+                io.BytesIO(text.encode("utf-8", "replace")),
+                sep=r"\s+" if separator == " " else separator,
+                decimal=decimal,
+                skipinitialspace=True,
+                on_bad_lines="error",
+                index_col=False,
+                low_memory=False,
+            )
+        return frame, bool(cut)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
         said = " ".join(str(error).split())
         raise DataError(f"{where}: rows differ in their number of cells ({said[:120]})") from error

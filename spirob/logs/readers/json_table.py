@@ -47,7 +47,8 @@ def _content(asked: Asked, table: Table) -> Any:
         return json.loads(content, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
         lines = [line for line in content.splitlines() if line.strip()]
-        if not error.msg.startswith("Extra data") or not lines[0].strip().startswith((b"{", b"[")):
+        by_lines = asked.path.suffix.lower() != ".json" or error.msg.startswith("Extra data")
+        if not (by_lines and lines):
             raise
     try:
         rows = [json.loads(line, object_pairs_hook=_once) for line in lines[:-1]]
@@ -97,8 +98,9 @@ def _row(names: list[Any], row: Any) -> dict[str, Any]:
 def _rows(name: str, rows: list[Any]) -> Iterator[tuple[str, list[Any]]]:
     if any(isinstance(row, list) for row in rows):
         sizes = {len(row) if isinstance(row, list) else -1 for row in rows}
-        scalar = not any(isinstance(i, dict | list) for r in rows for i in (r or ()))
-        if len(sizes) == 1 and -1 not in sizes and scalar:
+        cells = (cell for row in rows if isinstance(row, list) for cell in row)
+        scalar = not any(isinstance(cell, dict | list) for cell in cells)
+        if len(sizes) == 1 and min(sizes) > 0 and scalar:
             for label, values in spread(name or "column", np.array(rows, object)):
                 yield label, list(values)
         return

@@ -102,6 +102,19 @@ def test_other_dates_are_told_as_text(tmp_path):
         read_table(tmp_path / "a.csv").column("time")
 
 
+def test_rows_that_are_too_long_are_refused_or_cut_and_said(tmp_path):
+    rows = ["1,2"] * 60
+    (tmp_path / "a.csv").write_text("\n".join(["t,q", *rows, "3,4,5"]))
+    with pytest.raises(DataError, match="rows differ in their number of cells"):
+        read_table(tmp_path / "a.csv")
+    (tmp_path / "a.csv").write_text("\n".join(["t,q", "3,4,5", *rows]))
+    table = read_table(tmp_path / "a.csv")
+    assert table.column("q").tolist() == [4.0] + 60 * [2.0]
+    assert table.said == [
+        "a.csv: rows have more cells than there are names; those beyond are left out."
+    ]
+
+
 def test_a_million_columns_are_refused(tmp_path):
     line = ",".join("a" * 1_000_000)
     (tmp_path / "a.csv").write_text(f"{line}\n{line}\n{line}\n")

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -41,10 +42,14 @@ def _short_names(table: Table, wanted: Iterable[str]) -> None:
     for name in wanted:
         if name in table.columns or name in table.text:
             continue
-        for known in (table.columns, table.text, table.units):
-            whole = [n for n in table.columns | table.text if n.endswith(f".{name}")]
-            if len(whole) == 1 and whole[0] in known:
-                known[name] = known[whole[0]]  # type: ignore[index]
+        whole = [n for n in (*table.columns, *table.text) if n.endswith(f".{name}")]
+        for known in (table.columns, table.text, table.units) if len(whole) == 1 else ():
+            _alias(known, name, whole[0])
+
+
+def _alias(known: dict[str, Any], name: str, whole: str) -> None:
+    if whole in known:
+        known[name] = known[whole]
 
 
 def _one_length(table: Table, wanted: Iterable[str]) -> None:

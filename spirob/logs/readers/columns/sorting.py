@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from spirob.logs.readers.columns.table import Table, example
+from spirob.logs.readers.columns.table import Table, example, printable
 
 DATE = r"\d{4}-?\d\d-?\d\d"
 CLOCK = r"\d\d?:\d\d:\d\d(?:[.,]\d+)?"
@@ -28,12 +28,17 @@ def add(table: Table, name: str, values: np.ndarray | pd.Series) -> None:
         _add_times(table, name, np.asarray(values).astype("datetime64[ns]"))
     elif kind == "m":
         _add_seconds(table, name, np.asarray(values).astype("timedelta64[ns]"))
-    elif kind == "S":
-        _add_text(table, name, pd.Series(np.char.decode(np.asarray(values), "utf-8", "replace")))
-    elif kind in "UO":
-        _add_text(table, name, pd.Series(values))
+    elif kind in "SUO":
+        _add_text(table, name, pd.Series(values, dtype=object).map(_plain))
     else:
         table.text[name] = f"values such as {example(np.asarray(values).flat[0])}"
+
+
+def _plain(cell: object) -> object:
+    """A cell as text that can be printed, where it is text."""
+    if isinstance(cell, bytes):
+        return cell.decode("utf-8", "replace")
+    return printable(cell) if isinstance(cell, str) else cell
 
 
 def _add_text(table: Table, name: str, cells: pd.Series) -> None:
@@ -79,6 +84,6 @@ def _add_hours(table: Table, name: str, times: pd.Series) -> None:
 
 
 def _add_seconds(table: Table, name: str, spans: np.ndarray) -> None:
-    seconds = spans.astype("timedelta64[ns]").astype(np.int64) * 1e-9
+    seconds = spans.astype("timedelta64[ns]").astype(np.int64) / 1e9
     table.columns[name] = np.where(np.isnat(spans), np.nan, seconds)
     table.units[name] = "s"

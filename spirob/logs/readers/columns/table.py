@@ -1,6 +1,5 @@
 """What every reader gives: columns of numbers, and what was not plain about the file."""
 
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -70,11 +69,7 @@ class Table:
 
 def printable(name: str) -> str:
     """A name of any bytes as text that every encoding can print."""
-    return os.fsencode(name).decode("utf-8", "replace") if _odd(name) else name
-
-
-def _odd(name: str) -> bool:
-    return any("\ud800" <= sign <= "\udfff" for sign in name)
+    return name.encode("utf-8", "replace").decode("utf-8")
 
 
 def example(value: object) -> str:

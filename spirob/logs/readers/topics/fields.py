@@ -53,7 +53,7 @@ class Field:
             return _number(message)
         self.is_time = True
         self._first = stamp if self._first is None else self._first
-        return (stamp - self._first) * 1e-9
+        return (stamp - self._first) / 1e9
 
 
 def listed(message: Any, place: str, above: Sequence[Any] = ()) -> Iterator[str]:

@@ -50,5 +50,5 @@ def put_together(table: Table, series: Sequence[Series], wanted: bool) -> None:
         for name, values in one.values.items():
             table.columns[name] = np.where(latest < 0, np.nan, values[latest])
         table.say(f"{one.name} is held at its latest value at each message of {base.name}.")
-    table.columns["time"] = (stamps - stamps[0]) * 1e-9
+    table.columns["time"] = (stamps - stamps[0]) / 1e9
     table.units["time"] = "s"
