@@ -25,6 +25,7 @@ BEGINS = re.compile(rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]+(#|\s+\[)")
 NEEDS = ("can", "cantools")
 
 LARGEST = 2**22  # bytes of a DBC file
+LATEST = 2**63 - 1  # ns
 FRAME = re.compile(  # candump -L, or candump -t a as it is seen
     r"\s*\((\d+)\.(\d+)\)\s+(\S+)\s+([0-9A-Fa-f]{3,8})"
     r"(?:#([0-9A-Fa-f]*)|##[0-9A-Fa-f]([0-9A-Fa-f]*)|\s+\[\d+\]((?:\s+[0-9A-Fa-f]{2})*))"
@@ -112,9 +113,12 @@ def _of_text(path: Path, table: Table) -> Iterator[Frame]:
             if found is None:
                 broken += bool(line.strip())
                 continue
-            read += 1
             seconds, part, bus, number, *data = found.groups()
             stamp = int(seconds) * 10**9 + int(part[:9].ljust(9, "0"))
+            if stamp > LATEST:
+                broken += 1
+                continue
+            read += 1
             key = int(number, 16) & 0x1FFFFFFF, len(number) > 3
             digits = "".join(next((d for d in data if d is not None), "").split())
             yield Frame(stamp, bus, key, bytes.fromhex(digits[: len(digits) // 2 * 2]))

@@ -140,4 +140,6 @@ def _parse(where: str, text: str, separator: str, decimal: str) -> tuple["pd.Dat
         return frame, bool(cut)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
         said = " ".join(str(error).split())
+        if "out of memory" in said:
+            raise MemoryError from None
         raise DataError(f"{where}: rows differ in their number of cells ({said[:120]})") from error

@@ -40,8 +40,6 @@ def decoder(where: str, topic: str, encoding: Encoding) -> Decode:
             return _protobuf(encoding)
         if encoding.message in ("cdr", "ros1"):
             return _ros(encoding)
-    except ImportError as error:
-        raise DataError(f"{where}: install '{error.name}' to read {topic}") from None
     except Exception as error:  # a definition may be anything, and the libraries raise anything
         said = " ".join(str(error).split())[:200] or type(error).__name__
         raise DataError(f"{where}: the definition of {encoding.kind} is broken: {said}") from None
