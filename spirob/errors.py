@@ -14,6 +14,8 @@ A command-line entry turns these into one sentence on stderr and exit code 2; an
 bug of ours and shows its traceback.
 """
 
+from difflib import SequenceMatcher
+
 
 class SpirobError(Exception):
     """Root of all errors that are told to the user as a sentence."""
@@ -34,9 +36,20 @@ class MissingLog(DataError):
 class MissingChannel(DataError):
     """A log lacks a channel that is needed."""
 
+    LISTED, LONGEST = 40, 80  # names, and characters of one, that a sentence can hold
+
     def __init__(self, where: str, channel: str, present: list[str]):
-        listed = ", ".join(sorted(present)) or "none"
-        super().__init__(f"{where}: channel '{channel}' is missing; present: {listed}")
+        nearest = sorted(present, key=lambda name: -_alike(name, channel))[: self.LISTED]
+        listed = ", ".join(name[: self.LONGEST] for name in sorted(nearest)) or "none"
+        more = len(present) - len(nearest)
+        listed += f" and {more} more" if more else ""
+        super().__init__(
+            f"{where}: channel '{channel[: self.LONGEST]}' is missing; present: {listed}"
+        )
+
+
+def _alike(name: str, other: str) -> float:
+    return SequenceMatcher(None, name[:100].lower(), other[:100].lower()).quick_ratio()
 
 
 class TooShort(DataError):

@@ -38,8 +38,11 @@ def write_bytes(path: Path | str, content: bytes) -> None:
 
 
 def write_text(path: Path | str, content: str) -> None:
-    """Write a whole UTF-8 text file at once, with line ends as they are in `content`."""
-    write_bytes(path, content.encode("utf-8"))
+    """Write a whole UTF-8 text file at once, with line ends as they are in `content`.
+
+    What is no text in it, as in a file's name of any bytes, becomes a question mark.
+    """
+    write_bytes(path, content.encode("utf-8", "replace"))
 
 
 def _sync(path: Path) -> None:

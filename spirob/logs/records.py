@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import zstandard
+from lz4.frame import LZ4FrameDecompressor
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, DataEnd, Metadata
@@ -20,7 +21,14 @@ from spirob.logs.payloads import CHUNK_LIMIT, MessagesByTopic, Payloads, stream
 MAGIC = b"\x89MCAP0\r\n"
 FILE_LIMIT = 256 * 2**20  # about 24 minutes of both motors at 1 kHz
 _OWN = threading.local()  # each thread's decompressor: one shared by two spoils the data of both
-BROKEN = (McapError, struct.error, ValueError, OverflowError, zstandard.ZstdError)
+BROKEN = (
+    McapError,
+    struct.error,
+    ValueError,
+    OverflowError,
+    zstandard.ZstdError,
+    RuntimeError,  # of lz4
+)
 
 
 @dataclass
@@ -123,9 +131,13 @@ def _take(
 def unpack_chunk(chunk: Chunk) -> bytes:
     """What a chunk holds; ValueError where its size, compression or checksum is wrong."""
     size, data = chunk.uncompressed_size, chunk.data
-    if chunk.compression not in ("", "zstd"):
-        raise ValueError(f"compression '{chunk.compression}' is not supported, only zstd and none")
-    if chunk.compression:
+    if chunk.compression not in ("", "zstd", "lz4"):
+        raise ValueError(f"compression '{chunk.compression}' is not supported, only zstd and lz4")
+    if chunk.compression == "lz4":
+        if size > CHUNK_LIMIT:
+            raise ValueError(f"a chunk claims {size} bytes, more than {CHUNK_LIMIT}")
+        data = LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+    elif chunk.compression:
         claimed = zstandard.frame_content_size(data)
         if max(size, claimed) > CHUNK_LIMIT:
             raise ValueError(f"a chunk claims {max(size, claimed)} bytes, more than {CHUNK_LIMIT}")

@@ -4,6 +4,7 @@ import struct
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Metadata, Schema
@@ -30,7 +31,7 @@ class Recovered:
 class Survey:
     """All that is whole in a file, in the order in which it stands there."""
 
-    def __init__(self, raw: bytes) -> None:
+    def __init__(self, raw: Any) -> None:  # bytes, or a file mapped to memory
         self.library, self.profile = "", ""
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from spirob.errors import MissingChannel
+from spirob.logs.readers import read_table
 from spirob.machine import checks
 from spirob.machine.filtering import (
     ALIAS,
@@ -23,7 +24,6 @@ from spirob.machine.filtering import (
     smooth,
 )
 from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
-from spirob.machine.reading import read_columns
 from spirob.machine.rig import TIME_UNITS, Column, RigFile
 from spirob.machine.rows import usable
 from spirob.units import UNITS
@@ -93,9 +93,13 @@ def read_trial(path: Path | str, rig: RigFile, cutoff: float | None = None) -> R
 
     Raises MissingChannel and DataError in a sentence that names the file.
     """
-    path = Path(path)
-    columns, said = read_columns(path)
-    return prepare(path.name, columns, rig, said, cutoff)
+    wanted = [column.column for column in _wanted(rig).values()]
+    table = read_table(path, wanted, getattr(rig, "dbc", None))
+    for name in wanted:
+        table.column(name)
+    time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
+    rig = rig.model_copy(update={"time": time})
+    return prepare(table.name, table.columns, rig, table.said, cutoff)
 
 
 def prepare(

@@ -19,10 +19,10 @@ import zstandard
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 
-from spirob.cli.commands.import_ import _columns as read_foreign
 from spirob.errors import SpirobError
 from spirob.logs import read_log, read_parquet
 from spirob.logs.foreign import read_mapping
+from spirob.logs.readers import read_table
 from spirob.logs.records import MAGIC, read_bytes
 from spirob.logs.recover import recover
 from spirob.logs.survey import Survey
@@ -129,8 +129,8 @@ def main(folder):
         "empty survey": str(Survey(read_bytes(empty)).report.notes[0]),
         "heads": refused(lambda: recover(heads, folder / "none.mcap")),
         "parquet": refused(lambda: read_parquet(parquet)),
-        "parquet import": refused(lambda: read_foreign(parquet, None, [])),
-        "mat": refused(lambda: read_foreign(mat, None, [])),
+        "parquet import": refused(lambda: read_table(parquet)),
+        "mat": refused(lambda: read_table(mat)),
         "yaml": refused(lambda: read_mapping(yaml_bomb(folder / "bomb.yaml"))),
     }
     print(json.dumps({"said": said, "peak": peak()}))

@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from spirob.cli.commands.import_ import _columns as read_foreign
 from spirob.errors import SpirobError
 from spirob.logs import read_parquet
 from spirob.logs.foreign import read_mapping, trace_from
 from spirob.logs.foreign.mapping import mapping_from
+from spirob.logs.readers import read_table
 from tests.bench.fake_robot import FakeRobot
 from tests.bench.trials import record_on
 
@@ -72,7 +72,7 @@ def test_damaged_files_of_others_are_refused_or_read_but_never_crash(name, whole
     path = wholes / f"damaged.{name.split('.')[-1]}"
     mapping = mapping_from(FIELDS if name.endswith("mcap") else MAP, "map.yaml")
 
-    apart = not name.endswith(("csv", "mcap"))  # a process for each: a third of a second
+    apart = not name.endswith("csv")  # a process for each
 
     @settings(max_examples=40 if apart else 120, deadline=None)
     @given(flips=FLIPS, end=st.floats(0, 1), junk=st.binary(max_size=30))
@@ -83,8 +83,7 @@ def test_damaged_files_of_others_are_refused_or_read_but_never_crash(name, whole
                 content[int(at * len(content))] ^= mask
         path.write_bytes(content)
         try:
-            notes = []
-            trace_from(path.name, read_foreign(path, mapping, notes), mapping, notes)
+            trace_from(read_table(path, mapping.columns), mapping)
         except SpirobError as error:
             assert len(str(error)) < 5000
 

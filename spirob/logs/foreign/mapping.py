@@ -40,7 +40,7 @@ class Strict(BaseModel):
 
 
 class Column(Strict):
-    """Where one channel comes from: a `column`, or a `field` of a `topic` in an MCAP file."""
+    """Where one channel comes from: a `column`, or a `field` of a `topic` in a log of messages."""
 
     column: Text = ""
     topic: Text = ""
@@ -51,11 +51,11 @@ class Column(Strict):
     @property
     def key(self) -> str:
         """Its name among the columns that were read."""
-        return self.column or f"{self.topic}:{self.field}"
+        return self.column or f"{self.topic}.{self.field}"
 
 
 class Time(Strict):
-    """Where time comes from; without a column, an MCAP file's own log time."""
+    """Where time comes from; without a column, the log time of a log of messages."""
 
     column: Text = ""
     unit: Text = "s"
@@ -68,6 +68,12 @@ class Mapping(Strict):
     time: Time = Time()
     channels: dict[Text, Column] = Field(min_length=1, max_length=500)
     meta: dict[Text, Text | int | float | bool] = {}
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of all columns that are used."""
+        keys = [column.key for column in self.channels.values()]
+        return [self.time.column, *keys] if self.time.column else keys
 
 
 def read_mapping(path: Path | str) -> Mapping:

@@ -1,36 +1,30 @@
-"""Columns of a file and a mapping to a trace in SI units."""
-
-from collections.abc import Mapping as Columns
+"""A table and a mapping to a trace in SI units."""
 
 import numpy as np
 
-from spirob.errors import DataError, MissingChannel
+from spirob.errors import DataError
 from spirob.logs.foreign.agreement import check_names, check_rates
 from spirob.logs.foreign.clock import increasing
 from spirob.logs.foreign.mapping import Mapping
+from spirob.logs.readers import Table
 from spirob.trace import Trace
 from spirob.units import UNITS
 
-LOG_TIME = "log_time"  # column of nanoseconds that an MCAP file brings by itself
+LOG_TIME = "time"  # which a log of messages brings by itself
 
 
-def trace_from(
-    where: str, columns: Columns[str, np.ndarray], mapping: Mapping, notes: list[str]
-) -> Trace:
-    """The channels that a mapping names, in SI; `notes` gains a sentence for every repair.
+def trace_from(table: Table, mapping: Mapping) -> Trace:
+    """The channels that a mapping names, in SI; `table.said` gains a sentence for every repair.
 
     Raises MissingChannel, and DataError where time or units cannot be right.
     """
+    where, notes = table.name, table.said
     check_names(where, mapping)
-    stamps, factor = _stamps(where, columns, mapping)
+    stamps, factor = _stamps(table, mapping)
     rows, time_ns = increasing(where, stamps, factor, notes)
     signals, units = {}, {}
     for channel, source in mapping.channels.items():
-        values = _column(where, columns, source.key)
-        if len(values) != len(stamps):
-            raise DataError(
-                f"{where}: column '{source.key}' has {len(values)} rows, time has {len(stamps)}"
-            )
+        values = table.column(source.key)
         unit = UNITS[source.unit]
         signals[channel] = source.sign * unit.factor * (values[rows] + unit.offset)
         units[channel] = unit.si
@@ -44,17 +38,13 @@ def trace_from(
     return Trace(mapping.name, time_ns, signals, units, meta)
 
 
-def _stamps(
-    where: str, columns: Columns[str, np.ndarray], mapping: Mapping
-) -> tuple[np.ndarray, float]:
-    if mapping.time.column:
-        return _column(where, columns, mapping.time.column), UNITS[mapping.time.unit].factor
-    if LOG_TIME not in columns:
-        raise DataError(f"{where}: the mapping names no column for time")
-    return columns[LOG_TIME], UNITS["ns"].factor
-
-
-def _column(where: str, columns: Columns[str, np.ndarray], name: str) -> np.ndarray:
-    if name not in columns:
-        raise MissingChannel(where, name, list(columns)[:40])
-    return columns[name]
+def _stamps(table: Table, mapping: Mapping) -> tuple[np.ndarray, float]:
+    """Time as it stands in the file, and its unit in seconds."""
+    name, unit = mapping.time.column, mapping.time.unit
+    if not name:
+        if table.columns and table.units.get(LOG_TIME) != "s":
+            raise DataError(f"{table.name}: the mapping names no column for time")
+        for source in mapping.channels.values():  # what is missing is told before time is
+            table.column(source.key)
+        name = LOG_TIME
+    return table.column(name), UNITS[table.units.get(name, unit)].factor

@@ -16,11 +16,11 @@ from spirob.control.law import CURRENT, DISPLACEMENT
 from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
+from spirob.logs.readers import read_table
 from spirob.machine import checks
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
-from spirob.machine.reading import read_columns
 from spirob.machine.rig import TIME_UNITS, Column
 from spirob.robot import MOTORS, Scene
 
@@ -35,9 +35,14 @@ def read_arm_trial(path: Path | str, rig: ArmFile, role: str) -> tuple[Measureme
 
     Raises MissingChannel and DataError in a sentence that names the file.
     """
-    path = Path(path)
-    columns, said = read_columns(path)
-    return arm_trial(path.name, columns, rig, role, said)
+    motors = [c for motor in rig.motors().values() for c in (motor.position, motor.effort)]
+    wanted = [column.column for column in (rig.time, *motors)]
+    table = read_table(path, wanted, getattr(rig, "dbc", None))
+    for name in wanted:
+        table.column(name)
+    time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
+    rig = rig.model_copy(update={"time": time})
+    return arm_trial(table.name, table.columns, rig, role, table.said)
 
 
 def arm_trial(

@@ -14,7 +14,7 @@ from spirob.errors import ConfigError, DataError, MissingChannel
 from spirob.logs import read_parquet
 from spirob.logs.foreign import trace_from
 from spirob.logs.foreign.mapping import mapping_from
-from spirob.logs.foreign.mat import read_mat
+from spirob.logs.readers import Table
 from tests.bench.fake_robot import FakeRobot
 from tests.bench.trials import record_on
 
@@ -142,9 +142,8 @@ def test_protobuf_is_read_by_its_own_schema(tmp_path):
 
 
 def made(changed=None, plain=None):
-    notes = []
-    given = columns() | (changed or {})
-    return trace_from("run.csv", given, mapping_from(plain or MAP, "map.yaml"), notes), notes
+    table = Table("run.csv", columns() | (changed or {}))
+    return trace_from(table, mapping_from(plain or MAP, "map.yaml")), table.said
 
 
 def with_time(stamps):
@@ -233,17 +232,6 @@ def channel(name, **changes):
 def test_a_wrong_mapping_is_told_in_a_sentence(plain, error, sentence):
     with pytest.raises(error, match=sentence):
         made(plain=plain)
-
-
-def test_what_is_no_matlab_file_of_version_5_is_refused(tmp_path, monkeypatch):
-    path = tmp_path / "x.mat"
-    path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(600))
-    with pytest.raises(DataError, match="save it with -v7"):
-        read_mat(path)
-    savemat(path, {"bomb": np.zeros(2**18)}, do_compression=True)
-    monkeypatch.setattr("spirob.logs.foreign.mat.LARGEST", 2**20)
-    with pytest.raises(DataError, match="unpacks to more than 1 MiB"):
-        read_mat(path)
 
 
 def test_nothing_is_overwritten_and_a_mistake_is_one_sentence(tmp_path, capsys):

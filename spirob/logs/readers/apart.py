@@ -1,4 +1,4 @@
-"""Run a reader in a process of its own, with bounded memory.
+"""Run a reader in a process of its own, with bounded time and memory.
 
 Native code that a damaged file brings down (a segmentation fault in `scipy.io.loadmat` is easily
 found by flipping bytes) then takes down that process alone, and a length that a file only claims
@@ -6,32 +6,42 @@ ends there as an error.
 """
 
 import multiprocessing
-from collections.abc import Callable
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
+from types import ModuleType
 from typing import Any
 
-# imported once, before the first process is forked from that of the server
-READERS = ("spirob.logs.foreign.mat", "spirob.logs.foreign.parquet")
+from spirob.errors import DataError
+from spirob.logs.readers.columns.table import printable
+
+ALWAYS = ("spirob.logs.readers", "pandas")  # loaded before the first process is forked
 LONGEST = 60.0  # s
 MEMORY = 2**30  # bytes of data, where the system can bound it
+_STARTING = threading.Lock()
 
 
 class Crashed(ValueError):
     """The reader's process ended without an answer."""
 
 
-def apart(function: Callable[..., Any], *arguments: Any) -> Any:
+def apart(function: Callable[..., Any], *arguments: Any, needs: Sequence[str] = ()) -> Any:
     """`function(*arguments)` of a module's top level, run apart with a gigabyte at most.
 
-    Raises what it raises, and Crashed where its process dies or takes longer than a minute.
+    needs  further modules to load before the first process is forked
+    Raises the DataError that it raises, ValueError for any other, and Crashed where its process
+    dies or takes longer than a minute.
     """
     methods = multiprocessing.get_all_start_methods()
     context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     if "forkserver" in methods:
-        context.set_forkserver_preload(list(READERS))
+        context.set_forkserver_preload([*ALWAYS, *needs])
     here, there = context.Pipe(duplex=False)
     process = context.Process(target=_answer, args=(there, function, arguments), daemon=True)
-    process.start()
+    with _main_left_alone():
+        process.start()
     there.close()
     try:
         if not here.poll(LONGEST):
@@ -48,12 +58,26 @@ def apart(function: Callable[..., Any], *arguments: Any) -> Any:
     return value
 
 
+@contextmanager
+def _main_left_alone() -> Iterator[None]:
+    """The process that starts does not run a script of the user's again, as it else would."""
+    with _STARTING:
+        main = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            yield
+        finally:
+            sys.modules["__main__"] = main
+
+
 def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     _bound()
     try:
         there.send((True, function(*arguments)))
     except MemoryError:
         there.send((False, ValueError(f"reading it takes more than {MEMORY >> 20} MiB")))
+    except DataError as error:
+        there.send((False, DataError(printable(str(error)))))
     except Exception as error:
         there.send((False, ValueError(" ".join(str(error).split())[:200] or type(error).__name__)))
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spirob.errors import SpirobError
-from spirob.logs.foreign.apart import MEMORY, Crashed, apart
-from spirob.logs.foreign.parquet import read_parquet_columns
+from spirob.logs.readers import read_table
+from spirob.logs.readers.apart import MEMORY, Crashed, apart
 
 
 def test_the_answer_comes_back():
@@ -41,14 +41,6 @@ def table(rows=400):
     return pa.table({"t": time, "a": np.linspace(0, 1, rows), "text": ["x"] * rows})
 
 
-def test_parquet_of_others_comes_back_as_numbers(tmp_path):
-    pq.write_table(table(), tmp_path / "x.parquet")
-    found = read_parquet_columns(tmp_path / "x.parquet")
-    assert list(found) == ["t", "a"]
-    np.testing.assert_array_equal(found["t"], 1e3 * np.arange(400))
-    np.testing.assert_array_equal(found["a"], np.linspace(0, 1, 400))
-
-
 @pytest.mark.parametrize("compression", ["none", "zstd"])
 def test_hostile_parquet_is_refused_or_read_but_takes_nobody_along(compression, tmp_path):
     path = tmp_path / "x.parquet"
@@ -69,7 +61,7 @@ def test_hostile_parquet_is_refused_or_read_but_takes_nobody_along(compression, 
             content[len(whole) - inside + int(at * inside)] ^= mask
         path.write_bytes(content)
         try:
-            read_parquet_columns(path)
+            read_table(path)
         except SpirobError as error:
             assert len(str(error)) < 500
 

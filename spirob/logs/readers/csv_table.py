@@ -1,0 +1,145 @@
+"""CSV, whatever its separator and decimal sign are."""
+
+import io
+import re
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from spirob.errors import DataError
+from spirob.logs.readers.columns.table import Asked, Table, printable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+KIND = "CSV"
+SUFFIXES = {".csv", ".txt", ".tsv", ".dat"}
+PLAIN = True
+
+LARGEST = 2**27  # bytes of text, which takes several times as much while it is read
+COLUMNS = 5000  # more are no table
+SAMPLE = 50  # lines from which separator and decimal sign are told
+SEPARATORS = (",", ";", "\t", "|", " ")
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|NaN|NA|null)?")
+TIME = re.compile(r"\d{4}-?\d\d-?\d\d([T ].*\d.*)?|\d\d?:\d\d:\d\d([.,]\d+)?")
+IGNORED = re.compile(r"^(?:#.*|[ \t]*)\n", re.MULTILINE)
+WORDS = {"\t": "tabulators", " ": "blanks"}
+
+
+def read(asked: Asked) -> Table:
+    """Columns by name, and a sentence for whatever was not plain about the file.
+
+    Lines that begin with # are comments.  Raises DataError where no table of numbers with a line
+    of names can be found.
+    """
+    from spirob.logs.readers.columns.sorting import add
+
+    where, table = printable(str(asked.path)), Table(asked.name)
+    text = _text(asked.path, where)
+    lines = text.split("\n", SAMPLE + 1)[: SAMPLE + 1]
+    if len(lines) > 1 and not lines[-1]:
+        lines.pop()
+    if len(lines) < 3:
+        raise DataError(
+            f"{where}: {len(lines)} lines are no table; it takes a line of names, and rows"
+        )
+    separator, decimal = _dialect(where, lines)
+    names = _cells(lines[0], separator)
+    frame, cut = _parse(where, text, separator, decimal)
+    for k, name in enumerate(frame.columns):
+        add(table, str(name).strip().strip('"'), frame.iloc[:, k])
+    for name in sorted({n for n in names if n and names.count(n) > 1}):
+        table.say(f"{names.count(name)} columns are called '{name}'; the first is used.")
+    if cut:
+        table.say("rows have more cells than there are names; those beyond are left out.")
+    if (separator, decimal) != (",", "."):
+        between = WORDS.get(separator, f"'{separator}'")
+        table.say(f"read with {between} between columns and '{decimal}' as decimal sign.")
+    return table
+
+
+def _text(path: Path, where: str) -> str:
+    """The lines that are no comments and not blank, each with one line feed."""
+    if path.stat().st_size > LARGEST:
+        raise DataError(f"{where}: more than {LARGEST >> 20} MiB of text; use Parquet")
+    text = _decoded(path.read_bytes(), where)
+    text = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n") + "\n"
+    return IGNORED.sub("", text)
+
+
+def _decoded(content: bytes, where: str) -> str:
+    for encoding in ("utf-8-sig", "utf-16"):
+        if encoding == "utf-16" and content[:2] not in (b"\xff\xfe", b"\xfe\xff"):
+            continue
+        try:
+            return content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    text = content.decode("latin-1")
+    if "\0" in text:
+        raise DataError(f"{where}: this is no text, so no CSV")
+    return text
+
+
+def _dialect(where: str, lines: list[str]) -> tuple[str, str]:
+    """The separator and decimal sign under which most cells of most columns are numbers."""
+    best, chosen = 0.0, ("", "")
+    for separator in SEPARATORS:
+        if lines[0].count(separator) >= COLUMNS:
+            raise DataError(f"{where}: more than {COLUMNS} columns are no table")
+        names = _cells(lines[0], separator)
+        rows = [_cells(line, separator) for line in lines[1:]]
+        even = [row for row in rows if len(row) == len(names)]
+        if len(names) < 2 or len(even) < 0.9 * len(rows):
+            continue
+        for decimal in (".", ","):
+            if decimal == separator:
+                continue
+            good = sum(_told(cell, decimal) for row in even for cell in row)
+            quality = good / len(rows)
+            if quality > best:
+                best, chosen = quality, (separator, decimal)
+    if best < 1.5:
+        raise DataError(
+            f"{where}: no table of numbers; expected a line of names, then rows with the same "
+            "number of cells, separated by comma, semicolon, tabulator or blanks"
+        )
+    if all(NUMBER.fullmatch(cell) or TIME.fullmatch(cell) for cell in _cells(lines[0], chosen[0])):
+        raise DataError(f"{where}: the first line holds numbers; it must name the columns")
+    return chosen
+
+
+def _told(cell: str, decimal: str) -> bool:
+    """Whether a cell is a number with this decimal sign, or a time."""
+    other = "," if decimal == "." else "."
+    number = other not in cell and NUMBER.fullmatch(cell) is not None
+    return number or TIME.fullmatch(cell) is not None
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    cells = line.split() if separator == " " else line.split(separator)
+    return [cell.strip().strip('"') for cell in cells]
+
+
+def _parse(where: str, text: str, separator: str, decimal: str) -> tuple["pd.DataFrame", bool]:
+    """The table, and whether rows were cut."""
+    import pandas as pd
+
+    try:
+        with warnings.catch_warnings(record=True) as cut:
+            warnings.simplefilter("always", pd.errors.ParserWarning)
+            frame = pd.read_csv(
+                io.BytesIO(text.encode("utf-8", "replace")),
+                sep=r"\s+" if separator == " " else separator,
+                decimal=decimal,
+                skipinitialspace=True,
+                on_bad_lines="error",
+                index_col=False,
+                low_memory=False,
+            )
+        return frame, bool(cut)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
+        said = " ".join(str(error).split())
+        if "out of memory" in said:
+            raise MemoryError from None
+        raise DataError(f"{where}: rows differ in their number of cells ({said[:120]})") from error

@@ -1,0 +1,134 @@
+"""Topics of a log to a table: `/topic.field`, and `time` of the first topic that is wanted."""
+
+from array import array
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from spirob.errors import DataError
+from spirob.logs.readers.columns.table import Asked, Table
+from spirob.logs.readers.topics.decoders import Decode, Encoding, decoder
+from spirob.logs.readers.topics.fields import Field, listed
+from spirob.logs.readers.topics.series import Series, put_together
+
+MOST = 1000  # fields that are read where none is named
+SEARCHED = 20_000  # messages in which one of each topic is looked for
+
+
+class Log(Protocol):
+    """A log of messages.
+
+    encodings  topic -> how its messages are written down
+    """
+
+    @property
+    def encodings(self) -> Mapping[str, Encoding]: ...
+
+    def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, log time [ns] and bytes of the messages of these topics."""
+        ...
+
+
+def read_topics(log: Log, asked: Asked, table: Table) -> Table:
+    """Add to a table what is wanted of a log, or else all its numbers.
+
+    Raises DataError where a message that is wanted is broken.
+    """
+    decoders = _Decoders(asked.name, log.encodings)
+    fields = _wanted(log.encodings, asked.wanted)
+    if not fields and not asked.wanted:
+        offered = _offered(log, decoders)
+        if sum(map(len, offered.values())) > MOST:
+            raise DataError(f"{asked.name}: more than {MOST} channels; name those that are wanted")
+        fields = {
+            topic: {name: Field(name[len(topic) :]) for name in names}
+            for topic, names in offered.items()
+        }
+    series = [s for s in _series(log, decoders, fields, table) if len(s.stamps)]
+    if not asked.wanted:
+        series.sort(key=lambda one: -len(one.stamps))
+    if series:
+        put_together(table, series, bool(asked.wanted))
+    for places in fields.values():
+        table.units |= {n: "s" for n, f in places.items() if f.is_time and n in table.columns}
+    if any(name not in table.columns for name in asked.wanted):
+        _tell_others(log, decoders, table)
+    return table
+
+
+def _tell_others(log: Log, decoders: "_Decoders", table: Table) -> None:
+    """Name what there is; where nothing of that was wanted, time is given none the less."""
+    offered = {topic: names for topic, names in _offered(log, decoders).items() if names}
+    table.others = [name for names in offered.values() for name in names] or list(log.encodings)
+    if not table.columns and offered:
+        topic = next(iter(offered))
+        stamps = [logged for _, logged, _ in log.messages([topic])]
+        put_together(table, [Series(topic, np.array(stamps, np.int64), {})], wanted=True)
+
+
+class _Decoders:
+    """Decoders of topics, made when they are needed."""
+
+    def __init__(self, where: str, encodings: Mapping[str, Encoding]) -> None:
+        self._where, self._encodings = where, encodings
+        self._made: dict[str, Decode] = {}
+
+    def __call__(self, topic: str, data: bytes) -> Any:
+        if topic not in self._made:
+            self._made[topic] = decoder(self._where, topic, self._encodings[topic])
+        try:
+            return self._made[topic](data)
+        except Exception as error:  # code that a library makes of a definition raises anything
+            said = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{self._where}: a message of {topic} is broken: {said}") from None
+
+
+def _wanted(topics: Collection[str], names: Collection[str]) -> dict[str, dict[str, Field]]:
+    """The fields that are wanted of each topic, topics in the order in which they are named."""
+    found: dict[str, dict[str, Field]] = {}
+    for name in names:
+        of = [t for t in topics if name == t or name.startswith((f"{t}.", f"{t}["))]
+        if of:
+            topic = max(of, key=len)
+            found.setdefault(topic, {})[name] = Field(name[len(topic) :])
+    return found
+
+
+def _offered(log: Log, decoders: _Decoders) -> dict[str, list[str]]:
+    """Names of all numbers in one message of each topic that can be decoded."""
+    found: dict[str, list[str]] = {}
+    left = set(log.encodings)
+    for searched, (topic, _, data) in enumerate(log.messages(left)):
+        if topic not in found:
+            left.discard(topic)
+            try:
+                found[topic] = list(listed(decoders(topic, data), topic))
+            except DataError:
+                found[topic] = []
+        if not left or searched > SEARCHED:
+            break
+    return found
+
+
+def _series(
+    log: Log, decoders: _Decoders, fields: Mapping[str, Mapping[str, Field]], table: Table
+) -> Iterator[Series]:
+    stamps = {topic: array("q") for topic in fields}
+    rows = {topic: array("d") for topic in fields}
+    missed = dict.fromkeys(fields, 0)
+    for topic, logged, data in log.messages(fields) if fields else ():
+        message = decoders(topic, data)
+        row = [field.of(message) for field in fields[topic].values()]
+        if all(np.isnan(row)):
+            missed[topic] += 1
+            continue
+        stamps[topic].append(logged)
+        rows[topic].extend(row)
+    for topic, places in fields.items():
+        values = np.frombuffer(rows[topic], float).reshape(-1, len(places))
+        columns = {name: values[:, k] for k, name in enumerate(places)}
+        columns = {n: v for n, v in columns.items() if not np.all(np.isnan(v))}
+        if missed[topic] and columns:
+            table.say(f"{missed[topic]} messages of {topic} without what is wanted are left out.")
+        yield Series(topic, np.frombuffer(stamps[topic], np.int64), columns)
