@@ -5,6 +5,7 @@ from pathlib import Path
 
 from spirob.diagnose.rungs import Settings as ArmSettings
 from spirob.errors import ConfigError
+from spirob.machine.alike import filtered_alike
 from spirob.machine.arm import diagnosis as arm
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.page import overlay, parameters
@@ -31,10 +32,7 @@ def diagnose(
     _each_once(train, test)
     if isinstance(rig, ArmFile):
         return _arm(rig, train, test, progress)
-    first = [read_trial(path, rig) for path in train]
-    cutoff = min(r.cutoff for r in first) if rig.filter.cutoff is None else None
-    trials = [read_trial(path, rig, cutoff) for path in train]
-    held = [read_trial(path, rig, cutoff) for path in test]
+    trials, held = filtered_alike(lambda path, cut: read_trial(path, rig, cut), train, test)
     return diagnose_recordings(rig, folder, trials, held, settings, progress)
 
 

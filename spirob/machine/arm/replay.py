@@ -16,12 +16,12 @@ from spirob.control.law import CURRENT, DISPLACEMENT
 from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
-from spirob.machine import checks
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
+from spirob.machine.grids import Logged, even_grids
 from spirob.machine.reading import read_columns
-from spirob.machine.rig import TIME_UNITS, Column
+from spirob.machine.rig import Column
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
@@ -77,24 +77,22 @@ def _regular(
     for column in (rig.time, *wanted.values()):
         if column.column not in columns:
             raise MissingChannel(name, column.column, list(columns))
-    seconds = _scaled(rig.time, columns) * TIME_UNITS[rig.time.unit]
-    raw = {key: np.asarray(columns[c.column], float) for key, c in wanted.items()}
-    scaled = {f"{key} scaled": _scaled(c, columns) for key, c in wanted.items()}
-    seconds, kept = checks.regular_time(name, seconds, {**raw, **scaled}, said)
+    cells = {key: np.asarray(columns[c.column], float) for key, c in wanted.items()}
+    scaled = {key: _scaled(c, columns) for key, c in wanted.items()}
+    stamps = np.asarray(columns[rig.time.column], float)
+    _, grids = even_grids(Logged(name, rig.time, stamps, wanted, cells, scaled), said)
+    if len(grids) != 1:
+        broken = next(text for text in reversed(said) if "cut there" in text)
+        raise DataError(
+            f"{broken.removesuffix('.')}, but the model plays a log from its beginning to its end; "
+            "give whole ones"
+        )
+    even = np.arange(grids[0]["time"][0], grids[0]["time"][-1], CYCLE)
     values = {}
-    for key, column in wanted.items():
-        found = checks.finite(name, column.column, kept[f"{key} scaled"], said)
-        if key.endswith("position"):
-            checks.moving(name, column.column, found)
-            found = checks.position(name, column.column, found, kept[key], seconds, said)
+    for key in wanted:
         of = rig.motors()[key.partition(".")[0]]
         si = of.amperes if key.endswith("effort") else of.metres(rig.machine())
-        values[key] = found * si
-    _, grids = checks.regular_grid(name, seconds, values, said)
-    if len(grids) != 1:
-        raise DataError(f"{name}: a gap; the model plays a log from its beginning, give whole ones")
-    even = np.arange(0.0, grids[0]["time"][-1], CYCLE)
-    values = {key: np.interp(even, grids[0]["time"], grids[0][key]) for key in values}
+        values[key] = si * np.interp(even, grids[0]["time"], grids[0][key])
     begin = round(BEGIN / CYCLE)
     for motor in MOTORS:
         values[f"{motor}.position"] -= np.median(values[f"{motor}.position"][:begin])

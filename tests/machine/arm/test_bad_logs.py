@@ -71,13 +71,13 @@ def test_a_few_missing_values_are_bridged_and_said(columns):
     torn = changed(columns, "right current", [300, 301, 700], np.nan)
     trial, said = arm_trial("log", torn, rig(), "train", [])
     assert np.isfinite(trial.current).all()
-    assert "log: 3 missing values of 'right current' were bridged by a straight line." in said
+    assert "log: 3 missing values of 'right current' were bridged." in said
 
 
 @pytest.mark.parametrize("name", ["left angle", "right current"])
 def test_many_missing_values_are_refused(columns, name):
     torn = changed(columns, name, slice(300, 600), np.nan)
-    with pytest.raises(DataError, match=f"log: column '{name}' has no number in 300 of"):
+    with pytest.raises(DataError, match=f"log: '{name}' has no number in 300 rows"):
         arm_trial("log", torn, rig(), "train", [])
 
 
