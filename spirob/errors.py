@@ -5,7 +5,8 @@ SpirobError
 ├── DataError          a file or signal cannot be used
 │   ├── MissingLog     a log that should exist does not
 │   ├── MissingChannel a log lacks a channel that is needed
-│   └── TooShort       a trial has fewer samples than the step needs
+│   └── NothingLeft    a trial holds nothing to compare: too short, at rest, all left out
+│       └── TooShort   it has fewer samples than the step needs
 ├── EffectError        an effect is declared wrongly
 ├── SimulationError    the model became non-finite or left its validity
 └── HardwareError      the bus or a drive does not answer; the current is already zero
@@ -52,7 +53,11 @@ def _alike(name: str, other: str) -> float:
     return SequenceMatcher(None, name[:100].lower(), other[:100].lower()).quick_ratio()
 
 
-class TooShort(DataError):
+class NothingLeft(DataError):
+    """A trial holds nothing that could be compared; others may do without it."""
+
+
+class TooShort(NothingLeft):
     """A trial has fewer samples than the step needs."""
 
     def __init__(self, where: str, samples: int, needed: int, reason: str):

@@ -8,11 +8,12 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from spirob.errors import ConfigError
+from spirob.logs.readers import Table, from_frame, read_table
+from spirob.machine.alike import filtered_alike
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.loading import load_rig, rig_from
-from spirob.machine.recording import read_trial
+from spirob.machine.recording import columns_of, of_table
 from spirob.machine.result import Diagnosis, Sources
 from spirob.machine.rig import RigFile
 from spirob.machine.shown import laws
@@ -44,64 +45,39 @@ def diagnose(
         described, folder = rig_from(rig, "rig"), Path()
     else:
         described, folder = load_rig(rig)
-    train, test = _named(train, "train"), _named(test, "test")
-    _each_once([*train, *test])
-    if isinstance(described, ArmFile):
-        found = _arm(described, train, test, progress)
-    else:
-        found = _axis(described, folder, train, test, settings, progress)
-    own = Path(rig) if isinstance(rig, Path | str) else None
-    config = own.read_text(encoding="utf-8") if own else yaml.safe_dump(dict(rig))  # type: ignore[arg-type]
-    files = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
-    sources = Sources(config, (*([own] if own else []), *files), command)
-    return replace(found, sources=sources)
-
-
-def _named(logs: Sequence[Log], role: str) -> list[Log]:
-    """The logs, tables among them with a name."""
-    if isinstance(logs, Path | str | pd.DataFrame):
-        raise ConfigError(f"{role}: a list of logs, got a single one")
-    named: list[Log] = []
-    for k, log in enumerate(logs):
-        if isinstance(log, pd.DataFrame) and not log.attrs.get("name"):
-            log = log.copy(deep=False)
-            log.attrs["name"] = f"{role}[{k}]"
-        named.append(log)
-    return named
-
-
-def _each_once(logs: Sequence[Log]) -> None:
-    """Raise where a log is given twice: a held-out log that was fitted vetoes nothing."""
-    seen: set[Path] = set()
-    for log in logs:
-        if isinstance(log, pd.DataFrame):
-            continue
-        path = Path(log).resolve()
-        if path in seen:
-            raise ConfigError(f"{log}: given twice; a log is fitted or held out, once")
-        seen.add(path)
-
-
-def _axis(
-    rig: RigFile,
-    folder: Path,
-    train: Sequence[Log],
-    test: Sequence[Log],
-    settings: Settings | None,
-    progress: Callable[[str], None],
-) -> Diagnosis:
+    columns = columns_of(described) if isinstance(described, RigFile) else described.columns()
+    dbc = None if described.dbc is None else folder / described.dbc
     progress(f"reading {len(train) + len(test)} logs")
-    first = [read_trial(path, rig) for path in train]
-    cutoff = min(r.cutoff for r in first) if rig.filter.cutoff is None else None
-    trials = [read_trial(path, rig, cutoff) for path in train]
-    held = [read_trial(path, rig, cutoff) for path in test]
-    return diagnose_recordings(rig, folder, trials, held, settings, progress)
+    fitted, held = (
+        [_table(log, f"{role}[{k}]", columns, dbc) for k, log in enumerate(logs)]
+        for role, logs in (("train", train), ("test", test))
+    )
+    if isinstance(described, ArmFile):
+        found = _arm(described, fitted, held, progress)
+    else:
+        trials = filtered_alike(lambda log, cut: of_table(log, described, cut), fitted, held)
+        found = diagnose_recordings(described, folder, *trials, settings, progress)
+    files = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
+    return replace(found, sources=_sources(rig, files, command))
+
+
+def _sources(rig: Path | str | Mapping[str, Any], files: Sequence[Path], command: str) -> Sources:
+    if isinstance(rig, Mapping):
+        return Sources(yaml.safe_dump(dict(rig), allow_unicode=True), tuple(files), command)
+    return Sources(Path(rig).read_text(encoding="utf-8"), (Path(rig), *files), command)
+
+
+def _table(log: Log, place: str, wanted: Sequence[str], dbc: Path | None) -> Table:
+    """A log as a table; a frame is called by its own name, or by its place."""
+    if isinstance(log, pd.DataFrame):
+        return from_frame(log, str(log.attrs.get("name") or place))
+    return read_table(log, wanted, dbc)
 
 
 def _arm(
     rig: ArmFile,
-    train: Sequence[Log],
-    test: Sequence[Log],
+    train: Sequence[Table],
+    test: Sequence[Table],
     progress: Callable[[str], None],
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else; its search has settings of its own."""

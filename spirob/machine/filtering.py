@@ -6,6 +6,7 @@ import numpy as np
 from scipy import signal
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
+PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
 ALIAS = 0.4  # of the thinned sample rate: edge of the filter before thinning
 
 
@@ -13,7 +14,8 @@ def smooth(values: np.ndarray, cutoff: float, period: float) -> np.ndarray:
     """Zero-phase Butterworth filter of 4th order; above half the sample rate it passes all."""
     if cutoff * period >= 0.49:
         return values
-    return _both_ways(*_low_pass(cutoff, period), values, 30)
+    padding = max(30, round(PAD / (cutoff * period)))
+    return _both_ways(*_low_pass(cutoff, period), values, padding)
 
 
 def averaged(values: np.ndarray, count: int) -> np.ndarray:

@@ -14,7 +14,9 @@ from scipy import signal
 from spirob.machine.filtering import BELOW, derivative, smooth
 
 FASTEST = 50.0  # Hz; motors move their load within tens of milliseconds
-SAMPLES = 8.0  # in a period of the cutoff, at least
+SAMPLES = 8.0  # in a period of the cutoff
+LEAST = 4.0  # of them in a slow log; in a period of what is compared there are twice as many
+ENOUGH = 12.5  # Hz; a log is slow where its usual cutoff lies below
 CLEAN = 0.01  # noise over RMS acceleration at which a cutoff is low enough
 SLOWEST = 4.0  # times the frequency below which most of the effort lies
 MOST = 0.9  # of its variance
@@ -44,8 +46,9 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
 
     values  position (order 2) or velocity (1), which is differentiated to acceleration
     """
-    fastest = min(FASTEST, 1.0 / (SAMPLES * period))
-    slowest = min(fastest, SLOWEST * _band(effort, period))
+    usual, wanted = 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period)
+    fastest = min(FASTEST, max(usual, min(wanted, ENOUGH, 1.0 / (LEAST * period))))
+    slowest = min(FASTEST, usual, wanted)
     for cutoff in map(float, np.geomspace(fastest, slowest, STEPS)):
         size = float(np.std(_derived(smooth(values, BELOW * cutoff, period), order, period)))
         if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:

@@ -4,15 +4,16 @@ Position, and with it speed and acceleration by central differences, and the eff
 zero-phase Butterworth filter of 4th order; products are built from what it leaves.
 """
 
+from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from spirob.errors import MissingChannel
-from spirob.logs.readers import read_table
+from spirob.errors import DataError, MissingChannel
+from spirob.logs.readers import Table, read_table
 from spirob.machine import checks
 from spirob.machine.filtering import (
     ALIAS,
@@ -23,13 +24,18 @@ from spirob.machine.filtering import (
     rates,
     smooth,
 )
+from spirob.machine.grids import Logged, even_grids
 from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
-from spirob.machine.rig import TIME_UNITS, Column, RigFile
-from spirob.machine.rows import usable
+from spirob.machine.pieces import FILLED
+from spirob.machine.rig import Column, RigFile
+from spirob.machine.rows import stands, usable
+from spirob.machine.speeds import agreement, shifted
 from spirob.units import UNITS
 
 FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample
 CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
+LEAST = 8  # rows of a piece that are compared, and periods of the filter in a log
+FEWEST = 20  # rows of a trial that are compared
 
 
 @dataclass
@@ -70,6 +76,10 @@ class Recording:
     said: list[str]
     log: str = ""
 
+    def worth(self, pieces: list[Piece]) -> list[Piece]:
+        """The pieces of which some rows are compared."""
+        return [p for p in pieces if np.count_nonzero(p.use[:: self.every]) >= LEAST]
+
     def smooth(self, values: np.ndarray) -> np.ndarray:
         """What the filter leaves of a signal on this grid, same length."""
         return smooth(values, self.cutoff, self.period)
@@ -88,18 +98,32 @@ class Recording:
         return before_thinning(out, self.every) if alias < CLOSE * edge else out
 
 
-def read_trial(path: Path | str, rig: RigFile, cutoff: float | None = None) -> Recording:
+def read_trial(
+    path: Path | str, rig: RigFile, cutoff: float | None = None, folder: Path = Path()
+) -> Recording:
     """A log as a recording; `cutoff` overrides the rig's where trials are to be filtered alike.
 
-    Raises MissingChannel and DataError in a sentence that names the file.
+    folder  of the description, from which its paths count
+
+    Raises MissingChannel and DataError in a sentence that names the file; NothingLeft where others
+    may do without it.
     """
-    wanted = [column.column for column in _wanted(rig).values()]
-    table = read_table(path, wanted, getattr(rig, "dbc", None))
-    for name in wanted:
+    dbc = None if rig.dbc is None else folder / rig.dbc
+    return of_table(read_table(path, columns_of(rig), dbc), rig, cutoff)
+
+
+def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recording:
+    """A table as a recording; raises as `read_trial` does."""
+    for name in columns_of(rig):
         table.column(name)
     time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
     rig = rig.model_copy(update={"time": time})
-    return prepare(table.name, table.columns, rig, table.said, cutoff)
+    return prepare(table.name, table.columns, rig, list(table.said), cutoff)
+
+
+def columns_of(rig: RigFile) -> list[str]:
+    """Names of the columns that a description needs."""
+    return [column.column for column in _wanted(rig).values()]
 
 
 def prepare(
@@ -109,7 +133,7 @@ def prepare(
     said: list[str] | None = None,
     cutoff: float | None = None,
 ) -> Recording:
-    """Columns in the log's own units as a recording in SI."""
+    """Columns in the log's own units as a recording in SI; raises as `read_trial` does."""
     said = [] if said is None else said
     wanted = _wanted(rig)
     for column in wanted.values():
@@ -119,31 +143,25 @@ def prepare(
     for column in (c for key, c in wanted.items() if key in ("effort", "velocity")):
         raw = np.asarray(columns[column.column], float)
         columns[column.column] = checks.signed(name, column.column, raw, said)
-    seconds = _scaled(rig.time, columns) * TIME_UNITS[rig.time.unit]
-    values = {key: _scaled(column, columns) for key, column in wanted.items() if key != "time"}
-    if rig.position is not None:
-        values["raw position"] = np.asarray(columns[rig.position.column], float)
-    seconds, values = checks.regular_time(name, seconds, values, said)
-    raw_position = values.pop("raw position", None)
-    for key in values:
-        values[key] = checks.finite(name, wanted[key].column, values[key], said)
-    for key in {rig.motion_key, "effort"} & set(values):
-        checks.moving(name, wanted[key].column, values[key])
-    if rig.position is not None and raw_position is not None:
-        values["position"] = checks.position(
-            name, rig.position.column, values["position"], raw_position, seconds, said
-        )
-    values = {key: _si(rig, key) * value for key, value in values.items()}
-    period, grids = checks.regular_grid(name, seconds, values, said)
+    inside = {key: column for key, column in wanted.items() if key != "time"}
+    cells = {key: np.asarray(columns[c.column], float) for key, c in inside.items()}
+    values = {key: _scaled(column, columns) for key, column in inside.items()}
+    stamps = np.asarray(columns[rig.time.column], float)
+    period, grids = even_grids(Logged(name, rig.time, stamps, inside, cells, values), said)
+    for grid in grids:
+        grid |= {key: _si(rig, key) * grid[key] for key in inside if key in grid}
     period, grids = _no_finer(name, period, grids, rig, said)
     grids = [_completed(grid, rig, period) for grid in grids]
     said += _computed(name, rig)
-    cutoff = cutoff or rig.filter.cutoff or _cutoff(grids, period)
-    every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff)))
-    pieces = [_piece(name, grid, rig, period, cutoff, said) for grid in grids]
-    used = sum(int(p.use.sum()) for p in pieces) * period
-    checks.enough(name, used)
-    return Recording(name, period, cutoff, every, pieces, said, name)
+    _agreed(name, grids, rig, period, cutoff, said)
+    cutoff = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, said)
+    positions = [grid["position"] for grid in grids]
+    checks.a_motion(name, rig.motion.column, positions, BELOW * cutoff, period)
+    every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
+    lost: Counter[str] = Counter()
+    pieces = [_piece(grid, rig, period, cutoff, lost) for grid in grids]
+    made = Recording(name, period, cutoff, every, pieces, said, name)
+    return replace(made, pieces=_kept(made, rig, lost))
 
 
 def _no_finer(
@@ -220,19 +238,13 @@ def _computed(name: str, rig: RigFile) -> list[str]:
 
 
 def _piece(
-    name: str,
-    grid: dict[str, np.ndarray],
-    rig: RigFile,
-    period: float,
-    cutoff: float,
-    said: list[str],
+    grid: dict[str, np.ndarray], rig: RigFile, period: float, cutoff: float, lost: Counter[str]
 ) -> Piece:
     q = smooth(grid["position"], cutoff, period)
     v, a = rates(q, period)
     if "velocity" in grid:
-        given = smooth(grid["velocity"], cutoff, period)
-        checks.velocity(name, rig.velocity.column if rig.velocity else "velocity", given, v)
-        v, a = given, derivative(given, period)
+        v = smooth(grid["velocity"], cutoff, period)
+        a = derivative(v, period)
     effort = smooth(grid["effort"], cutoff, period)
     others = {}
     for key, values in grid.items():
@@ -240,7 +252,7 @@ def _piece(
             angle = smooth(values, cutoff, period)
             others[key.removeprefix("joint ")] = np.column_stack([angle, *rates(angle, period)])
     share = grid["effort"] / grid["supply"] if "supply" in grid else grid["effort"]
-    use = usable(name, share, v, rig, period, cutoff, said)
+    use = usable(share, v, grid[FILLED] > 0, rig, period, cutoff, lost)
     noise = acceleration_noise(*_differentiated(grid), cutoff, period)
     return Piece(
         grid["time"], q, v, a, effort, grid["effort"], use, noise, others, grid.get("reference")
@@ -252,6 +264,81 @@ def _differentiated(grid: Mapping[str, np.ndarray]) -> tuple[np.ndarray, int]:
     return (grid["velocity"], 1) if "velocity" in grid else (grid["position"], 2)
 
 
-def _cutoff(grids: list[dict[str, np.ndarray]], period: float) -> float:
+def _cutoff(
+    name: str,
+    grids: list[dict[str, np.ndarray]],
+    period: float,
+    asked: float | None,
+    said: list[str],
+) -> float:
+    """The cutoff that is asked for as far as it can be, or else the usual one [Hz]."""
     longest = max(grids, key=lambda grid: len(grid["time"]))
-    return usual_cutoff(*_differentiated(longest), longest["effort"], period)
+    if asked is None:
+        return usual_cutoff(*_differentiated(longest), longest["effort"], period)
+    if asked * period * len(longest["time"]) < LEAST:
+        raise DataError(
+            f"{name}: filter.cutoff of {asked:.3g} Hz leaves nothing of "
+            f"{period * len(longest['time']):.3g} s; give {LEAST} periods of it at least"
+        )
+    if asked * period > ALIAS:
+        said.append(
+            f"{name}: a cutoff of {asked:.3g} Hz is beyond what {1 / period:.4g} samples a "
+            f"second hold; {ALIAS / period:.3g} Hz are used."
+        )
+    return min(asked, ALIAS / period)
+
+
+def _agreed(
+    name: str,
+    grids: list[dict[str, np.ndarray]],
+    rig: RigFile,
+    period: float,
+    asked: float | None,
+    said: list[str],
+) -> None:
+    """A measured speed with its scale and on the position's time; without it, where it is none."""
+    if rig.velocity is None or rig.position is None or "velocity" not in grids[0]:
+        return
+    title = f"{name}: '{rig.velocity.column}'"
+    given = [grid.pop("velocity") for grid in grids]
+    cutoff = _cutoff(name, grids, period, asked or rig.filter.cutoff, [])
+    derived = [rates(smooth(grid["position"], cutoff, period), period)[0] for grid in grids]
+    found = agreement([smooth(v, cutoff, period) for v in given], derived, period)
+    if found is None:
+        said.append(f"{title} is no derivative of the position and was left out.")
+        return
+    if found.scale != 1.0:
+        said.append(f"{title} is {found.scale:.3g} times the derivative of the position; scaled.")
+    if found.late:
+        when = "late" if found.late > 0 else "early"
+        said.append(f"{title} is {1e3 * abs(found.late) * period:.3g} ms {when}; aligned.")
+    noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
+    if noise > acceleration_noise(grids[0]["position"], 2, cutoff, period):
+        said.append(f"{title} is noisier than the derivative of the position and was left out.")
+        return
+    for grid, values in zip(grids, given, strict=True):
+        grid["velocity"] = shifted(values, found.late) / found.scale
+
+
+def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
+    """The pieces that move and of which rows are compared; what is left out is said.
+
+    Raises NothingLeft where that is all, DataError where thinning leaves too few rows.
+    """
+    rows = sum(len(p.q) for p in made.pieces)
+    shares = [f"{n / rows:.1%} of the rows left out{why}" for why, n in lost.items() if n]
+    span = max(float(np.ptp(p.q)) for p in made.pieces)
+    moves = [p for p in made.pieces if rig.rows.standstill == "keep" or not stands(p.q, span)]
+    used = sum(int(p.use.sum()) for p in moves) * made.period
+    checks.enough(made.name, used, "; ".join(shares))
+    kept = made.worth(moves)
+    compared = sum(int(p.use[:: made.every].sum()) for p in kept)
+    if compared < FEWEST:
+        raise DataError(
+            f"{made.name}: {compared} rows are compared, one of {made.every}; {FEWEST} are needed "
+            "(filter.decimate)"
+        )
+    skipped = [(len(made.pieces) - len(moves), "stand"), (len(moves) - len(kept), "hold no rows")]
+    made.said.extend(f"{made.name}: {text}." for text in shares)
+    made.said.extend(f"{made.name}: {n} pieces that {why} skipped." for n, why in skipped if n)
+    return kept

@@ -1,42 +1,56 @@
 """Which rows of a trial are compared: not its ends, not those at saturation or too slow."""
 
+from collections import Counter
+
 import numpy as np
 
 from spirob.machine.rig import RigFile
 
 FULL = 0.98  # of the drive's limit counts as saturated
 STUCK = 5  # equal extreme values in a row are a limit that nobody declared
+EDGE = 2.5  # periods of the cutoff: so far from an end, acceleration as compared is good to 3 %
+STILL = 1e-3  # of a log's stroke: a piece that moves by less stands
 
 
 def usable(
-    name: str,
     effort: np.ndarray,
     v: np.ndarray,
+    filled: np.ndarray,
     rig: RigFile,
     period: float,
     cutoff: float,
-    said: list[str],
+    lost: Counter[str],
 ) -> np.ndarray:
-    """Rows that are compared, (n,); effort unfiltered, v filtered, both in SI."""
+    """Rows of a piece that are compared, (n,).
+
+    effort  unfiltered, v filtered, both in SI;  filled  rows that the log does not hold
+    lost    gets how many rows are left out for which reason
+    """
     use = np.ones(len(v), bool)
     drop = rig.filter.drop
     if drop is None:
-        drop = round(6.0 / (cutoff * period))
+        drop = round(EDGE / (cutoff * period))
     use[:drop] = False
-    use[len(use) - drop :] = False
+    use[max(len(use) - drop, 0) :] = False
     reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
-    full = _saturated(effort, rig)
-    if full.any():
-        use &= ~widened(full, reach)
-        said.append(f"{name}: {full.mean():.1%} of the rows left out, where the drive saturates.")
     unit = rig.speed_scale
+    out = {
+        ", where samples are lost": widened(filled, reach),
+        ", where the drive saturates": widened(_saturated(effort, rig), reach),
+    }
     if rig.rows.minimum_speed is not None:
-        slow = np.abs(v) < unit * rig.rows.minimum_speed
-        use &= ~slow
-        said.append(f"{name}: {slow.mean():.1%} of the rows left out as too slow.")
+        out[" as too slow"] = np.abs(v) < unit * rig.rows.minimum_speed
     if rig.rows.maximum_speed is not None:
-        use &= np.abs(v) <= unit * rig.rows.maximum_speed
+        out[" as too fast"] = np.abs(v) > unit * rig.rows.maximum_speed
+    for why, rows in out.items():
+        lost[why] += int(rows.sum())
+        use &= ~rows
     return use
+
+
+def stands(q: np.ndarray, stroke: float) -> bool:
+    """Whether a piece stands, its positions being (n,), where its log has a stroke."""
+    return float(np.ptp(q)) <= STILL * stroke
 
 
 def _saturated(effort: np.ndarray, rig: RigFile) -> np.ndarray:

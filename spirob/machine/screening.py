@@ -28,7 +28,7 @@ ABSORBED = (
 )
 
 
-Columns = dict[tuple[str | float, ...], np.ndarray]  # amplitude, shape numbers that matter to it
+Columns = dict[tuple[object, ...], np.ndarray]  # amplitude, shape numbers that matter to it
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from spirob.errors import ConfigError
 from spirob.machine.body import RigidBody
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
@@ -39,5 +40,12 @@ def sizes_of(
         axis_unit=rig.axis,
     )
     fast = float(np.quantile(np.abs(v), 0.95))
-    given = rig.rest_speed and rig.rest_speed * rig.speed_scale
-    return sizes, given or REST * fast
+    if rig.rest_speed is None:
+        return sizes, REST * fast
+    speed, unit = rig.speed_scale, rig.motion.unit.removesuffix("/s")
+    if rig.rest_speed * speed >= fast:
+        raise ConfigError(
+            f"rest_speed: {rig.rest_speed:g} is no speed of rest, as the axis moves at "
+            f"{fast / speed:.3g} {unit}/s; about a hundredth of that is usual"
+        )
+    return sizes, rig.rest_speed * speed

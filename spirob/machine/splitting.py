@@ -26,16 +26,20 @@ def split(
         needed = round(SHORTEST / recording.period)
         if long < needed:
             raise TooShort(recording.name, long, needed, "a log that is to be divided")
-        piece = max(recording.pieces, key=lambda p: len(p.q))
-        cut = round((1.0 - KEPT) * len(piece.q))
-        index = np.arange(len(piece.q))
-        others = [p for p in recording.pieces if p is not piece]
-        early = replace(piece, use=piece.use & (index < cut))
-        late = replace(piece, use=piece.use & (index >= cut))
-        kept.append(replace(recording, pieces=[*others, early]))
-        held.append(replace(recording, name=f"{recording.name} (end)", pieces=[late]))
+        counted = np.cumsum(np.concatenate([p.use for p in recording.pieces]))
+        late = counted > (1.0 - KEPT) * counted[-1]
+        kept.append(_part(recording, recording.name, ~late))
+        held.append(_part(recording, f"{recording.name} (end)", late))
     said = [
         f"No held-out log was given: the last {KEPT:.0%} of each training log was kept aside, and "
         "the rest is judged on blocks. Blocks of one trial share its start, load and temperature."
     ]
     return kept, held, said
+
+
+def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:
+    """The recording with some rows compared only, a mask over all pieces in a row."""
+    ends = np.cumsum([len(p.q) for p in recording.pieces])
+    masks = np.split(rows, ends[:-1])
+    pieces = [replace(p, use=p.use & m) for p, m in zip(recording.pieces, masks, strict=True)]
+    return replace(recording, name=name, pieces=recording.worth(pieces))

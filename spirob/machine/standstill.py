@@ -27,7 +27,8 @@ def without_holds(
             use = piece.use & ~holds(piece.v, rest_speed, recording.period)
             pieces.append(replace(piece, use=use))
             used, left = used + int(piece.use.sum()), left + int(use.sum())
-        if left < LEAST * used:
+        pieces = recording.worth(pieces)
+        if not pieces or left < LEAST * used:
             kept.append(recording)
             said.append(f"{recording.name}: the axis stands most of the time.")
             continue

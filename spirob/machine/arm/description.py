@@ -35,6 +35,7 @@ class ArmFile(Entry):
                  A list of names is read as a mapping of each to None
     known        numbers of the model, or of effects that it holds, by name; they are not fitted
     effects      those that the model holds already
+    dbc          file beside the description that decodes the frames of a CAN log
     filter, rows of what is compared
     """
 
@@ -47,6 +48,7 @@ class ArmFile(Entry):
     known: dict[str, float] = {}
     fit: dict[str, Bounded | None] = dict.fromkeys(FITTED)
     effects: list[str] = []
+    dbc: str | None = None
     filter: ArmFilter = ArmFilter()
     rows: ArmRows = ArmRows()
 
@@ -100,6 +102,11 @@ class ArmFile(Entry):
     def fitted(self) -> dict[str, Bounded | None]:
         """What is fitted: those of `fit`, of which the usual ones give way to what is known."""
         return {name: bounds for name, bounds in self.fit.items() if name not in self.known}
+
+    def columns(self) -> list[str]:
+        """Names of the columns that the description needs."""
+        motors = [c for m in self.motors().values() for c in (m.position, m.effort)]
+        return [column.column for column in (self.time, *motors)]
 
     def motors(self) -> dict[str, MotorColumns]:
         """Both motors by name, in the order of the model."""

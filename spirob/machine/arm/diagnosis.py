@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from spirob.diagnose.again import proposed
@@ -18,10 +17,11 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
 from spirob.identify.sense import SENSE, SUSPECTS, explained
+from spirob.logs.readers import Table
 from spirob.machine.arm.blocks import block
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
-from spirob.machine.arm.replay import read_arm_trial
+from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import roles
 from spirob.plant import Plant
 
@@ -29,16 +29,17 @@ SENSELESS = "No verdict: the data or the model do not fit together."
 
 
 def read(
-    rig: ArmFile, train: Sequence[Path | str], test: Sequence[Path | str]
+    rig: ArmFile, train: Sequence[Table], test: Sequence[Table]
 ) -> tuple[dict[str, list[Measurement]], list[str]]:
     """The logs by role, and what was repaired in them."""
-    parts, divided = roles(train, test)
-    logs = {log: read_arm_trial(log, rig, "train") for log in (*train, *test)}
+    tables = [*train, *test]
+    parts, divided = roles(range(len(train)), range(len(train), len(tables)))
+    logs = [arm_trial(table, rig, "train") for table in tables]
     trials = {
         role: [replace(block(logs[part.log][0], part), role=role) for part in of]
         for role, of in parts.items()
     }
-    said = [text for _, texts in logs.values() for text in texts]
+    said = [text for _, texts in logs for text in texts]
     names = ", ".join(t.name for t in trials["validate"])
     chosen = f"Effects are chosen by {names}, which no fit has seen."
     return trials, [*said, *divided, chosen]

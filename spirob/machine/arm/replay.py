@@ -8,7 +8,6 @@ what the controller adds is the model's own error.
 """
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
@@ -16,12 +15,12 @@ from spirob.control.law import CURRENT, DISPLACEMENT
 from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
-from spirob.logs.readers import read_table
-from spirob.machine import checks
+from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
-from spirob.machine.rig import TIME_UNITS, Column
+from spirob.machine.grids import Logged, even_grids
+from spirob.machine.rig import Column
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
@@ -30,26 +29,16 @@ MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
 ROOM = 2.0  # times the largest current: the model's command never reaches its limit
 
 
-def read_arm_trial(path: Path | str, rig: ArmFile, role: str) -> tuple[Measurement, list[str]]:
+def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[str]]:
     """A log as a trial of the model, and sentences about what was repaired.
 
     Raises MissingChannel and DataError in a sentence that names the file.
     """
-    motors = [c for motor in rig.motors().values() for c in (motor.position, motor.effort)]
-    wanted = [column.column for column in (rig.time, *motors)]
-    table = read_table(path, wanted, getattr(rig, "dbc", None))
-    for name in wanted:
-        table.column(name)
+    for column in rig.columns():
+        table.column(column)
     time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
-    rig = rig.model_copy(update={"time": time})
-    return arm_trial(table.name, table.columns, rig, role, table.said)
-
-
-def arm_trial(
-    name: str, columns: Mapping[str, np.ndarray], rig: ArmFile, role: str, said: list[str]
-) -> tuple[Measurement, list[str]]:
-    """Columns in the log's own units as a trial; see `read_arm_trial`."""
-    values = _regular(name, columns, rig, said)
+    name, said = table.name, list(table.said)
+    values = _regular(name, table.columns, rig.model_copy(update={"time": time}), said)
     displacement = np.column_stack([values[f"{m}.position"] for m in MOTORS])
     current = np.column_stack([values[f"{m}.effort"] for m in MOTORS])
     motion, held = (
@@ -82,24 +71,22 @@ def _regular(
     for column in (rig.time, *wanted.values()):
         if column.column not in columns:
             raise MissingChannel(name, column.column, list(columns))
-    seconds = _scaled(rig.time, columns) * TIME_UNITS[rig.time.unit]
-    raw = {key: np.asarray(columns[c.column], float) for key, c in wanted.items()}
-    scaled = {f"{key} scaled": _scaled(c, columns) for key, c in wanted.items()}
-    seconds, kept = checks.regular_time(name, seconds, {**raw, **scaled}, said)
+    cells = {key: np.asarray(columns[c.column], float) for key, c in wanted.items()}
+    scaled = {key: _scaled(c, columns) for key, c in wanted.items()}
+    stamps = np.asarray(columns[rig.time.column], float)
+    _, grids = even_grids(Logged(name, rig.time, stamps, wanted, cells, scaled), said)
+    if len(grids) != 1:
+        broken = next(text for text in reversed(said) if "cut there" in text)
+        raise DataError(
+            f"{broken.removesuffix('.')}, but the model plays a log from its beginning to its end; "
+            "give whole ones"
+        )
+    even = np.arange(grids[0]["time"][0], grids[0]["time"][-1], CYCLE)
     values = {}
-    for key, column in wanted.items():
-        found = checks.finite(name, column.column, kept[f"{key} scaled"], said)
-        if key.endswith("position"):
-            checks.moving(name, column.column, found)
-            found = checks.position(name, column.column, found, kept[key], seconds, said)
+    for key in wanted:
         of = rig.motors()[key.partition(".")[0]]
         si = of.amperes if key.endswith("effort") else of.metres(rig.machine())
-        values[key] = found * si
-    _, grids = checks.regular_grid(name, seconds, values, said)
-    if len(grids) != 1:
-        raise DataError(f"{name}: a gap; the model plays a log from its beginning, give whole ones")
-    even = np.arange(0.0, grids[0]["time"][-1], CYCLE)
-    values = {key: np.interp(even, grids[0]["time"], grids[0][key]) for key in values}
+        values[key] = si * np.interp(even, grids[0]["time"], grids[0][key])
     begin = round(BEGIN / CYCLE)
     for motor in MOTORS:
         values[f"{motor}.position"] -= np.median(values[f"{motor}.position"][:begin])

@@ -2,19 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from spirob.machine.splitting import KEPT
 
-Log = Path | str
 CHOOSING = 0.2  # of a log that is the only one to fit: it chooses between effects
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a log, from one share of its length up to another."""
+    """A part of a log, called by its number, from one share of its length up to another."""
 
-    log: Log
+    log: int
     begin: float = 0.0
     end: float = 1.0
 
@@ -24,7 +22,7 @@ class Part:
         return (self.begin, self.end) == (0.0, 1.0)
 
 
-def roles(train: Sequence[Log], test: Sequence[Log]) -> tuple[dict[str, list[Part]], list[str]]:
+def roles(train: Sequence[int], test: Sequence[int]) -> tuple[dict[str, list[Part]], list[str]]:
     """Parts of logs by role, and sentences that say where a log was divided.
 
     The last third of the training logs chooses between effects; of a single one its last block

@@ -160,7 +160,7 @@ def test_a_counter_that_wraps_is_continued_with_a_note():
     plain = MAP | {"time": {"column": "t", "unit": "us"}}
     trace, notes = made({"t": (2.0**32 - 1e5 + 1e6 * T) % 2**32}, plain)
     np.testing.assert_array_equal(np.diff(trace.time_ns), 1_000_000)
-    assert any("wrapped 1 times" in note for note in notes)
+    assert any("wrapped once" in note for note in notes)
 
 
 def test_equal_stamps_missing_stamps_and_gaps_are_said():
@@ -188,7 +188,7 @@ def test_a_row_out_of_place_is_put_in_order_with_a_note():
 @pytest.mark.parametrize(
     ("stamps", "sentence"),
     [
-        (1e3 * T[::-1], "time runs backwards 399 times, first at row 1"),
+        (1e3 * T[::-1], "time runs backwards in 399 of 400 rows, first in row 2"),
         (np.full(N, np.nan), "fewer than two rows have a time"),
         (1e30 * T, "beyond what nanoseconds can hold"),
     ],

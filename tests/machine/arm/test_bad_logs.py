@@ -9,6 +9,7 @@ from spirob.effects import all_effects
 from spirob.errors import DataError
 from spirob.identify.residual import Residual
 from spirob.identify.sense import SENSE, explained
+from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
 from spirob.plant import Plant
@@ -69,30 +70,31 @@ def test_one_exchanged_log_among_good_ones_is_named(tmp_path):
 
 def test_a_few_missing_values_are_bridged_and_said(columns):
     torn = changed(columns, "right current", [300, 301, 700], np.nan)
-    trial, said = arm_trial("log", torn, rig(), "train", [])
+    trial, said = arm_trial(Table("log", torn), rig(), "train")
     assert np.isfinite(trial.current).all()
-    assert "log: 3 missing values of 'right current' were bridged by a straight line." in said
+    assert "log: 3 missing values of 'right current' were bridged." in said
 
 
 @pytest.mark.parametrize("name", ["left angle", "right current"])
 def test_many_missing_values_are_refused(columns, name):
     torn = changed(columns, name, slice(300, 600), np.nan)
-    with pytest.raises(DataError, match=f"log: column '{name}' has no number in 300 of"):
-        arm_trial("log", torn, rig(), "train", [])
+    with pytest.raises(DataError, match=f"log: '{name}' has no number in 300 rows"):
+        arm_trial(Table("log", torn), rig(), "train")
 
 
 @pytest.mark.parametrize("name", ["left angle", "right angle"])
 def test_a_constant_position_is_refused(columns, name):
     stuck = changed(columns, name, slice(None), 7.0)
     with pytest.raises(DataError, match=f"log: column '{name}' is constant at"):
-        arm_trial("log", stuck, rig(), "train", [])
+        arm_trial(Table("log", stuck), rig(), "train")
 
 
 def test_a_constant_current_is_said_and_makes_no_sense_where_it_does_the_work(columns):
-    _, said = arm_trial("log", changed(columns, "right current", slice(None), 250.0), rig(), "", [])
+    still = changed(columns, "right current", slice(None), 250.0)
+    _, said = arm_trial(Table("log", still), rig(), "")
     assert "log: 'right current' is constant at 0.25 A, taken as commanded." in said
     stuck = changed(columns, "left current", slice(None), 250.0)
-    trial, said = arm_trial("log", stuck, rig(), "train", [])
+    trial, said = arm_trial(Table("log", stuck), rig(), "train")
     assert "log: 'left current' is constant at 0.25 A, taken as commanded." in said
     residual = Residual(Plant(rig().machine()), [trial])
     assert explained(residual, residual({}))["log"] < SENSE
@@ -102,19 +104,19 @@ def test_two_constant_currents_are_refused(columns):
     still = np.zeros_like(columns["ms"])
     stuck = {**columns, "left current": still, "right current": still}
     with pytest.raises(DataError, match="log: 'left current' and 'right current' are constant"):
-        arm_trial("log", stuck, rig(), "train", [])
+        arm_trial(Table("log", stuck), rig(), "train")
 
 
 def test_a_position_that_jumps_is_refused(columns):
     span = np.ptp(columns["left angle"])
     lost = changed(columns, "left angle", slice(900, None), lambda values: values + 0.2 * span)
     with pytest.raises(DataError, match="log: 'left angle' jumps by"):
-        arm_trial("log", lost, rig(), "train", [])
+        arm_trial(Table("log", lost), rig(), "train")
 
 
 def test_single_spikes_of_a_position_are_bridged_and_said(columns):
     spiked = changed(columns, "left angle", [500, 900], lambda values: values + 4096.0)
-    whole, said = arm_trial("log", spiked, rig(), "train", [])
-    clean, _ = arm_trial("log", columns, rig(), "train", [])
+    whole, said = arm_trial(Table("log", spiked), rig(), "train")
+    clean, _ = arm_trial(Table("log", columns), rig(), "train")
     assert np.abs(whole.displacement - clean.displacement).max() < 1e-4  # m
     assert any("jumps of 'left angle' out and back were bridged" in text for text in said)

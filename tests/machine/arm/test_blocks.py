@@ -10,6 +10,7 @@ from spirob.diagnose.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import DataError, TooShort
 from spirob.identify.residual import Residual
+from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.blocks import block
 from spirob.machine.arm.page import overlay
@@ -25,7 +26,7 @@ HALVES = (Part("log", 0.0, 0.5), Part("log", 0.5, 1.0))
 
 @pytest.fixture(scope="module")
 def trial():
-    return arm_trial("log", long_log({}), rig(), "train", [])[0]
+    return arm_trial(Table("log", long_log({})), rig(), "train")[0]
 
 
 @pytest.fixture(scope="module")

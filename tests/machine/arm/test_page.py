@@ -9,6 +9,7 @@ import pytest
 from spirob.cli.main import main
 from spirob.effects import all_effects
 from spirob.identify.residual import Residual
+from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.shown import laws
@@ -25,7 +26,7 @@ LOGS = (("train", 0), ("train", 1), ("validate", 0), ("heldout", 0))
 def held():
     """The residual of a held-out log in which the right motor works."""
     columns = log("heldout", 0, TRUE, [FRICTION])
-    trial, _ = arm_trial("log", columns, rig(rows={"minimum_speed": 20.0}), "heldout", [])
+    trial, _ = arm_trial(Table("log", columns), rig(rows={"minimum_speed": 20.0}), "heldout")
     return Residual(Plant(rig().machine(), [FRICTION]), [trial])
 
 

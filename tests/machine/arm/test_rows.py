@@ -14,6 +14,7 @@ from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
 from spirob.identify.near import Near, near
 from spirob.identify.residual import STILL, Residual
+from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.loading import load_rig
@@ -43,7 +44,7 @@ def clipped(columns):
 
 
 def trial_of(columns, arm):
-    return arm_trial("log", columns, arm, "train", [])
+    return arm_trial(Table("log", columns), arm, "train")
 
 
 def test_without_the_keys_all_of_a_log_is_compared(columns):

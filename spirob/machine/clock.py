@@ -1,0 +1,163 @@
+"""The time of each row of a trial, as its stamps and the smoothness of its motion tell.
+
+Stamps may be coarse, late or in bursts, and then an even clock lies behind them; or the rows were
+read at uneven times, and then they are right.  Under the right one the signals are smoother.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.errors import DataError, NothingLeft, TooShort
+from spirob.logs.even_clock import EvenClock, even_clock
+from spirob.logs.stamps import GAP, Ordered, ordered
+
+SHORTEST = 1.0  # s
+FEWEST = 40  # samples
+SLOWEST, FASTEST = 10.0, 1e6  # Hz, of a usable log
+REPEATED = 0.9  # of the rows that share their stamp say nothing new: the log repeats itself
+AGAIN = 1.0  # s put between two stretches of a clock that starts again
+SMOOTHER = 0.1  # by which the signals are where it decides
+SHARED = 1.1  # rows to a stamp: more is a coarse clock, fewer are slips
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Rows of a log that are used, in order.
+
+    rows     index into the log, (n,);  seconds  since the first, (n,), strictly increasing
+    period   of the samples [s];  begins  rows, counted among the used, where the clock starts again
+    """
+
+    rows: np.ndarray
+    seconds: np.ndarray
+    period: float
+    begins: np.ndarray
+
+    @property
+    def longest(self) -> float:
+        """Seconds without a sample that are still bridged."""
+        return bridged(self.period)
+
+
+def bridged(period: float) -> float:
+    """Seconds without a sample that are bridged; motors take tens of milliseconds to move."""
+    return max(GAP * period, 0.025)
+
+
+def clock_of(
+    where: str,
+    stamps: np.ndarray,
+    unit: float,
+    signals: Mapping[str, np.ndarray],
+    said: list[str],
+) -> Clock:
+    """The clock of a trial from its stamps, (N,), `unit` seconds each, and its signals, (N,) each.
+
+    Raises DataError where the column is no time, or too slow or fast; NothingLeft and TooShort
+    where the log is short.
+    """
+    found = _without_repeats(where, ordered(where, stamps, unit, said), signals, said)
+    if len(found.rows) < FEWEST:
+        raise TooShort(where, len(found.rows), FEWEST, "a diagnosis")
+    values = unit * (found.stamps - found.stamps[0])
+    parts = np.split(np.arange(len(values)), found.begins[1:])
+    parts = [p for p in parts if len(np.unique(values[p])) >= 3]
+    length = sum(float(np.ptp(values[p])) for p in parts)
+    if not SHORTEST <= length < np.inf:
+        raise NothingLeft(
+            f"{where}: {length:.3g} s long, a trial needs at least {SHORTEST:g} s; is the unit of "
+            "time right?"
+        )
+    clocks = [even_clock(values[p]) for p in parts]
+    sizes = [len(p) for p in parts]
+    period = float(np.median(np.repeat([c.period for c in clocks], sizes)))
+    if not SLOWEST <= 1.0 / period <= FASTEST:
+        raise DataError(
+            f"{where}: {1.0 / period:.3g} samples a second; between {SLOWEST:g} and {FASTEST:g} "
+            "can be used; is the unit of time right?"
+        )
+    rows = [found.rows[p] for p in parts]
+    seconds = [part - part[0] for part in _chosen(where, clocks, rows, signals, said)]
+    for k in range(1, len(seconds)):
+        seconds[k] += seconds[k - 1][-1] + AGAIN
+    begins = np.cumsum(sizes)[:-1]
+    return Clock(np.concatenate(rows), np.concatenate(seconds), period, begins)
+
+
+def _without_repeats(
+    where: str, found: Ordered, signals: Mapping[str, np.ndarray], said: list[str]
+) -> Ordered:
+    """Rows that share their stamp and hold what is in the row before were logged twice."""
+    shared = np.diff(found.stamps) == 0
+    same = shared.copy()
+    for values in signals.values():
+        one, two = values[found.rows[:-1]], values[found.rows[1:]]
+        same &= (one == two) | (np.isnan(one) & np.isnan(two))
+    if not same.any() or same.sum() < REPEATED * shared.sum():
+        return found
+    said.append(f"{where}: {int(same.sum())} rows that repeat the one before were dropped.")
+    keep = np.concatenate([[True], ~same])
+    begins = np.cumsum(keep)[found.begins] - 1
+    return Ordered(found.rows[keep], found.stamps[keep], begins)
+
+
+def _chosen(
+    where: str,
+    clocks: list[EvenClock],
+    rows: list[np.ndarray],
+    signals: Mapping[str, np.ndarray],
+    said: list[str],
+) -> list[np.ndarray]:
+    """Seconds of the rows of each stretch: by the stamps, or even where that is smoother."""
+    if all(c.even is None for c in clocks):
+        return [c.given for c in clocks]
+    even = [c.given if c.even is None else c.even for c in clocks]
+    given = [_rising(c.given, c.period) for c in clocks]
+    longest = max(range(len(rows)), key=lambda k: len(rows[k]))
+    gain = 0.0
+    for values in signals.values():
+        one, two = (_roughness(t[longest], values[rows[longest]]) for t in (even, given))
+        gain += np.log(two / one) if one > 0 and two > 0 else 0.0
+    shared = max(c.shared for c in clocks)
+    is_even = gain > (-SMOOTHER if shared > SHARED else SMOOTHER)
+    moved = max(
+        float(np.abs(np.diff(g - e)).max() / c.period)
+        for e, g, c in zip(even, given, clocks, strict=True)
+    )
+    if shared > SHARED:
+        how = "spread evenly" if is_even else "spread up to the next"
+        said.append(
+            f"{where}: the clock is coarser than the samples, {shared:.3g} rows to a stamp; rows "
+            f"were {how}, {clocks[longest].period:.4g} s apart."
+        )
+    elif is_even:
+        said.append(
+            f"{where}: stamps are uneven by up to {moved:.0%} of a sample; the signals are "
+            "smoother on an even clock, which was used."
+        )
+    else:
+        said.append(f"{where}: samples are uneven by up to {moved:.0%}; put on an even grid.")
+    return even if is_even else given
+
+
+def _rising(seconds: np.ndarray, period: float) -> np.ndarray:
+    """Times that rise by a thousandth of a period at least."""
+    least = 1e-3 * period * np.arange(len(seconds))
+    return np.asarray(np.maximum.accumulate(seconds - least) + least)
+
+
+def _roughness(seconds: np.ndarray, values: np.ndarray) -> float:
+    """By how much a row is off the cubic through the two rows before and the two behind it."""
+    good = np.isfinite(values)
+    t, y = seconds[good], values[good]
+    if len(t) < 5:
+        return 0.0
+    n = len(t) - 4
+    near = [(t[k : k + n], y[k : k + n]) for k in (0, 1, 3, 4)]
+    at, expected = t[2:-2], np.zeros(n)
+    for k, (time, value) in enumerate(near):
+        others = [other for j, (other, _) in enumerate(near) if j != k]
+        expected += value * np.prod([(at - o) / (time - o) for o in others], axis=0)
+    return float(np.median(np.abs(y[2:-2] - expected)))

@@ -1,0 +1,107 @@
+"""A position as the axis moved: wraps undone, spikes bridged, and the rows at which it jumps."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from spirob.errors import DataError
+from spirob.machine.unwrapping import Track, modulus_of, unwrapped
+
+FEW, LEAST = 0.01, 10  # share of a log that may be spikes or jumps, and how many at least
+UNUSUAL = ((0.98, 8.0), (0.9, 30.0))  # so many times what such a share of the rows does at most
+BACK = 0.2  # of a spike by which the position may have moved on behind it
+SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """A position without wraps and spikes, (n,), and the rows before which it jumps, (k,).
+
+    modulus  by which it wrapped; None where it did not
+    """
+
+    values: np.ndarray
+    jumps: np.ndarray
+    modulus: float | None
+
+
+def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
+    """The motion behind a logged position.
+
+    Raises DataError where it jumps too often to be one.
+    """
+    modulus = modulus_of(track)
+    spikes = _spikes(track, modulus)
+    if spikes.any():
+        said.append(f"{where}: {int(spikes.sum())} jumps of '{name}' out and back were bridged.")
+        track = track.without(spikes)
+    wraps = 0
+    if modulus is not None:
+        values, wraps, fast = unwrapped(track, modulus)
+        track = replace(track, values=values)
+        if wraps:
+            how = " by the speed before, as it turns by half and more in a row" if fast else ""
+            said.append(
+                f"{where}: '{name}' wraps round by {modulus:.4g}; unwrapped at {wraps} places{how}."
+            )
+    jumps = _jumps(where, name, track, said)
+    kept = np.flatnonzero(~spikes)
+    values = np.interp(np.arange(len(spikes)), kept, track.values)
+    return Repaired(values, kept[jumps], modulus if wraps else None)
+
+
+def _spikes(track: Track, modulus: float | None) -> np.ndarray:
+    """Single rows that lie apart while those beside them follow one another, a mask (n,)."""
+
+    def short(steps: np.ndarray) -> np.ndarray:
+        return steps if modulus is None else steps - modulus * np.rint(steps / modulus)
+
+    rates = short(np.diff(track.values)) * track.period / track.apart
+    off = short(short(np.diff(track.values)) - median_filter(rates, 5) * track.apart / track.period)
+    least = _unusual(off, track.values)
+    large = np.abs(off) > least
+    spikes = np.zeros(len(track.values), bool)
+    back = np.abs(short(off[:-1] + off[1:])) <= np.maximum(least, BACK * np.abs(off[1:]))
+    spikes[1:-1] = large[:-1] & large[1:] & back
+    return spikes if spikes.sum() <= max(LEAST, FEW * len(spikes)) else np.zeros_like(spikes)
+
+
+def _jumps(where: str, name: str, track: Track, said: list[str]) -> np.ndarray:
+    """Rows before which the position jumps, (k,)."""
+    rates = track.rates()
+    at = np.flatnonzero(_alone(rates, track.values))
+    if not len(at):
+        return at
+    first = np.diff(track.values)[at[0]]
+    usual = float(np.quantile(np.abs(rates), 0.98))
+    told = (
+        f"{where}: '{name}' jumps by {abs(first):.3g} at {track.seconds[at[0] + 1]:.4g} s, where "
+        f"{usual:.2g} a row is usual"
+    )
+    if len(at) > max(LEAST, FEW * len(rates)):
+        raise DataError(f"{told}, and {len(at)} times in all: lost counts, or a wrong unit?")
+    more = f" and {len(at) - 1} times more" if len(at) > 1 else ""
+    said.append(f"{told}{more}: lost counts or a reset; the log was cut there.")
+    return at + 1
+
+
+def _alone(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Steps that their neighbours know nothing of: a motor is fast for more than one sample.
+
+    A jump by J is off the mean of its neighbours by J, and throws each of them off by -J/2; the
+    start of a fast motion throws off one of them only.
+    """
+    padded = np.pad(steps, 1, mode="edge")
+    off = steps - 0.5 * (padded[:-2] + padded[2:])
+    beside = np.pad(off, 1)
+    large = np.abs(off) > _unusual(off, values)
+    return np.asarray(large & (np.abs(beside[:-2] + off + beside[2:]) < 0.4 * np.abs(off)))
+
+
+def _unusual(off: np.ndarray, values: np.ndarray) -> float:
+    """What a step has to be off its neighbours to be no motion of a position, (n,) values."""
+    low, high = np.quantile(values, [0.01, 0.99])
+    sizes = [times * float(np.quantile(np.abs(off), share)) for share, times in UNUSUAL]
+    least = min((size for size in sizes if size > 0), default=0.0)
+    return max(least, SEEN * float(high - low))

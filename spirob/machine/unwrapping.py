@@ -1,0 +1,135 @@
+"""A position that begins again after a turn, or after as much as its number holds, goes on.
+
+A wrapped step is the true one less a whole modulus.  The true one is less than half a modulus, or
+it continues the speed before; what a sensor's speed says tells turns that no row shows.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+LARGE = 0.5  # of the span: a step that no motion makes in one row
+FULL = 0.9  # of the modulus that the values span at least
+ALIKE = 0.75  # of the large steps say the same modulus, within
+WITHIN = 0.05  # of it
+SNAP = 2e-3  # of a usual modulus: what is so near is meant to be it
+LONG = 1.5  # periods between two rows: samples are lost between
+SLOW = 0.01  # moduli a row: what is slower stands
+TURNS = 4  # whole turns a row that are looked for at most, either way
+
+
+@dataclass(frozen=True)
+class Track:
+    """A position as it was logged, one finite value a row.
+
+    values   (n,);  seconds  (n,)
+    period   of the samples [s];  longest  seconds without a row after which anything may follow
+    usual    moduli that are known in the unit of the values, such as a turn
+    modulus  where it is known;  speed  (n,) by a sensor of its own, up to a factor, where there is
+    """
+
+    values: np.ndarray
+    seconds: np.ndarray
+    period: float
+    longest: float
+    usual: Sequence[float] = ()
+    modulus: float | None = None
+    speed: np.ndarray | None = None
+
+    @property
+    def apart(self) -> np.ndarray:
+        """Seconds from each row to the next, (n - 1,)."""
+        return np.diff(self.seconds)
+
+    def rates(self) -> np.ndarray:
+        """Change of the value over a period, (n - 1,); across gaps that of the rows beside."""
+        found = np.diff(self.values) * self.period / self.apart
+        index, far = np.arange(len(found)), self.apart > self.longest
+        return np.where(far, np.interp(index, index[~far], found[~far]), found)
+
+    def without(self, rows: np.ndarray) -> "Track":
+        """The track without some rows, a mask (n,)."""
+        speed = None if self.speed is None else self.speed[~rows]
+        return replace(self, values=self.values[~rows], seconds=self.seconds[~rows], speed=speed)
+
+
+def modulus_of(track: Track) -> float | None:
+    """The modulus of a position that wraps round; None where it does not.
+
+    A row that wraps differs from its neighbours by a whole modulus, at any speed.
+    """
+    if track.modulus is not None:
+        return track.modulus
+    steps = np.diff(track.values)[track.apart <= LONG * track.period]
+    span = float(np.ptp(track.values))
+    large = np.abs(steps) > LARGE * span
+    back = large[1:] & large[:-1] & (steps[1:] * steps[:-1] < 0)  # a spike, or on the edge
+    wraps = large & ~np.append(back, False) & ~np.insert(back, 0, False)
+    small = np.flatnonzero(~large)
+    if not wraps.any() or not len(small):
+        return None
+    beside = np.interp(np.arange(len(steps)), small, steps[small])
+    sizes = np.abs(steps - beside)[wraps]
+    size = float(np.median(sizes))
+    rough = 4.0 * float(np.median(np.abs(np.diff(steps[small])))) if len(small) > 1 else 0.0
+    if np.mean(np.abs(sizes - size) < WITHIN * size + rough) < ALIKE or span > size / FULL:
+        return None
+    if span < FULL * size - rough:
+        return None
+    for known in track.usual:
+        if abs(size - known) < SNAP * known + rough:
+            return float(known)
+    return size if len(sizes) > 1 else None
+
+
+def unwrapped(track: Track, modulus: float) -> tuple[np.ndarray, int, bool]:
+    """The values without wraps, (n,), how many there were, and whether some row turned by half."""
+    steps = np.diff(track.values)
+    near = steps - modulus * np.rint(steps / modulus)
+    true, fast = _continued(track, near, modulus)
+    wraps = int(np.count_nonzero(np.rint((true - steps) / modulus)))
+    return np.concatenate([track.values[:1], track.values[0] + np.cumsum(true)]), wraps, fast
+
+
+def _continued(track: Track, near: np.ndarray, modulus: float) -> tuple[np.ndarray, bool]:
+    """Steps of one speed after another, (n - 1,), from the shortest that each could be."""
+    apart, period = track.apart, track.period
+    known = np.flatnonzero(apart <= LONG * period)
+    if len(known) < 2:
+        return near, False
+    rates = near[known] * period / apart[known]
+    smooth = np.unwrap(rates, period=modulus)
+    fast = bool(np.abs(np.diff(rates)).max() > 0.5 * modulus)
+    fast = fast and bool(np.abs(np.diff(smooth)).max() < 0.5 * np.abs(np.diff(rates)).max())
+    if fast or track.speed is not None:
+        smooth = smooth if fast else rates
+        turns = _turns(track, known, smooth, modulus)
+        fast = fast or turns != 0
+        rates = smooth + turns * modulus
+    middle = track.seconds[:-1] + 0.5 * apart
+    expected = np.interp(middle, middle[known], rates) * apart / period
+    # where rows are lost, the shortest way is not the likeliest
+    expected[known] = rates * apart[known] / period
+    return near + modulus * np.rint((expected - near) / modulus), fast
+
+
+def _turns(track: Track, known: np.ndarray, rates: np.ndarray, modulus: float) -> int:
+    """Whole moduli a row that all rates lack: by the sensor of speed, else with the most rest."""
+    many = np.arange(-TURNS, TURNS + 1)
+    if track.speed is None:
+        speeds = np.abs(rates / modulus + many[:, None])
+        return int(many[int(np.argmin(np.log(speeds + SLOW).mean(axis=1)))])
+    told = 0.5 * (track.speed[:-1] + track.speed[1:])[known]
+    good = np.isfinite(told)
+    told = told[good]
+    power = float(np.dot(told, told))
+    if power == 0.0:
+        return 0
+    missed = []
+    for k in many:
+        tried = rates[good] + k * modulus
+        left = tried - told * (np.dot(tried, told) / power)
+        missed.append(float(np.dot(left, left) / max(np.dot(tried, tried), 1e-300)))
+    best = int(many[int(np.argmin(missed))])
+    return best if min(missed) < 0.5 * missed[TURNS] else 0

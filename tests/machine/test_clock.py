@@ -1,0 +1,85 @@
+"""Late stamps get an even clock, uneven rows keep theirs: the motion says which of them it is."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spirob.errors import DataError, NothingLeft, TooShort
+from spirob.machine.clock import clock_of
+
+RATE = 200.0
+
+
+def moved(seconds):
+    return {"q": np.sin(2.0 * seconds) + 0.2 * np.cos(9.0 * seconds)}
+
+
+@given(st.floats(0.3, 1.0), st.integers(0, 2**32))
+def test_late_stamps_and_uneven_rows_are_told_apart(size, seed):
+    rng = np.random.default_rng(seed)
+    even = np.arange(1500) / RATE
+    late = np.maximum.accumulate(even + size * rng.random(1500) / RATE)
+    said: list[str] = []
+    found = clock_of("log", late, 1.0, moved(even), said)
+    np.testing.assert_allclose(np.diff(found.seconds), 1 / RATE, rtol=1e-3)
+    assert "smoother on an even clock" in said[0]
+    said = []
+    found = clock_of("log", late, 1.0, moved(late), said)
+    np.testing.assert_allclose(found.seconds, late - late[0], atol=1e-2 / RATE)
+    assert "put on an even grid" in said[0]
+
+
+@given(st.integers(2, 30), st.floats(0.0, 1e9))
+def test_a_coarse_clock_is_spread_and_said(rows, origin):
+    even = np.arange(1500) / RATE
+    said: list[str] = []
+    stamps = origin + np.arange(1500) // rows * rows / RATE
+    found = clock_of("log", stamps, 1.0, moved(even), said)
+    off = found.seconds - even  # a common delay tells nothing
+    np.testing.assert_allclose(off, np.median(off), atol=0.5 / RATE)
+    assert f"coarser than the samples, {rows} rows to a stamp" in said[0]
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("origin", [0.0, -3.0, 1.7e9])
+def test_any_unit_and_origin(unit, origin):
+    even = np.arange(1500) / RATE
+    said: list[str] = []
+    found = clock_of("log", (origin + even) / unit, unit, moved(even), said)
+    np.testing.assert_allclose(found.seconds, even, atol=1e-6)
+    assert found.period == pytest.approx(1 / RATE, rel=1e-6)
+    assert said == []
+
+
+def test_rows_that_are_logged_twice_are_dropped():
+    even = np.arange(1500) / RATE
+    said: list[str] = []
+    twice = {"q": np.repeat(moved(even)["q"], 2)}
+    found = clock_of("log", np.repeat(even, 2), 1.0, twice, said)
+    np.testing.assert_allclose(found.seconds, even)
+    assert "1500 rows that repeat the one before were dropped" in said[0]
+
+
+def test_each_start_of_the_clock_begins_a_stretch():
+    even = np.arange(1500) / RATE
+    again = np.concatenate([even[:700], even[:500], even[:300]])
+    found = clock_of("log", again, 1.0, moved(even), [])
+    assert list(found.begins) == [700, 1200]
+    assert np.all(np.diff(found.seconds)[[699, 1199]] > found.longest)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "error", "sentence"),
+    [
+        (np.arange(30) / RATE, TooShort, "30 samples"),
+        (np.arange(100) / RATE, NothingLeft, r"0\.495 s long"),
+        (np.zeros(100), NothingLeft, "0 s long"),
+        (np.arange(100.0), DataError, "1 samples a second.*is the unit of time right"),
+        (1e300 * np.arange(100.0), DataError, "is the unit of time right"),
+        (1e-7 * np.arange(2e7), DataError, r"1e\+07 samples a second"),
+    ],
+)
+def test_no_usable_clock_is_one_sentence(stamps, error, sentence):
+    with pytest.raises(error, match=sentence):
+        clock_of("log", stamps, 1.0, {"q": np.arange(len(stamps))}, [])

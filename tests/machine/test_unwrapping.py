@@ -1,0 +1,120 @@
+"""A known motion is found again modulo anything, at any speed, with samples lost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from spirob.errors import DataError
+from spirob.machine.positions import repaired
+from spirob.machine.unwrapping import Track, modulus_of, unwrapped
+
+TURN = 2 * np.pi
+MODULI = st.sampled_from([TURN, 2 * TURN, 0.5 * TURN, 25.0, 360.0, 4096.0, 1.0])
+
+
+def motion(seconds, fastest, rng):
+    """Positions of an axis that begins at rest and wanders, (n,); fastest per second."""
+    tones, phases = rng.uniform(0.2, 0.8, 3), rng.uniform(0, TURN, 3)
+    speed = np.sum(np.sin(TURN * np.outer(seconds, tones) + phases), axis=1)
+    speed *= np.clip(0.5 * seconds - 1, 0, 1) ** 2
+    return np.cumsum(np.gradient(seconds) * fastest * speed / np.abs(speed).max())
+
+
+def spun(modulus, fastest, lost, seed):
+    """The true motion and its track modulo something; `fastest` in moduli a sample."""
+    rng = np.random.default_rng(seed)
+    seconds = 0.01 * np.arange(1200)
+    true = motion(seconds, 100 * fastest * modulus, rng)
+    keep = rng.random(len(true)) >= lost
+    values = np.mod(true[keep] + rng.uniform(0, modulus), modulus)
+    return true[keep], Track(values, seconds[keep], 0.01, 0.055)
+
+
+def same(found, true, modulus):
+    np.testing.assert_allclose(np.diff(found), np.diff(true), atol=1e-6 * modulus)
+
+
+@given(MODULI, st.floats(0.02, 0.45), st.floats(0.0, 0.1), st.integers(0, 2**32))
+def test_any_speed_below_half_a_modulus_a_sample(modulus, fastest, lost, seed):
+    true, track = spun(modulus, fastest, lost, seed)
+    assume(np.ptp(true) > 1.5 * modulus)
+    found = modulus_of(track)
+    assert found == pytest.approx(modulus, rel=0.02)
+    known, wraps, _ = unwrapped(track, modulus)
+    same(known, true, modulus)
+    assert wraps > 0
+    assert modulus_of(replace(track, usual=(0.9 * modulus, modulus))) == modulus
+
+
+@given(MODULI, st.floats(0.6, 2.0), st.floats(0.0, 0.1), st.integers(0, 2**32))
+def test_beyond_it_the_speed_before_tells_the_turns(modulus, fastest, lost, seed):
+    true, track = spun(modulus, fastest, lost, seed)
+    assert modulus_of(track) == pytest.approx(modulus, rel=0.05)
+    known, _, fast = unwrapped(track, modulus)
+    assert fast
+    same(known, true, modulus)
+
+
+@given(MODULI, st.integers(1, 3), st.floats(-0.4, 0.4), st.floats(-3, 3), st.integers(0, 2**32))
+def test_a_sensor_of_speed_tells_turns_that_no_row_shows(modulus, whole, part, scale, seed):
+    """Whole turns between two rows, all the time; the sensor is a scale off."""
+    assume(abs(scale) > 0.1)
+    true, track = spun(modulus, 0.1, 0.0, seed)
+    spin = 100 * modulus * (whole + part)
+    true = true + spin * track.seconds
+    log = replace(track, values=np.mod(true, modulus), speed=scale * np.gradient(true, 0.01))
+    known, _, _ = unwrapped(log, modulus)
+    same(known, true, modulus)
+
+
+@given(MODULI, st.floats(0.01, 0.2), st.integers(0, 2**32))
+def test_a_swing_over_the_edge_is_no_turn(modulus, size, seed):
+    rng = np.random.default_rng(seed)
+    seconds = 0.01 * np.arange(1200)
+    true = size * modulus * np.sin(TURN * 0.4 * seconds) + 1e-4 * modulus * rng.random(1200)
+    said: list[str] = []
+    found = repaired("log", "q", Track(np.mod(true, modulus), seconds, 0.01, 0.055), said)
+    np.testing.assert_allclose(np.diff(found.values), np.diff(true), atol=2e-3 * modulus)
+    assert "'q' wraps round by" in said[0]
+    assert found.modulus == pytest.approx(modulus, rel=1e-2)
+
+
+@given(MODULI, st.floats(0.02, 0.2), st.integers(0, 2**32))
+def test_spikes_in_a_wrapped_position_are_bridged(modulus, fastest, seed):
+    true, track = spun(modulus, fastest, 0.0, seed)
+    assume(np.ptp(true) > 1.5 * modulus)
+    rng = np.random.default_rng(seed)
+    rows = 20 * rng.choice(np.arange(2, 58), 4, replace=False)
+    values = track.values.copy()
+    values[rows] = np.mod(values[rows] + rng.uniform(0.3, 0.7, 4) * modulus, modulus)
+    found = repaired("log", "q", replace(track, values=values, usual=(modulus,)), [])
+    assert not len(found.jumps)
+    rest = np.delete(np.arange(1200), rows)
+    same(found.values[rest], true[rest], modulus)
+
+
+@pytest.mark.parametrize("reach", [0.5, 3.0, 40.0])
+def test_what_never_wraps_is_left_alone(reach):
+    seconds = 0.01 * np.arange(1200)
+    true = motion(seconds, reach, np.random.default_rng(1))
+    said: list[str] = []
+    found = repaired("log", "q", Track(true, seconds, 0.01, 0.055, usual=(TURN,)), said)
+    np.testing.assert_array_equal(found.values, true)
+    assert said == []
+    assert found.modulus is None
+
+
+def test_one_step_of_no_known_size_is_a_jump_and_many_are_refused():
+    seconds = 0.01 * np.arange(1200)
+    true = motion(seconds, 3.0, np.random.default_rng(1))
+    once = Track(true + 5.0 * (seconds > 6), seconds, 0.01, 0.055, usual=(TURN,))
+    said: list[str] = []
+    assert list(repaired("log", "q", once, said).jumps) == [601]
+    assert "'q' jumps by 5" in said[0]
+    assert "lost counts or a reset" in said[0]
+    often = replace(once, values=true + 5.0 * np.cumsum(np.arange(1200) % 60 == 0))
+    with pytest.raises(DataError, match=r"'q' jumps by .* and 19 times in all"):
+        repaired("log", "q", often, [])
