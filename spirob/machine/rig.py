@@ -5,9 +5,11 @@ behind the motor, filters and the rows that are left out.  Data, never code; an 
 error that says where it stands.
 """
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from spirob.given_number import Size, sized
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
@@ -18,13 +20,19 @@ EFFORTS = {  # kind -> unit -> factor to SI
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
     "torque": {"N·m": 1.0, "Nm": 1.0, "mN·m": 1e-3, "mNm": 1e-3},
 }
+MOST_EFFECTS = 100  # named in a description
 SI = {"current": "A", "voltage": "V", "force": "N", "torque": "N·m"}
 
 
 class Entry(BaseModel):
-    """Base of every part of the description: no unknown keys, no infinite numbers."""
+    """Base of every part of the description: no unknown keys, no number that none can mean."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @field_validator("*")
+    @classmethod
+    def _sized(cls, value: Any) -> Any:
+        return sized(value) if isinstance(value, float) else value
 
 
 class Column(Entry):
@@ -145,6 +153,15 @@ NUMBERS = {
 }
 
 
+def _each_once(names: list[str]) -> list[str]:
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise ValueError(f"'{twice[0]}' is given twice")
+    return names
+
+
+Effects = Annotated[list[str], Field(max_length=MOST_EFFECTS), AfterValidator(_each_once)]
+
+
 class RigFile(Entry):
     """A whole description; `spirob.machine.loading.load_rig` reads it.
 
@@ -165,14 +182,14 @@ class RigFile(Entry):
     reference: Column | None = None
     predict: Literal["effort", "motion", "closed_loop"] = "effort"
     control: Control | None = None
-    known: dict[str, float] = {}
+    known: dict[str, Size] = {}
     fit: dict[str, Bounded] = {}
     body: Body | Literal["none"] = "none"
     filter: FilterSettings = FilterSettings()
     rows: Rows = Rows()
     rest_speed: float | None = Field(default=None, gt=0)
     gear: float | None = Field(default=None, gt=0)
-    effects: list[str] = []
+    effects: Effects = []
 
     @field_validator("known", "fit")
     @classmethod

@@ -8,6 +8,8 @@ from spirob.errors import ConfigError
 from spirob.parameter import Numbers
 from spirob.plant.nominal import COMPONENTS, Arm, Drive, Motor, Tendon, Winch
 
+MOST_UNITS = 200  # of an arm; each is a hinge of the model
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -36,8 +38,10 @@ class Rig:
                 chosen[key] = parts[key].from_mapping(value)
             elif key == "name":
                 chosen[key] = str(value)
-            elif key == "units" and isinstance(value, int):
-                chosen[key] = value
+            elif key == "units":
+                if not (isinstance(value, int) and 1 <= value <= MOST_UNITS):
+                    raise ConfigError(f"units: 1 to {MOST_UNITS} can be modelled, got {value!r}")
+                chosen[key] = int(value)
             else:
                 known = ", ".join(["name", "units", *parts])
                 raise ConfigError(f"rig has no part '{key}'; it has: {known}")
