@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from pipeline.schema import Config, validated
+from spirob.ending import signals_raised
 from spirob.errors import DataError, MissingLog, SpirobError
 from spirob.logs.atomic import write_text
 
@@ -22,7 +23,8 @@ FAILED, INTERRUPTED = 2, 130
 def run(name: str, stage: Callable[[Path], None]) -> None:
     """Run a stage in the current folder; a user's mistake becomes one sentence and code 2."""
     try:
-        stage(Path("."))
+        with signals_raised():
+            stage(Path("."))
     except SpirobError as error:
         print(f"{name}: {error}", file=sys.stderr)
         sys.exit(FAILED)

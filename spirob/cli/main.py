@@ -13,6 +13,7 @@ from types import ModuleType
 
 from spirob.cli import commands
 from spirob.cli.exit_codes import DONE, MEANINGS, MISTAKE, STOPPED
+from spirob.ending import signals_raised
 from spirob.errors import SpirobError
 
 ABOUT = """\
@@ -41,7 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not hasattr(chosen, "run"):
         parser.print_help()
         return MISTAKE
-    return _guarded(chosen)
+    with signals_raised():
+        return _guarded(chosen)
 
 
 def command_line() -> argparse.ArgumentParser:

@@ -13,6 +13,7 @@ from spirob.cli.exit_codes import BUG, DONE, MISTAKE, STOPPED
 from spirob.cli.interrupted import discard_torn
 from spirob.cli.progress import Progress
 from spirob.cli.stages import keep_times, stages, times
+from spirob.ending import ended_together
 
 RUNNING = re.compile(r"^Running stage '(?P<stage>[\w@-]+)'")
 IDLE = re.compile(r"^Stage '(?P<stage>[\w@-]+)' (?P<why>didn't change|is cached)")
@@ -62,11 +63,9 @@ def reproduce(project: Path, target: str | None = None, verbose: bool = False) -
         )
         assert process.stdout is not None
         try:
-            outcome = follow(process.stdout, progress, verbose)
-            process.wait()
-        except KeyboardInterrupt:
-            process.wait()  # it was interrupted with us and leaves nothing half-written
-            raise
+            with ended_together(process):  # it leaves nothing half-written
+                outcome = follow(process.stdout, progress, verbose)
+                process.wait()
         finally:
             keep_times(project, progress.taken)
     outcome.code = DONE if process.returncode == 0 else exit_code(outcome)

@@ -37,4 +37,9 @@ def _record(project: str) -> int:
     import subprocess
     import sys
 
-    return subprocess.run([sys.executable, "-m", "pipeline.record"], cwd=project).returncode
+    from spirob.ending import ended_together
+
+    command = [sys.executable, "-m", "pipeline.record"]
+    process = subprocess.Popen(command, cwd=project, text=True)
+    with ended_together(process):  # it has time to let the motors go
+        return process.wait()
