@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from spirob.errors import ConfigError
 from spirob.machine.body import RigidBody
 from spirob.machine.recording import Recording
 from spirob.machine.rig import ANGLES, LENGTHS, SI, RigFile
@@ -15,7 +16,10 @@ REST = 0.01  # of the fast part of the motion: the scale of a smooth sign
 def sizes_of(
     rig: RigFile, body: RigidBody | None, train: Sequence[Recording]
 ) -> tuple[Sizes, float]:
-    """The rig's size in every dimension, from its training trials, and its speed of rest."""
+    """The rig's size in every dimension, from its training trials, and its speed of rest.
+
+    Raises ConfigError where the speed of rest is given, and faster than the motion.
+    """
 
     def gathered(field: str) -> np.ndarray:
         return np.concatenate([getattr(p, field)[p.use] for r in train for p in r.pieces])
@@ -29,7 +33,7 @@ def sizes_of(
     stroke = float(np.ptp(q))
     gear = rig.gear or (1.0 if angular else 2 * np.pi / stroke)
     sizes = Sizes(
-        torque=size * (scale or 1.0),
+        torque=size * abs(scale or 1.0),
         speed=float(np.sqrt(np.mean(v**2))),
         angle=1.0 / gear,
         stroke=stroke,
@@ -41,4 +45,9 @@ def sizes_of(
     )
     fast = float(np.quantile(np.abs(v), 0.95))
     given = rig.rest_speed and rig.rest_speed * (LENGTHS | ANGLES)[rig.position.unit]
+    if given and given > fast:
+        raise ConfigError(
+            f"rest_speed: {given:.3g} {axis}/s is faster than the motion, whose fast part is at "
+            f"{fast:.3g}: friction would have no sign"
+        )
     return sizes, given or REST * fast
