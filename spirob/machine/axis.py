@@ -1,6 +1,6 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,18 +10,19 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from spirob.diagnose.atlas import atlas
-from spirob.effects import all_effects, find_effects
+from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
-from spirob.machine.candidates import applicable
+from spirob.machine.candidates import applicable, with_room
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
 from spirob.machine.models import Model
+from spirob.machine.own_effects import chosen, files
 from spirob.machine.plausible import doubts, oddities
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
@@ -59,8 +60,12 @@ def diagnose_recordings(
     test: list[Recording],
     settings: Settings | None = None,
     progress: Callable[[str], None] = lambda text: None,
+    own: Sequence[type[Effect]] | None = None,
 ) -> Diagnosis:
-    """Diagnose a machine from trials that are read already."""
+    """Diagnose a machine from trials that are read already.
+
+    own  the effects that the model holds, where they are found already
+    """
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
     settings = settings or Settings()
@@ -70,14 +75,17 @@ def diagnose_recordings(
     angular = rig.position.unit in ANGLES
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, angular)
     turned = 0.0 if body or not angular else _stroke(train)
-    own = for_axis(find_effects(rig.effects), turned)
+    own = chosen(files(rig.effects, folder)) if own is None else own
+    own = for_axis(own, turned)
     library = [*own, *(e for e in for_axis(all_effects().values(), turned) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, angular)
+    sizes, rest = sizes_of(rig, body, train)
+    possible, small = with_room(possible, sizes)
+    excluded |= small
     if missing := [e.name() for e in own if e not in possible]:
         raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
-    sizes, rest = sizes_of(rig, body, train)
     rig = with_delay(rig, max(r.period for r in train))
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))

@@ -19,6 +19,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--test", nargs="+", action="extend", default=[], metavar="LOG", help="logs held out"
     )
+    parser.add_argument(
+        "--effects",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="FILE.py",
+        help="effects that the model holds besides those of RIG.yaml, whose own files lie beside "
+        "it: names, or files of your own, which are run",
+    )
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
 
@@ -29,15 +38,22 @@ def run(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from spirob.cli.search_progress import SearchProgress
+    from spirob.given_file import named
     from spirob.logs.atomic import write_text
     from spirob.machine.diagnosis import diagnose
     from spirob.report.rig import build_rig_page
 
-    out = Path(arguments.out)
+    out = Path(named(arguments.out))
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(20, "is a file, not a folder", str(out))
     with SearchProgress(sys.stderr, arguments.quiet) as progress:
-        found = diagnose(arguments.rig, arguments.train, arguments.test, progress=progress)
+        found = diagnose(
+            arguments.rig,
+            arguments.train,
+            arguments.test,
+            progress=progress,
+            effects=arguments.effects,
+        )
     out.mkdir(parents=True, exist_ok=True)
     text = json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
     write_text(out / "diagnosis.json", text + "\n")
@@ -67,4 +83,5 @@ def _command(arguments: argparse.Namespace) -> str:
 
     parts = ["spirob", "diagnose", "--rig", arguments.rig, "--train", *arguments.train]
     parts += ["--test", *arguments.test] if arguments.test else []
+    parts += ["--effects", *arguments.effects] if arguments.effects else []
     return shlex.join([*parts, "--out", arguments.out])
