@@ -1,6 +1,8 @@
 """A file of one's own is run within bounds, where it lies where it may; else it is a sentence."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -71,6 +73,16 @@ def test_a_file_that_never_ends_is_ended(tmp_path, monkeypatch, text):
     with pytest.raises(EffectError, match="does not end in 3 s of computing"):
         tried(path, kernel=True)
     assert main(["effects", "check", path]) == 2
+
+
+def test_a_script_of_any_form_may_ask(tmp_path):
+    """The process apart does not run the script again, which has no guard against it."""
+    path = written(tmp_path, GOOD)
+    asked = f"from spirob.machine.own_effects import chosen\nprint(chosen([{path!r}])[0].name())"
+    command = [sys.executable, written(tmp_path, asked, "script.py")]
+    env = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    said = subprocess.run(command, capture_output=True, text=True, check=True, env=env).stdout
+    assert said == "own\n"
 
 
 def test_names_are_given_once_and_not_the_librarys(tmp_path):

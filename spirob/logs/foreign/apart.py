@@ -6,8 +6,11 @@ ends there as an error.
 """
 
 import multiprocessing
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
+from types import ModuleType
 from typing import Any
 
 # imported once, before the first process is forked from that of the server
@@ -31,7 +34,8 @@ def apart(function: Callable[..., Any], *arguments: Any) -> Any:
         context.set_forkserver_preload(list(READERS))
     here, there = context.Pipe(duplex=False)
     process = context.Process(target=_answer, args=(there, function, arguments), daemon=True)
-    process.start()
+    with _without_main():
+        process.start()
     there.close()
     try:
         if not here.poll(LONGEST):
@@ -46,6 +50,17 @@ def apart(function: Callable[..., Any], *arguments: Any) -> Any:
     if not done:
         raise value
     return value
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Inside, a new process does not run the program's own file again, which may be any script."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
