@@ -94,6 +94,13 @@ def bounded(
     return dataclasses.field(default=nominal, metadata={"parameter": about})
 
 
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ConfigError(f"{name}: a number is needed, got {str(value)[:40]!r}") from None
+
+
 class Numbers:
     """Base of every class that declares bounded numbers; subclasses become frozen dataclasses.
 
@@ -134,7 +141,7 @@ class Numbers:
                 raise ConfigError(
                     f"{cls.owner or cls.__name__} has no number '{key}'; it has: {', '.join(known)}"
                 )
-        return cls(**{key: float(value) for key, value in values.items()})
+        return cls(**{key: _number(f"{cls.owner}.{key}", value) for key, value in values.items()})
 
 
 class Table:

@@ -20,9 +20,17 @@ counts the other way round, as `sign: -1` is for feedback.
 from math import pi
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationError,
+)
 
 from spirob.errors import ConfigError
+from spirob.given_number import Size, sized_not_zero
 
 Text = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 TURNS = {"turn": 1.0, "rev": 1.0, "rad": 1 / (2 * pi), "deg": 1 / 360, "count": 1 / 8192}
@@ -51,7 +59,7 @@ class Command(Strict):
 
     message: Text
     signal: Text
-    per_ampere: float = 1.0
+    per_ampere: Annotated[float, AfterValidator(sized_not_zero)] = 1.0
 
 
 class Motor(Strict):
@@ -68,7 +76,7 @@ class Sent(Strict):
     """A message with fixed values."""
 
     message: Text
-    values: dict[Text, float] = {}
+    values: dict[Text, Size] = {}
 
 
 class Motors(Strict):
@@ -97,4 +105,5 @@ def description_from(plain: object, where: str) -> Description:
             raise ConfigError(f"{where}: is nested too deeply") from None
         first = error.errors(include_input=False, include_url=False)[0]
         key = ".".join(str(part) for part in first["loc"]) or "the file"
-        raise ConfigError(f"{where}: key '{key[:200]}': {first['msg']}") from None
+        said = first["msg"].removeprefix("Value error, ")
+        raise ConfigError(f"{where}: key '{key[:200]}': {said}") from None

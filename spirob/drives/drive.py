@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
-import yaml
-
+from spirob import given_file, plain_yaml
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -42,11 +41,7 @@ class Drive:
     @classmethod
     def from_texts(cls, text: str, dbc_text: str, where: str) -> "Drive":
         """A drive from the content of both files."""
-        try:
-            plain = yaml.safe_load(text)
-        except (yaml.YAMLError, ValueError, RecursionError) as error:
-            raise ConfigError(f"{where}: is not YAML: {' '.join(str(error).split())}") from None
-        about = description_from(plain, where)
+        about = description_from(plain_yaml.read(text, where), where)
         drive = cls(text, dbc_text, about, Codec(dbc_text, f"{where}: {about.dbc}"))
         drive._check(where)
         return drive
@@ -162,29 +157,24 @@ def _round(value: float, most: int) -> int:
 def find_drive(name: str) -> Drive:
     """A drive of the library by name, or the description in a file of your own.
 
-    Raises ConfigError naming the file.
+    Raises ConfigError or DataError naming the file.
     """
     own = Path(name)
     if own.suffix in (".yaml", ".yml"):
         text = _read(own)
-        about = description_from(yaml.safe_load(text), str(own))
+        about = description_from(plain_yaml.read(text, str(own)), str(own))
         return Drive.from_texts(text, _read(own.parent / about.dbc), str(own))
     folder = resources.files("spirob.drives")
     known = sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".yaml"))
     if name not in known:
         raise ConfigError(f"no drive '{name}'; known: c620, {', '.join(known)}, or a .yaml file")
     text = folder.joinpath(f"{name}.yaml").read_text(encoding="utf-8")
-    dbc = description_from(yaml.safe_load(text), name).dbc
+    dbc = description_from(plain_yaml.read(text, name), name).dbc
     return Drive.from_texts(text, folder.joinpath(dbc).read_text(encoding="utf-8"), name)
 
 
 def _read(path: Path) -> str:
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(content) > LARGEST:
-        raise ConfigError(f"{path}: more than {LARGEST >> 10} KiB is no description of a drive")
+    content = given_file.content(path, "description of a drive", LARGEST)
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:

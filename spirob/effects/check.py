@@ -135,7 +135,7 @@ def finite(effect: type[Effect]) -> Iterator[str]:
     boxes = [*sampling.corners(effect, rng), *(sampling.drawn(effect, rng) for _ in range(20))]
     for numbers in boxes:
         for dt in STEPS:
-            inputs = _extremes(effect, rng)
+            inputs = sampling.extremes(effect, rng, SAMPLES // 4)
             got, trail = run(effect, numbers, inputs, dt)
             if not all(np.isfinite(v).all() for v in (got, *trail.values())):
                 k = int(np.argmin(np.isfinite(got)))
@@ -148,7 +148,7 @@ def bounded(effect: type[Effect]) -> Iterator[str]:
     """A state does not run away, however long a trial lasts and however coarse its step."""
     rng = _rng(effect)
     for numbers in islice(sampling.corners(effect, rng), 16) if effect.state else ():
-        inputs = _extremes(effect, rng, 4000)
+        inputs = sampling.extremes(effect, rng, 4000)
         _, trail = run(effect, numbers, inputs, 1.0)
         for state, values in trail.items():
             early, late = np.abs(values[:2000]).max(), np.abs(values[2000:]).max()
@@ -290,16 +290,6 @@ LAWS: dict[str, Callable[[type[Effect]], Iterator[str]]] = {
 def _absent(inputs: sampling.Inputs, like: np.ndarray) -> np.ndarray:
     # what the port would carry without the effect
     return inputs.get("upstream", np.zeros_like(like))
-
-
-def _extremes(
-    effect: type[Effect], rng: np.random.Generator, samples: int = SAMPLES // 4
-) -> sampling.Inputs:
-    out = {}
-    for argument, (low, high) in sampling.spans(effect).items():
-        ends = [low, high, 0.5 * (low + high), *([0.0] if low <= 0.0 <= high else [])]
-        out[argument] = rng.choice(ends, samples)
-    return out
 
 
 def _rng(effect: type[Effect]) -> np.random.Generator:

@@ -58,7 +58,7 @@ def load_file(path: Path) -> dict[str, type[Effect]]:
         spec.loader.exec_module(module)
     except SpirobError as wrong:
         raise EffectError(f"effect file '{path}': {wrong}") from wrong
-    except Exception as wrong:  # whatever a user's file does must come back as a sentence
+    except (Exception, SystemExit) as wrong:  # whatever a user's file does becomes a sentence
         raise EffectError(f"effect file '{path}' fails: {type(wrong).__name__}: {wrong}") from wrong
     found = _effects_in(module)
     if not found:

@@ -46,6 +46,15 @@ def points(effect: type[Effect], rng: np.random.Generator, count: int) -> Inputs
     return {a: _draw(span, rng, count) for a, span in spans(effect).items()}
 
 
+def extremes(effect: type[Effect], rng: np.random.Generator, samples: int) -> Inputs:
+    """Inputs, (samples,) each, that jump between the ends, the middle and zero of their spans."""
+    out = {}
+    for argument, (low, high) in spans(effect).items():
+        ends = [low, high, 0.5 * (low + high), *([0.0] if low <= 0.0 <= high else [])]
+        out[argument] = rng.choice(ends, samples)
+    return out
+
+
 def motion(
     effect: type[Effect], rng: np.random.Generator, samples: int, dt: float, periods: int = 1
 ) -> Inputs:

@@ -1,4 +1,4 @@
 """Any motor rig: from its description and its logs to what its model misses.
 
-`load_rig` reads the description, `read_trial` a log, `diagnose` does the rest.
+`spirob.machine.diagnosis.diagnose` goes from a description and logs to the result.
 """

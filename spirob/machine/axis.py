@@ -1,6 +1,6 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,12 +8,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from spirob.diagnose.atlas import atlas
-from spirob.effects import Effect, all_effects, find_effects
+from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
-from spirob.machine.candidates import applicable
+from spirob.machine.candidates import applicable, with_room
 from spirob.machine.differing import candidates
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
@@ -22,6 +22,7 @@ from spirob.machine.judgement import judge
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
 from spirob.machine.models import Model, label
+from spirob.machine.own_effects import chosen, files
 from spirob.machine.plausible import beyond_bounds, doubts, oddities, released
 from spirob.machine.predicted import predicted
 from spirob.machine.recording import Recording
@@ -59,12 +60,17 @@ def diagnose_recordings(
     test: list[Recording],
     settings: Settings | None = None,
     progress: Callable[[str], None] = lambda text: None,
+    own: Sequence[type[Effect]] | None = None,
 ) -> Diagnosis:
-    """Diagnose a machine from trials that are read already."""
+    """Diagnose a machine from trials that are read already.
+
+    own  the effects that the model holds, where they are found already
+    """
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
     settings = settings or Settings()
-    ready = _ready(rig, folder, train, test)
+    held = chosen(files(rig.effects, folder)) if own is None else own
+    ready = _ready(rig, folder, train, test, held)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         search, gate = _search(ready, settings, progress)
@@ -78,30 +84,37 @@ def diagnose_recordings(
                 said = f"The logs differ by a number of their own, {kind}: fitted for each."
                 ready = replace(told, said=[*told.said, said])
                 search, gate, found = wider, its_gate, its_found
-        if held := beyond_bounds(search, found.chosen):
-            progress(f"once more, with {', '.join(held)} set free of its bounds")
-            search, gate = _search(
-                replace(ready, rig=released(ready.rig, held)), settings, progress
-            )
+        if free := beyond_bounds(search, found.chosen):
+            progress(f"once more, with {', '.join(free)} set free of its bounds")
+            wider_rig = released(ready.rig, free)
+            search, gate = _search(replace(ready, rig=wider_rig), settings, progress)
             found = search.run()
         return _finish(ready, search, found, gate)
 
 
-def _ready(rig: RigFile, folder: Path, train: list[Recording], test: list[Recording]) -> _Ready:
+def _ready(
+    rig: RigFile,
+    folder: Path,
+    train: list[Recording],
+    test: list[Recording],
+    held: Sequence[type[Effect]],
+) -> _Ready:
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
     repairs += said
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
     side = rig.position.side if rig.position else "motor"
-    own = for_axis(find_effects(rig.effects), turned, side)
+    own = for_axis(held, turned, side)
     library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
+    sizes, rest = sizes_of(rig, body, train)
+    possible, small = with_room(possible, sizes)
+    excluded |= small
     if missing := [e.name() for e in own if e not in possible]:
         raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
-    sizes, rest = sizes_of(rig, body, train)
     rig = with_delay(rig, max(r.period for r in train))
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))

@@ -2,11 +2,8 @@
 
 What the body asks of the drive at a measured motion does not depend on any number that is fitted,
 except a payload's mass, in which it is linear: so it is computed once, by inverse dynamics.
-A model file is data: its size is bounded, it may not reach outside its folder, and elements that
-multiply themselves or load code are refused.
 """
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,19 +11,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from spirob.errors import ConfigError, DataError, MissingLog
+from spirob.errors import ConfigError, DataError
+from spirob.given_number import MOST
+from spirob.machine.model_file import load
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body
 
-LARGEST = 2**20  # bytes of a model file
-MOST_JOINTS = 64
 BEYOND = 0.25  # of a joint's range, by which a log may exceed it
-REFUSED = ("plugin", "extension", "composite", "flexcomp", "replicate", "attach", "include", "size")
-PATH = re.compile(
-    r"""\b(file|meshdir|texturedir|assetdir|fileright|fileleft|fileup|filedown|
-    filefront|fileback)\s*=\s*["']([^"']*)["']""",
-    re.VERBOSE,
-)
 
 
 class RigidBody:
@@ -38,7 +29,7 @@ class RigidBody:
 
     def __init__(self, body: Body, folder: Path, angular: bool):
         self.body = body
-        self.model = _load(body.mjcf, folder)
+        self.model = load(body.mjcf, folder)
         self.data = mujoco.MjData(self.model)
         self._angular = angular
         self._columns = self._place()
@@ -51,9 +42,16 @@ class RigidBody:
         load      effort at the driven axis [N·m or N]
         payload   what one `unit_mass` [kg] at the tip adds, 0 without a tip
         along, across   torque of the weight if gravity pointed along +x or +y
+
+        Raises DataError where the motion leaves the model's ranges, or the model is no machine.
         """
         self._within_range(self._motion(piece, 0))
         load = self.load(piece)
+        if not np.all(np.abs(load) <= MOST):  # no number is not either
+            raise DataError(
+                f"{self.body.mjcf}: the body asks for an effort of {np.abs(load).max():.3g}; is a "
+                "mass, a stiffness or the gravity of the model wrong?"
+            )
         return {
             "load": load,
             "payload": self.payload(piece, unit_mass, load),
@@ -287,41 +285,3 @@ def _add_point(model: mujoco.MjModel, body: int, place: np.ndarray, mass: float)
     mujoco.mju_mat2Quat(quaternion, vectors.ravel())
     model.body_mass[body], model.body_ipos[body] = whole, middle
     model.body_inertia[body], model.body_iquat[body] = values, quaternion
-
-
-def _load(name: str, folder: Path) -> mujoco.MjModel:
-    path = _inside(name, folder, "body.mjcf")
-    if not path.is_file():
-        raise MissingLog(f"{path}: there is no such model")
-    if path.stat().st_size > LARGEST:
-        raise ConfigError(f"{path}: {path.stat().st_size} bytes, more than {LARGEST}")
-    text = path.read_text(encoding="utf-8", errors="replace")
-    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise ConfigError(f"{path}: document types and entities are not read")
-    bare = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
-    for element in REFUSED:
-        if re.search(rf"<\s*{element}\b", bare):
-            raise ConfigError(f"{path}: the element <{element}> is not read from a rig's model")
-    for attribute, value in PATH.findall(bare):
-        found = _inside(value, path.parent, attribute)
-        if found.is_file() and found.stat().st_size > 32 * LARGEST:
-            raise ConfigError(f"{found}: {found.stat().st_size} bytes are too many for a mesh")
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        said = " ".join(str(error).split())
-        raise ConfigError(f"{path}: MuJoCo cannot read this model: {said[:200]}") from error
-    if model.nv == 0 or model.nv > MOST_JOINTS:
-        raise ConfigError(f"{path}: {model.nv} degrees of freedom; 1 to {MOST_JOINTS} can be used")
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
-    return model
-
-
-def _inside(name: str, folder: Path, what: str) -> Path:
-    """`name` under `folder`; raises ConfigError where it leads out of it, by links too."""
-    root = folder.resolve()
-    path = (root / name).resolve()
-    if Path(name).is_absolute() or not path.is_relative_to(root):
-        raise ConfigError(f"{what}: '{name}' leads out of {folder}")
-    return path

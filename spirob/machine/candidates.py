@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from spirob.effects import Effect
 from spirob.machine.laws import LEVER, shares_inertia
 from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes, parameters
 
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
     "motor.drive_torque": "the motor's torque per ampere",
@@ -40,6 +41,23 @@ def applicable(
         reason = _reason(effect, rig, has_tip, stiffness, angular)
         if reason:
             excluded[effect.name()] = reason
+        else:
+            possible.append(effect)
+    return possible, excluded
+
+
+def with_room(
+    effects: Sequence[type[Effect]], sizes: Sizes
+) -> tuple[list[type[Effect]], dict[str, str]]:
+    """The effects that a motion of this size can show, and name -> reason for the others."""
+    possible, excluded = [], {}
+    for effect in effects:
+        closed = [n for n, about in parameters(effect, sizes).items() if not about.low < about.high]
+        if closed:
+            excluded[effect.name()] = (
+                f"the motion is too small to show it: nothing is left between the bounds of its "
+                f"number '{closed[0]}'"
+            )
         else:
             possible.append(effect)
     return possible, excluded

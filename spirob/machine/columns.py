@@ -1,9 +1,10 @@
 """The columns of a log in a description, and their units: motion, effort, time."""
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from spirob.given_number import sized
 from spirob.units import UNITS, units_of
 
 TIME_UNITS = units_of("s")
@@ -14,9 +15,14 @@ EFFORTS = {kind: units_of("1" if kind == "duty" else si) for kind, si in SI.item
 
 
 class Entry(BaseModel):
-    """Base of every part of the description: no unknown keys, no infinite numbers."""
+    """Base of every part of the description: no unknown keys, no number that none can mean."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @field_validator("*")
+    @classmethod
+    def _sized(cls, value: Any) -> Any:
+        return sized(value) if isinstance(value, float) else value
 
 
 class Column(Entry):

@@ -8,12 +8,17 @@ from typing import Any
 import pandas as pd
 import yaml
 
+from spirob.effects import Effect
+from spirob.errors import ConfigError
 from spirob.logs.readers import Table, from_frame, read_table
 from spirob.machine.alike import filtered_alike
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.loading import load_rig, rig_from
-from spirob.machine.recording import columns_of, of_table
+from spirob.machine.given_twice import each_once
+from spirob.machine.loading import described, load_rig
+from spirob.machine.numerical import failures_told
+from spirob.machine.own_effects import chosen, files
+from spirob.machine.recording import of_table
 from spirob.machine.result import Diagnosis, Sources
 from spirob.machine.rig import RigFile
 from spirob.machine.shown import laws
@@ -29,6 +34,7 @@ def diagnose(
     settings: Settings | None = None,
     progress: Callable[[str], None] = lambda text: None,
     command: str = "",
+    effects: Sequence[Path | str] = (),
 ) -> Diagnosis:
     """Name what the model of a machine misses, from its description and logs.
 
@@ -37,41 +43,51 @@ def diagnose(
     train    logs to fit: files, or tables with the columns that the description names
     test     logs held out; without one the end of each training log is kept aside
     command  that repeats this, for the page
+    effects  further ones that the model holds, names or files of one's own from anywhere; those
+             that a description names lie beside or below it
 
     A table is called by its `attrs["name"]`, else by its place, as in `train[0]`.  Raises
-    ConfigError or DataError, in a sentence, where the description or a log cannot be used.
+    ConfigError, DataError or EffectError, in a sentence, where something given cannot be used.
     """
     if isinstance(rig, Mapping):
-        described, folder = rig_from(rig, "rig"), Path()
+        told, folder, who = described(rig, "rig"), Path(), "rig"
     else:
-        described, folder = load_rig(rig)
-    columns = columns_of(described) if isinstance(described, RigFile) else described.columns()
-    dbc = None if described.dbc is None else folder / described.dbc
-    progress(f"reading {len(train) + len(test)} logs")
-    fitted, held = (
-        [_table(log, f"{role}[{k}]", columns, dbc) for k, log in enumerate(logs)]
-        for role, logs in (("train", train), ("test", test))
-    )
-    if isinstance(described, ArmFile):
-        found = _arm(described, fitted, held, progress)
-    else:
-        trials = filtered_alike(lambda log, cut: of_table(log, described, cut), fitted, held)
-        found = diagnose_recordings(described, folder, *trials, settings, progress)
-    files = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
-    return replace(found, sources=_sources(rig, files, command))
+        (told, folder), who = load_rig(rig), str(rig)
+    names = files(told.effects, folder, effects)
+    ran = [f"{name}: was run, as an effect of your own." for name in names if name.endswith(".py")]
+    with failures_told(who):
+        own = chosen(names)
+        progress(f"reading {len(train) + len(test)} logs")
+        fitted, held = _read(told, folder, train, "train"), _read(told, folder, test, "test")
+        each_once([(t.name, t.columns) for t in (*fitted, *held)], told.moving_columns())
+        if isinstance(told, ArmFile):
+            found = _arm(told, fitted, held, progress, own)
+        else:
+            trials = filtered_alike(lambda log, cut: of_table(log, told, cut), fitted, held)
+            found = diagnose_recordings(told, folder, *trials, settings, progress, own)
+    found.document["repairs"][:0] = ran
+    paths = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
+    return replace(found, sources=_sources(rig, paths, command))
 
 
-def _sources(rig: Path | str | Mapping[str, Any], files: Sequence[Path], command: str) -> Sources:
+def _read(rig: RigFile | ArmFile, folder: Path, logs: Sequence[Log], role: str) -> list[Table]:
+    """The logs as tables; a frame is called by its own name, or by its place."""
+    if isinstance(logs, Path | str | pd.DataFrame):
+        raise ConfigError(f"{role}: a list of logs, got a single one")
+    dbc = None if rig.dbc is None else folder / rig.dbc
+    found = []
+    for k, log in enumerate(logs):
+        if isinstance(log, pd.DataFrame):
+            found.append(from_frame(log, str(log.attrs.get("name") or f"{role}[{k}]")))
+        else:
+            found.append(read_table(log, rig.columns(), dbc))
+    return found
+
+
+def _sources(rig: Path | str | Mapping[str, Any], logs: Sequence[Path], command: str) -> Sources:
     if isinstance(rig, Mapping):
-        return Sources(yaml.safe_dump(dict(rig), allow_unicode=True), tuple(files), command)
-    return Sources(Path(rig).read_text(encoding="utf-8"), (Path(rig), *files), command)
-
-
-def _table(log: Log, place: str, wanted: Sequence[str], dbc: Path | None) -> Table:
-    """A log as a table; a frame is called by its own name, or by its place."""
-    if isinstance(log, pd.DataFrame):
-        return from_frame(log, str(log.attrs.get("name") or place))
-    return read_table(log, wanted, dbc)
+        return Sources(yaml.safe_dump(dict(rig), allow_unicode=True), tuple(logs), command)
+    return Sources(Path(rig).read_text(encoding="utf-8"), (Path(rig), *logs), command)
 
 
 def _arm(
@@ -79,6 +95,7 @@ def _arm(
     train: Sequence[Table],
     test: Sequence[Table],
     progress: Callable[[str], None],
+    own: Sequence[type[Effect]],
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else; its search has settings of its own."""
     from spirob.diagnose.rungs import Settings as ArmSettings
@@ -87,7 +104,7 @@ def _arm(
 
     settings = ArmSettings(intervals=False)
     trials, said = arm.read(rig, train, test)
-    search, residuals = arm.searched(rig, trials, settings, progress)
+    search, residuals = arm.searched(rig, trials, settings, progress, own=own)
     found = arm.written(rig, search, residuals, settings, said)
     last = search.rungs[-1]
     return Diagnosis(

@@ -7,13 +7,12 @@ zero-phase Butterworth filter of 4th order; products are built from what it leav
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from spirob.errors import DataError, MissingChannel
-from spirob.logs.readers import Table, read_table
+from spirob.logs.readers import Table
 from spirob.machine import checks
 from spirob.machine.filtering import (
     ALIAS,
@@ -98,32 +97,17 @@ class Recording:
         return before_thinning(out, self.every) if alias < CLOSE * edge else out
 
 
-def read_trial(
-    path: Path | str, rig: RigFile, cutoff: float | None = None, folder: Path = Path()
-) -> Recording:
+def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recording:
     """A log as a recording; `cutoff` overrides the rig's where trials are to be filtered alike.
-
-    folder  of the description, from which its paths count
 
     Raises MissingChannel and DataError in a sentence that names the file; NothingLeft where others
     may do without it.
     """
-    dbc = None if rig.dbc is None else folder / rig.dbc
-    return of_table(read_table(path, columns_of(rig), dbc), rig, cutoff)
-
-
-def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recording:
-    """A table as a recording; raises as `read_trial` does."""
-    for name in columns_of(rig):
+    for name in rig.columns():
         table.column(name)
     time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
     rig = rig.model_copy(update={"time": time})
     return prepare(table.name, table.columns, rig, list(table.said), cutoff)
-
-
-def columns_of(rig: RigFile) -> list[str]:
-    """Names of the columns that a description needs."""
-    return [column.column for column in _wanted(rig).values()]
 
 
 def prepare(
@@ -133,9 +117,9 @@ def prepare(
     said: list[str] | None = None,
     cutoff: float | None = None,
 ) -> Recording:
-    """Columns in the log's own units as a recording in SI; raises as `read_trial` does."""
+    """Columns in the log's own units as a recording in SI; raises as `of_table` does."""
     said = [] if said is None else said
-    wanted = _wanted(rig)
+    wanted = rig.channels()
     for column in wanted.values():
         if column.column not in columns:
             raise MissingChannel(name, column.column, list(columns))
@@ -176,19 +160,6 @@ def _no_finer(
         f"{name}: means of {count} samples in a row were used, {1 / (count * period):.4g} Hz."
     )
     return count * period, [{n: averaged(v, count) for n, v in g.items()} for g in grids]
-
-
-def _wanted(rig: RigFile) -> dict[str, Column]:
-    found: dict[str, Column] = {"time": rig.time}
-    single = {"position": rig.position, "velocity": rig.velocity, "reference": rig.reference}
-    found |= {key: column for key, column in single.items() if column is not None}
-    if rig.effort.source == "column":
-        found["effort"] = rig.effort
-    if isinstance(rig.effort.supply, Column):
-        found["supply"] = rig.effort.supply
-    if not isinstance(rig.body, str):
-        found |= {f"joint {name}": column for name, column in rig.body.joints.items()}
-    return found
 
 
 def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -5,10 +5,11 @@ filters and the rows that are left out.  Data, never code; an unknown key is an 
 where it stands.
 """
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from spirob.given_number import Size
 from spirob.machine.columns import (
     ANGLES,
     EFFORTS,
@@ -37,6 +38,8 @@ __all__ = [
     "RigFile",
     "Rows",
 ]
+
+MOST_EFFECTS = 100  # named in a description
 
 
 class Bounded(Entry):
@@ -168,6 +171,15 @@ PER_LOG = {
 }
 
 
+def _each_once(names: list[str]) -> list[str]:
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise ValueError(f"'{twice[0]}' is given twice")
+    return names
+
+
+Effects = Annotated[list[str], Field(max_length=MOST_EFFECTS), AfterValidator(_each_once)]
+
+
 class RigFile(Entry):
     """A whole description; `spirob.machine.loading.load_rig` reads it.
 
@@ -192,7 +204,7 @@ class RigFile(Entry):
     reference: MotionColumn | None = None
     predict: Literal["effort", "motion", "closed_loop"] = "effort"
     control: Control | None = None
-    known: dict[str, float] = {}
+    known: dict[str, Size] = {}
     fit: dict[str, Bounded] = {}
     per_log: tuple[Literal["offset", "payload", "zero"], ...] | None = None
     logs: dict[str, OwnNumbers] = {}
@@ -201,7 +213,7 @@ class RigFile(Entry):
     rows: Rows = Rows()
     rest_speed: float | None = Field(default=None, gt=0)
     gear: float | None = Field(default=None, gt=0)
-    effects: list[str] = []
+    effects: Effects = []
     dbc: str | None = None
 
     @field_validator("known", "fit")
@@ -211,6 +223,27 @@ class RigFile(Entry):
             if name not in NUMBERS:
                 raise ValueError(f"no number '{name}'; a rig has: {', '.join(NUMBERS)}")
         return value
+
+    def channels(self) -> dict[str, Column]:
+        """The columns that are needed, by what they are: time, position, effort, `joint ...`."""
+        found: dict[str, Column] = {"time": self.time}
+        single = {"position": self.position, "velocity": self.velocity, "reference": self.reference}
+        found |= {key: column for key, column in single.items() if column is not None}
+        if self.effort.source == "column":
+            found["effort"] = self.effort
+        if isinstance(self.effort.supply, Column):
+            found["supply"] = self.effort.supply
+        if not isinstance(self.body, str):
+            found |= {f"joint {name}": column for name, column in self.body.joints.items()}
+        return found
+
+    def columns(self) -> list[str]:
+        """Names of the columns that are needed."""
+        return [column.column for column in self.channels().values()]
+
+    def moving_columns(self) -> list[str]:
+        """Those that say what the machine did, whatever the time."""
+        return [column.column for key, column in self.channels().items() if key != "time"]
 
     @property
     def motion(self) -> MotionColumn:

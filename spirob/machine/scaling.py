@@ -125,7 +125,9 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
                 found[name] = replace(about, low=low, high=high, nominal=2.0 * low)
                 continue
             high = min(about.high, max(BRISTLE * sizes.stroke, 2.0 * about.low))
-            found[name] = replace(about, high=high, nominal=min(about.nominal, high / 4.0))
+            found[name] = replace(
+                about, high=high, nominal=max(about.low, min(about.nominal, high / 4.0))
+            )
         if counts_periods(effect, name):
             least = min(PERIODS * 2 * math.pi * sizes.angle / sizes.stroke, about.high)
             low = max(about.low, least)

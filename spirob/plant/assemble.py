@@ -4,24 +4,17 @@ Kernels and component functions are pasted as source into one file, named by a h
 numba's disk cache does not notice a change in an imported function, but it does notice a new file.
 """
 
-import hashlib
-import importlib.util
 import inspect
-import os
 import re
-import sys
-import tempfile
 import textwrap
 from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import cache
-from pathlib import Path
-from types import ModuleType
 
 from spirob.control import law
 from spirob.effects import Effect
 from spirob.effects.individual import SUFFIX, differences
 from spirob.errors import EffectError
+from spirob.generated import load
 from spirob.plant import chain, electrics, loop, outline, tendon, weight, winch
 from spirob.ports import PORTS
 
@@ -90,7 +83,7 @@ def assemble(effects: Sequence[type[Effect]], names: Sequence[str]) -> Callable[
     Effects at a port that runs once are not in the loop but in the body that it moves.
     """
     effects = [e for e in effects if PORTS[e.port].every != "once"]
-    return _load(generate(effects, names)).run  # type: ignore[no-any-return]
+    return load(generate(effects, names), "loop").run  # type: ignore[no-any-return]
 
 
 def memory_rows(effects: Sequence[type[Effect]]) -> list[tuple[type[Effect], str]]:
@@ -190,30 +183,3 @@ def _number(effect: type[Effect], field: str, names: Sequence[str]) -> str:
     if field + SUFFIX not in differences(effect):
         return value
     return f"({value} + side[m] * p[{names.index(f'{effect.name()}.{field}{SUFFIX}')}])"
-
-
-@cache
-def _load(source: str) -> ModuleType:
-    name = "loop_" + hashlib.sha256(source.encode()).hexdigest()[:20]
-    folder = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "spirob"
-    path = folder / f"{name}.py"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if not path.exists() or path.read_text() != source:
-            _write(path, source)
-    except OSError:  # a home that cannot be written costs a compilation each time, nothing else
-        path = Path(tempfile.mkdtemp(prefix="spirob_")) / f"{name}.py"
-        path.write_text(source)
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # numba's cache imports it by name
-    spec.loader.exec_module(module)
-    return module
-
-
-def _write(path: Path, text: str) -> None:
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".py", delete=False) as file:
-        file.write(text)
-    os.replace(file.name, path)

@@ -14,7 +14,7 @@ from spirob.control.law import Gains
 from spirob.drives import Translator, find_drive
 from spirob.drives.drive import Drive
 from spirob.drives.recorded import translated
-from spirob.errors import ConfigError
+from spirob.errors import ConfigError, MissingLog
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames
 from spirob.logs.records import read_content
@@ -111,6 +111,10 @@ def test_units_come_from_the_dbc_and_signs_from_the_description():
         ("[", "", r"own\.yaml: is not YAML"),
         (DRIVE.text.replace("Iq_Measured", "Torque", 1), None, "has no signal 'Torque'"),
         (DRIVE.text.replace("odrive.dbc", "../odrive.dbc"), None, "key 'dbc'"),
+        (DRIVE.text.replace("0.0203", "0.0", 1), None, r"per_ampere': 0 would erase it"),
+        (DRIVE.text.replace("0.0203", "1e-300", 1), None, r"per_ampere': 1e-300 is no size"),
+        (DRIVE.text.replace("0.0203", "2026-13-45", 1), None, "per_ampere': Input should be"),
+        (DRIVE.text + "name: again\n", None, "'name' is given twice, first in line"),
         (DRIVE.text, "rubbish", "is no DBC file"),
         (DRIVE.text, DRIVE.dbc_text.replace("Get_Iq: 8", "Get_Iq: 12"), "not a frame of 8 bytes"),
         (DRIVE.text, DRIVE.dbc_text.replace('"rev"', '"furlong"'), "gives 'furlong' for Pos_Estim"),
@@ -123,7 +127,7 @@ def test_a_wrong_description_is_told_in_a_sentence(text, dbc, sentence):
 
 def test_a_drive_of_your_own_is_found_by_its_file(tmp_path):
     (tmp_path / "mine.yaml").write_text(DRIVE.text.replace("odrive.dbc", "mine.dbc"))
-    with pytest.raises(ConfigError, match=r"mine\.dbc: cannot be read"):
+    with pytest.raises(MissingLog, match=r"mine\.dbc: there is no such description"):
         find_drive(str(tmp_path / "mine.yaml"))
     (tmp_path / "mine.dbc").write_text(DRIVE.dbc_text)
     assert find_drive(str(tmp_path / "mine.yaml")).frame_id("Axis1_Get_Iq") == 52

@@ -1,10 +1,16 @@
 """The description of a rig: strict, and every mistake says where it stands."""
 
+import copy
+
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
-from spirob.errors import ConfigError, MissingLog
-from spirob.machine.loading import load_rig
+from spirob.errors import ConfigError, DataError, MissingLog
+from spirob.machine.arm.description import ArmFile
+from spirob.machine.loading import described, load_rig
+from tests.machine.arm import elsewhere
 from tests.machine.rigs import description
 
 
@@ -40,6 +46,14 @@ def test_a_description_is_read(tmp_path):
         ({"predict": "closed_loop"}, "needs 'control' and 'reference'"),
         ({"body": {"mjcf": "a.xml"}}, "driven joint or the driven tendon"),
         ({"time": {"column": "t", "unit": "s", "factor": 0}}, "a factor of 0"),
+        ({"time": {"column": "t", "unit": "s", "factor": 1e-300}}, "time.factor: 1e-300 is no"),
+        ({"gear": 1e308}, r"gear: 1e\+308 is no size of a machine"),
+        ({"known": {"stiffness": -1e16}}, r"known.stiffness: -1e\+16 is no size"),
+        ({"fit": {"inertia": {"nominal": 1, "low": 0, "high": 1e308}}}, "fit.inertia.high: 1e"),
+        ({"gear": 10**39}, r"gear: 1e\+39 is no size"),
+        ({"gear": ".inf"}, "gear: "),
+        ({"effects": ["creep", "creep"]}, "effects: 'creep' is given twice"),
+        ({"effects": ["creep"] * 5000}, "effects: List should have at most 100"),
     ],
 )
 def test_a_mistake_is_a_sentence_with_its_place(tmp_path, change, sentence):
@@ -56,3 +70,75 @@ def test_what_is_no_description_is_refused(tmp_path, text):
 def test_an_absent_description_is_said(tmp_path):
     with pytest.raises(MissingLog, match="no such rig"):
         load_rig(tmp_path / "nowhere.yaml")
+
+
+@pytest.mark.parametrize(
+    ("arm", "sentence"),
+    [
+        ({"units": 0}, "units: 1 to 200"),
+        ({"units": 10**9}, "units: 1 to 200"),
+        ({"winch": {"gear_ratio": None}}, "winch.gear_ratio: a number is needed, got 'None'"),
+        ({"winch": {"gear_ratio": 10**400}}, "winch.gear_ratio: a number is needed"),
+    ],
+)
+def test_a_part_of_the_arm_that_cannot_be_is_a_sentence(arm, sentence):
+    with pytest.raises(ConfigError, match=sentence):
+        described(elsewhere.description(arm=arm), "rig.yaml").machine()
+
+
+def test_a_key_that_is_given_twice_is_refused(tmp_path):
+    text = yaml.safe_dump(description()) + "gear: 2\ngear: 3\n"
+    with pytest.raises(ConfigError, match="'gear' is given twice, first in line"):
+        load_rig(written(tmp_path, text))
+
+
+def test_what_is_no_file_is_a_sentence(tmp_path):
+    for path in (tmp_path, "/dev/zero", "a\0b"):
+        with pytest.raises(DataError):
+            load_rig(path)
+
+
+ANYTHING = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
+    max_leaves=6,
+)
+WHOLE = {
+    "rig": description(
+        velocity={"column": "w", "unit": "rad/s"},
+        control={"position": 1.0, "velocity": 1.0},
+        known={"stiffness": 1.0},
+        body={"mjcf": "a.xml", "joint": "j", "joints": {"k": {"column": "k", "unit": "rad"}}},
+        rows={"minimum_speed": 0.1},
+        gear=2.0,
+        effects=["creep"],
+    ),
+    "arm": elsewhere.description(
+        arm={"winch": {"gear_ratio": 1.0}}, known={"motor.rotor_inertia": 4e-5}, effects=["creep"]
+    ),
+}
+
+
+def places(plain, place=()):
+    """Every key of a nested mapping, as a path."""
+    for key, value in plain.items():
+        yield (*place, key)
+        if isinstance(value, dict):
+            yield from places(value, (*place, key))
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+@given(data=st.data())
+def test_anything_in_any_key_is_a_description_or_a_sentence(kind, data):
+    plain = copy.deepcopy(WHOLE[kind])
+    *above, key = data.draw(st.sampled_from(list(places(plain))))
+    part = plain
+    for name in above:
+        part = part[name]
+    part[data.draw(st.just(key) | st.text())] = data.draw(ANYTHING)
+    try:
+        rig = described(plain, "rig.yaml")
+        if isinstance(rig, ArmFile):
+            rig.machine()
+    except ConfigError as error:
+        assert str(error)

@@ -19,6 +19,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--test", nargs="+", action="extend", default=[], metavar="LOG", help="logs held out"
     )
+    parser.add_argument(
+        "--effects",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="FILE.py",
+        help="effects that the model holds besides those of RIG.yaml, whose own files lie beside "
+        "it: names, or files of your own, which are run",
+    )
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
 
@@ -28,9 +37,10 @@ def run(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from spirob.cli.search_progress import SearchProgress
+    from spirob.given_file import named
     from spirob.machine.diagnosis import diagnose
 
-    out = Path(arguments.out)
+    out = Path(named(arguments.out))
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(20, "is a file, not a folder", str(out))
     with SearchProgress(sys.stderr, arguments.quiet) as progress:
@@ -40,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
             arguments.test,
             progress=progress,
             command=_command(arguments),
+            effects=arguments.effects,
         )
     found.save(out)
     for note in found.notes if not arguments.quiet else ():
@@ -53,4 +64,5 @@ def _command(arguments: argparse.Namespace) -> str:
 
     parts = ["spirob", "diagnose", "--rig", arguments.rig, "--train", *arguments.train]
     parts += ["--test", *arguments.test] if arguments.test else []
+    parts += ["--effects", *arguments.effects] if arguments.effects else []
     return shlex.join([*parts, "--out", arguments.out])

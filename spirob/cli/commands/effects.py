@@ -2,6 +2,10 @@
 
 import argparse
 import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from spirob.effects import Effect
 
 HELP = "list, show, begin or check physical effects"
 ORDER = 70
@@ -42,9 +46,7 @@ def _list(arguments: argparse.Namespace) -> int:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from spirob.effects import find_effects
-
-    for effect in find_effects([arguments.effect]):
+    for effect in _found(arguments.effect):
         print(f"{effect.name()}: {effect.title}")
         print(f"\n{effect.explanation}\n{effect.signature}\n")
         print(f"acts at    {effect.port}")
@@ -83,10 +85,9 @@ def _new(arguments: argparse.Namespace) -> int:
 
 def _check(arguments: argparse.Namespace) -> int:
     from spirob.cli.battery import battery
-    from spirob.effects import find_effects
 
     sound = True
-    for effect in find_effects([arguments.file]):
+    for effect in _found(arguments.file):
         # being loaded means that the declaration holds: port, reads, arguments, numbers, neutral
         lines, kept = battery(effect, arguments.alone)
         for line in lines:
@@ -96,3 +97,13 @@ def _check(arguments: argparse.Namespace) -> int:
             print(f"{effect.name()}: declared well, keeps every law{rest}")
         sound = sound and kept
     return 0 if sound else 2
+
+
+def _found(name: str) -> "list[type[Effect]]":
+    """The effect of this name, or in this file, which is tried in a process apart before."""
+    from spirob.effects import find_effects
+    from spirob.machine.own_effects import tried
+
+    if name.endswith(".py"):
+        tried(name, kernel=False)
+    return find_effects([name])

@@ -14,10 +14,10 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
-from spirob.errors import ConfigError, DataError, MissingLog
+from spirob import given_file, plain_yaml
+from spirob.errors import ConfigError
 from spirob.units import unit
 
 LARGEST = 2**18  # bytes of a mapping file
@@ -79,20 +79,10 @@ class Mapping(Strict):
 def read_mapping(path: Path | str) -> Mapping:
     """Read and check a mapping file.
 
-    Raises MissingLog, DataError (no YAML) and ConfigError naming the file and the key.
+    Raises MissingLog, DataError (no file to read) and ConfigError naming the file and the key.
     """
-    try:
-        with open(path, "rb") as file:
-            content = file.read(LARGEST + 1)
-    except FileNotFoundError:
-        raise MissingLog(f"{path}: there is no such mapping file") from None
-    if len(content) > LARGEST:
-        raise DataError(f"{path}: more than {LARGEST >> 10} KiB is no mapping file")
-    try:
-        plain = yaml.safe_load(content)
-    except (yaml.YAMLError, UnicodeError, ValueError, RecursionError) as error:
-        raise DataError(f"{path}: is not YAML: {' '.join(str(error).split())}") from None
-    return mapping_from(plain, str(path))
+    content = given_file.content(path, "mapping file", LARGEST)
+    return mapping_from(plain_yaml.read(content, str(path)), str(path))
 
 
 def mapping_from(plain: object, where: str) -> Mapping:

@@ -6,10 +6,11 @@ from typing import Any, Literal
 from pydantic import field_validator, model_validator
 
 from spirob.control.law import Gains
+from spirob.given_number import Size
 from spirob.identify.numbers import FITTED
 from spirob.machine.arm.compared import ArmFilter, ArmRows
 from spirob.machine.arm.motors import MotorColumns
-from spirob.machine.rig import TIME_UNITS, Bounded, Column, Entry
+from spirob.machine.rig import TIME_UNITS, Bounded, Column, Effects, Entry
 from spirob.plant import Rig
 from spirob.plant.nominal import COMPONENTS
 
@@ -45,9 +46,9 @@ class ArmFile(Entry):
     left: MotorColumns
     right: MotorColumns
     arm: dict[str, Any] = {}
-    known: dict[str, float] = {}
+    known: dict[str, Size] = {}
     fit: dict[str, Bounded | None] = dict.fromkeys(FITTED)
-    effects: list[str] = []
+    effects: Effects = []
     dbc: str | None = None
     filter: ArmFilter = ArmFilter()
     rows: ArmRows = ArmRows()
@@ -107,6 +108,10 @@ class ArmFile(Entry):
         """Names of the columns that the description needs."""
         motors = [c for m in self.motors().values() for c in (m.position, m.effort)]
         return [column.column for column in (self.time, *motors)]
+
+    def moving_columns(self) -> list[str]:
+        """Those that say what the machine did, whatever the time."""
+        return self.columns()[1:]
 
     def motors(self) -> dict[str, MotorColumns]:
         """Both motors by name, in the order of the model."""

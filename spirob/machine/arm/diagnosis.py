@@ -12,7 +12,7 @@ from spirob.diagnose.proof import to_prove
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.survey import survey
 from spirob.diagnose.verdict import Verdict, judge
-from spirob.effects import Effect, all_effects, find_effects
+from spirob.effects import Effect, all_effects
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
@@ -23,6 +23,7 @@ from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import roles
+from spirob.machine.own_effects import chosen
 from spirob.plant import Plant
 
 SENSELESS = "No verdict: the data or the model do not fit together."
@@ -51,13 +52,16 @@ def searched(
     settings: Settings,
     progress: Callable[[str], None],
     candidates: Sequence[type[Effect]] | None = None,
+    own: Sequence[type[Effect]] | None = None,
 ) -> tuple[Search, dict[str, Residual]]:
     """The search on these trials; candidates are those of the library where none are given.
+
+    own  the effects that the model holds, where they are found already
 
     Raises ConfigError where `fit` or `known` names no number of the model, or goes beyond its
     bounds.
     """
-    own = find_effects(rig.effects)
+    own = chosen(rig.effects) if own is None else own
     library = list(all_effects().values()) if candidates is None else list(candidates)
     absent = [e for e in library if e not in own]
     plant = described(Plant(rig.machine(), [*own, *absent]), rig, own)

@@ -17,8 +17,9 @@ import math
 from collections.abc import Callable, Sequence
 
 from spirob.effects import Effect
+from spirob.generated import load
 from spirob.machine.forward import torque as generated
-from spirob.machine.kernel_loop import function, load
+from spirob.machine.kernel_loop import KIND, function
 
 NUDGE = 1e-3  # of the rest speed, for the derivative by speed
 FAR = 1e9  # a wrong model may run away; its error is large enough then
@@ -46,7 +47,7 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
     parts = [generated.source(effects), constants]
     pasted = (asked, beside, total, grown, step, follow, run)
     parts += [f"@njit(cache=True)\n{function(f, f.__name__)}" for f in pasted]
-    return load("\n\n".join(parts)).run
+    return load("\n\n".join(parts), KIND).run
 
 
 def asked(q, v, goal, dt, control, wound):

@@ -1,0 +1,53 @@
+"""A file that somebody names: whether it is one that can be read, and what it holds."""
+
+import os
+import stat
+from pathlib import Path
+
+from spirob.errors import DataError, MissingLog
+
+
+def checked(path: Path | str, what: str) -> Path:
+    """The path of a plain file that may be read, `what` being what it should hold.
+
+    Raises MissingLog where there is none, and DataError for whatever else a path may lead to: a
+    folder, a pipe or a device, which would never end, or a name that no result could repeat.
+    """
+    name = named(path)
+    try:
+        mode = os.stat(name).st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingLog(f"{name}: there is no such {what}") from None
+    except OSError as error:  # too long a name, a loop of links, a folder that is closed
+        raise DataError(f"{name}: cannot be read: {error.strerror}") from None
+    if stat.S_ISDIR(mode):
+        raise DataError(f"{name}: is a folder, no {what}")
+    if not stat.S_ISREG(mode):
+        raise DataError(f"{name}: is a pipe or a device, no {what}")
+    if not os.access(name, os.R_OK):
+        raise DataError(f"{name}: may not be read")
+    return Path(path)
+
+
+def named(path: Path | str) -> str:
+    """The path as text; raises DataError where results could not repeat it."""
+    name = os.fspath(path)
+    try:
+        name.encode("utf-8")  # half a surrogate is how Python keeps what is not
+    except UnicodeEncodeError:
+        raise DataError(f"{name!r}: the path is not UTF-8; rename it") from None
+    if "\0" in name:
+        raise DataError(f"{name!r}: a path holds no NUL")
+    return name
+
+
+def content(path: Path | str, what: str, most: int) -> bytes:
+    """The bytes of a small file; raises as `checked` does, and DataError beyond `most` bytes."""
+    try:
+        with open(checked(path, what), "rb") as file:
+            found = file.read(most + 1)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(found) > most:
+        raise DataError(f"{path}: more than {most >> 10} KiB is no {what}")
+    return found

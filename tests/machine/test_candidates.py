@@ -1,0 +1,29 @@
+"""An effect that a motion is too small to show is no candidate, and says why."""
+
+import pytest
+
+from spirob.effects import all_effects
+from spirob.machine.candidates import with_room
+from spirob.machine.scaling import Sizes, parameters
+
+
+def sizes(stroke):
+    return Sizes(0.02, 50.0, 1.0, stroke, 1.0, 0.1, "N·m", "A", "rad")
+
+
+@pytest.mark.parametrize("stroke", [1e-6, 0.01, 1.0, 100.0])
+def test_every_number_of_a_candidate_has_room(stroke):
+    library = list(all_effects().values())
+    possible, excluded = with_room(library, sizes(stroke))
+    assert {e.name() for e in possible} | set(excluded) == set(all_effects())
+    for effect in possible:
+        assert all(p.low < p.high for p in parameters(effect, sizes(stroke)).values())
+
+
+def test_a_wave_that_never_comes_round_is_excluded_with_its_reason():
+    cogging = [all_effects()["cogging"]]
+    assert with_room(cogging, sizes(100.0)) == (cogging, {})
+    possible, excluded = with_room(cogging, sizes(0.01))
+    assert possible == []
+    assert excluded["cogging"].startswith("the motion is too small to show it")
+    assert "'order'" in excluded["cogging"]

@@ -1,0 +1,100 @@
+"""From files to a verdict: what is given is looked at before it is used."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from spirob.cli.main import main
+from spirob.errors import ConfigError, DataError, EffectError, MissingLog
+from spirob.machine.diagnosis import diagnose
+from spirob.machine.worth import Settings
+from tests.effects.test_declaration import GOOD
+from tests.machine.rigs import description
+
+NONE = Settings(most=0)  # no search
+
+
+def log(folder, name, seed, size=0.004):
+    """A rotor of 1 A·s²/rad with 0.2 A of dry friction on a stroke of about two sizes [rad]."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 6.0, 0.005)
+    turn = rng.uniform(2.0, 12.0, 3)[:, None] * t + rng.uniform(0, 6.0, (3, 1))
+    rate = np.diff(turn)[:, :1] / 0.005
+    q = size * np.sin(turn).sum(0)
+    v, a = size * (rate * np.cos(turn)).sum(0), -size * (rate**2 * np.sin(turn)).sum(0)
+    u = a + 2.0 * v + 0.2 * np.tanh(v / 1e-4) + rng.normal(0, 0.002, len(t))
+    pd.DataFrame({"t": t, "q": q, "u": u}).to_csv(folder / name, index=False)
+    return str(folder / name)
+
+
+@pytest.fixture
+def rig(tmp_path):
+    def write(**changes):
+        path = tmp_path / "rig.yaml"
+        path.write_text(yaml.safe_dump(description(**changes)))
+        return str(path)
+
+    return write
+
+
+def test_a_motion_too_small_for_some_effects_is_diagnosed_with_the_others(tmp_path, rig):
+    """And a file of one's own beside the description is run, which the repairs say."""
+    (tmp_path / "own.py").write_text(GOOD)
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    document = diagnose(rig(effects=["own.py"]), logs[:2], logs[2:], NONE).document
+    assert document["excluded"]["cogging"].startswith("the motion is too small to show it")
+    assert document["repairs"][0] == f"{tmp_path / 'own.py'}: was run, as an effect of your own."
+
+
+def test_a_log_is_given_once_whatever_its_name(tmp_path, rig):
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(2)]
+    table = pd.read_csv(logs[0])
+    table.to_csv(tmp_path / "copy.tsv", sep="\t", index=False)
+    table[100:900].to_csv(tmp_path / "part.csv", index=False)
+    for other in ("0.csv", "copy.tsv", "part.csv"):
+        with pytest.raises(ConfigError, match=r"0\.csv; a log is fitted or held out, once"):
+            diagnose(rig(), logs, [tmp_path / other], NONE)
+
+
+def test_what_cannot_be_used_is_a_sentence_and_no_result(tmp_path, rig, capsys):
+    good, out = log(tmp_path, "0.csv", 0), tmp_path / "out"
+    (tmp_path / "exits.py").write_text("raise SystemExit(0)")
+    given = ["diagnose", "--out", str(out), "--rig", rig(), "--train", good]
+    for more, sentence in [
+        (["--train", str(tmp_path)], "is a folder, no log"),
+        (["--train", "/dev/zero"], "is a pipe or a device, no log"),
+        (["--test", str(tmp_path / "none.csv")], "there is no such log"),
+        (["--train", "a\udcff.csv"], "not UTF-8"),
+        (["--out", "a\udcff"], "not UTF-8"),
+        (["--effects", str(tmp_path / "exits.py")], "fails: SystemExit"),
+        (["--effects", "gravity_waves"], "no effect 'gravity_waves'"),
+    ]:
+        assert main([*given, *more]) == 2
+        assert sentence in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_from_python_the_same_are_errors(tmp_path, rig):
+    good = log(tmp_path, "0.csv", 0)
+    for wrong, kind in (("a\0b.csv", DataError), (tmp_path / "none.csv", MissingLog)):
+        with pytest.raises(kind):
+            diagnose(rig(), [good, wrong], [], NONE)
+    with pytest.raises(EffectError, match="no effect"):
+        diagnose(rig(), [good], [], NONE, effects=["no_such"])
+    with pytest.raises(ConfigError, match="leads out of"):
+        diagnose(rig(effects=["/tmp/own.py"]), [good], [], NONE)
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind"),
+    [
+        ({"rest_speed": 1e15}, ConfigError),
+        ({"fit": {"inertia": {"nominal": 1.0, "low": 1.0, "high": 1.0 + 1e-15}}}, DataError),
+        ({"effort": {"column": "u", "unit": "V", "kind": "voltage", "factor": 1e15}}, ConfigError),
+    ],
+)
+def test_numbers_that_cannot_be_meant_are_a_sentence(tmp_path, rig, changes, kind):
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(2)]
+    with pytest.raises(kind):
+        diagnose(rig(**changes), logs[:1], logs[1:], NONE)
