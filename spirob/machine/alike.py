@@ -8,6 +8,7 @@ from spirob.machine.recording import Recording
 
 Log = TypeVar("Log")
 
+
 def filtered_alike(
     read: Callable[[Log, float | None], Recording], train: Sequence[Log], test: Sequence[Log]
 ) -> tuple[list[Recording], list[Recording]]:
