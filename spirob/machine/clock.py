@@ -17,6 +17,7 @@ SHORTEST = 1.0  # s
 FEWEST = 40  # samples
 SLOWEST, FASTEST = 10.0, 1e6  # Hz, of a usable log
 REPEATED = 0.9  # of the rows that share their stamp say nothing new: the log repeats itself
+TIMES, HALF = 10, 0.5  # or so often at most is a row repeated, in such a share of all rows
 AGAIN = 1.0  # s put between two stretches of a clock that starts again
 SMOOTHER = 0.1  # by which the signals are where it decides
 SHARED = 1.1  # rows to a stamp: more is a coarse clock, fewer are slips
@@ -91,16 +92,25 @@ def _without_repeats(
 ) -> Ordered:
     """Rows that share their stamp and hold what is in the row before were logged twice."""
     shared = np.diff(found.stamps) == 0
-    same = shared.copy()
+    still = np.ones(len(shared), bool)
     for values in signals.values():
         one, two = values[found.rows[:-1]], values[found.rows[1:]]
-        same &= (one == two) | (np.isnan(one) & np.isnan(two))
-    if not same.any() or same.sum() < REPEATED * shared.sum():
+        still &= (one == two) | (np.isnan(one) & np.isnan(two))
+    same = shared & still
+    if not same.any() or (same.sum() < REPEATED * shared.sum() and not _regular(still)):
         return found
     said.append(f"{where}: {int(same.sum())} rows that repeat the one before were dropped.")
     keep = np.concatenate([[True], ~same])
     begins = np.cumsum(keep)[found.begins] - 1
     return Ordered(found.rows[keep], found.stamps[keep], begins)
+
+
+def _regular(still: np.ndarray) -> bool:
+    """Whether rows repeat the one before as many times each as no axis that stands would."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
+    counts = np.bincount(edges[1::2] - edges[::2])[: TIMES + 1]
+    usual = int(np.argmax(counts))
+    return bool(counts[usual] * (usual + 1) > HALF * len(still))
 
 
 def _chosen(

@@ -10,7 +10,8 @@ import yaml
 
 from spirob.effects import Effect
 from spirob.errors import ConfigError
-from spirob.logs.readers import Table, from_frame, read_table
+from spirob.logs.readers import Table, read_table
+from spirob.logs.readers.columns.frame import from_frame
 from spirob.machine.alike import filtered_alike
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings

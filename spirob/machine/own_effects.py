@@ -14,7 +14,7 @@ import numpy as np
 from spirob import given_file
 from spirob.effects import Effect, all_effects, find_effects, load_file, sampling
 from spirob.errors import EffectError
-from spirob.logs.foreign.apart import Crashed, apart
+from spirob.logs.readers.apart import Crashed, apart
 from spirob.machine.inside import inside
 from spirob.machine.kernel_loop import loop_of
 

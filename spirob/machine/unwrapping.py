@@ -6,16 +6,19 @@ it continues the speed before; what a sensor's speed says tells turns that no ro
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 LARGE = 0.5  # of the span: a step that no motion makes in one row
+RARE = 0.005  # of the values may be spikes at either end
 FULL = 0.9  # of the modulus that the values span at least
 ALIKE = 0.75  # of the large steps say the same modulus, within
 WITHIN = 0.05  # of it
 SNAP = 2e-3  # of a usual modulus: what is so near is meant to be it
 LONG = 1.5  # periods between two rows: samples are lost between
 SLOW = 0.01  # moduli a row: what is slower stands
+JUMPS = 6  # and spikes, that may hide a modulus
 TURNS = 4  # whole turns a row that are looked for at most, either way
 
 
@@ -57,25 +60,37 @@ class Track:
 def modulus_of(track: Track) -> float | None:
     """The modulus of a position that wraps round; None where it does not.
 
-    A row that wraps differs from its neighbours by a whole modulus, at any speed.
+    A row that wraps differs from its neighbours by a whole modulus, at any speed.  A jump beyond it
+    hides that, so parts between the largest steps are looked at, too.
     """
     if track.modulus is not None:
         return track.modulus
+    rows = np.arange(len(track.values))
+    largest = np.argsort(-np.abs(np.diff(track.values)))[:JUMPS] + 1
+    for count in range(len(largest) + 1):
+        ends = [0, *sorted(largest[:count].tolist()), len(rows)]
+        begin, end = max(pairwise(ends), key=lambda part: part[1] - part[0])
+        if found := _modulus(track.without((rows < begin) | (rows >= end))):
+            return found
+    return None
+
+
+def _modulus(track: Track) -> float | None:
     steps = np.diff(track.values)[track.apart <= LONG * track.period]
-    span = float(np.ptp(track.values))
-    large = np.abs(steps) > LARGE * span
+    low, high = np.quantile(track.values, [RARE, 1 - RARE])
+    large = np.abs(steps) > LARGE * (high - low)
     back = large[1:] & large[:-1] & (steps[1:] * steps[:-1] < 0)  # a spike, or on the edge
     wraps = large & ~np.append(back, False) & ~np.insert(back, 0, False)
     small = np.flatnonzero(~large)
-    if not wraps.any() or not len(small):
+    if not wraps.any() or len(small) < 2:
         return None
     beside = np.interp(np.arange(len(steps)), small, steps[small])
     sizes = np.abs(steps - beside)[wraps]
     size = float(np.median(sizes))
-    rough = 4.0 * float(np.median(np.abs(np.diff(steps[small])))) if len(small) > 1 else 0.0
-    if np.mean(np.abs(sizes - size) < WITHIN * size + rough) < ALIKE or span > size / FULL:
-        return None
-    if span < FULL * size - rough:
+    rough = 4.0 * float(np.median(np.abs(np.diff(steps[small]))))
+    alike = np.mean(np.abs(sizes - size) < WITHIN * size + rough) >= ALIKE
+    spans = high - low, float(np.ptp(track.values))
+    if not alike or not any(FULL * size - rough <= span <= size / FULL for span in spans):
         return None
     for known in track.usual:
         if abs(size - known) < SNAP * known + rough:

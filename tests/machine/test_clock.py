@@ -61,6 +61,22 @@ def test_rows_that_are_logged_twice_are_dropped():
     assert "1500 rows that repeat the one before were dropped" in said[0]
 
 
+def test_rows_that_are_logged_twice_by_a_coarse_clock_are_dropped():
+    even = np.arange(1500) / RATE
+    said: list[str] = []
+    stamps = np.arange(1500) // 4 * 4 / RATE
+    clock_of("log", np.repeat(stamps, 2), 1.0, {"q": np.repeat(moved(even)["q"], 2)}, said)
+    assert "1500 rows that repeat the one before were dropped" in said[0]
+
+
+def test_an_axis_that_stands_repeats_nothing():
+    even = np.arange(1500) / RATE
+    still = moved(np.where(np.sin(even) > 0, even, 0.0))
+    said: list[str] = []
+    clock_of("log", np.arange(1500) // 4 * 4 / RATE, 1.0, still, said)
+    assert not any("repeat" in text for text in said)
+
+
 def test_each_start_of_the_clock_begins_a_stretch():
     even = np.arange(1500) / RATE
     again = np.concatenate([even[:700], even[:500], even[:300]])

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from spirob.machine.filtering import before_thinning, derivative, smooth
+from spirob.errors import ConfigError, DataError
+from spirob.machine.filtering import BELOW, PAD, before_thinning, derivative, rates, smooth
 from spirob.machine.motion_noise import acceleration_noise, sensor_noise, usual_cutoff
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.rows import EDGE
+from spirob.machine.sizes_of import sizes_of
+from tests.machine.rigs import description
 
 
 @pytest.mark.parametrize("order", [1, 3, 4])
@@ -19,7 +25,7 @@ def test_a_polynomial_of_fourth_order_is_differentiated_exactly(order):
 def test_the_filters_are_those_of_scipy_to_the_bit(count):
     values = np.random.default_rng(count).standard_normal(count)
     low = signal.butter(4, 25.0, fs=500.0, output="sos")
-    expected = signal.sosfiltfilt(low, values, padlen=min(30, count - 1))
+    expected = signal.sosfiltfilt(low, values, padlen=min(round(PAD / (25.0 * 2e-3)), count - 1))
     np.testing.assert_array_equal(smooth(values, 25.0, 2e-3), expected)
     alias = signal.cheby1(8, 0.05, 0.8 / 4, output="sos")
     expected = signal.sosfiltfilt(alias, values, padlen=min(60, count - 1))
@@ -50,3 +56,64 @@ def test_the_cutoff_falls_until_noise_is_small():
     noise = acceleration_noise(coarse, 2, 50.0, 1e-3)
     left = derivative(derivative(smooth(coarse - q, 25.0, 1e-3), 1e-3), 1e-3)
     assert noise == pytest.approx(float(np.std(left)), rel=0.5)
+
+
+@pytest.mark.parametrize("cutoff", [0.01, 0.05, 0.125, 0.25])
+@pytest.mark.parametrize("tone", [0.05, 0.1, 0.2, 0.3])
+def test_beyond_the_edge_the_filters_know_no_end(cutoff, tone):
+    """A sine cut at an end, its tone a share of the cutoff; samples are a second apart."""
+
+    def compared(q):
+        return smooth(rates(smooth(q, cutoff, 1.0), 1.0)[1], BELOW * cutoff, 1.0)
+
+    n = round(20 / cutoff)
+    edge = round(EDGE / cutoff)
+    missed = []
+    for phase in np.linspace(0, 2 * np.pi, 9):
+        q = np.sin(2 * np.pi * tone * cutoff * np.arange(-n, n) + phase)
+        whole, cut = compared(q)[n:], compared(q[n:])
+        missed.append((cut - whole)[edge : n // 2] / np.std(whole))
+    assert np.sqrt(np.mean(np.square(missed), axis=0)).max() < 0.03
+
+
+@pytest.mark.parametrize(("rate", "share"), [(20, 0.24), (30, 0.15), (60, 0.124)])
+def test_a_slow_log_keeps_most_of_its_rows_and_band(rate, share):
+    t = np.arange(0, 10, 1 / rate)
+    q = np.sin(2 * np.pi * 0.7 * t) + 0.2 * np.sin(9 * t)
+    u = np.cos(2 * np.pi * 0.7 * t) + 0.3 * np.sign(np.cos(2 * np.pi * 0.7 * t)) + np.sin(9 * t)
+    made = prepare("log", {"t": t, "q": q, "u": u}, RigFile.model_validate(description(filter={})))
+    assert made.cutoff > share * rate
+    assert made.pieces[0].use.mean() > 0.85
+
+
+def test_a_cutoff_beyond_the_samples_is_lowered_and_adds_no_lag():
+    rig = RigFile.model_validate(description(filter={"cutoff": 300.0}))
+    t = np.arange(0, 10, 5e-3)
+    made = prepare("log", {"t": t, "q": np.sin(3 * t), "u": np.cos(3 * t)}, rig)
+    assert made.cutoff == pytest.approx(80.0)
+    assert any("a cutoff of 300 Hz is beyond what 200 samples" in said for said in made.said)
+    piece = made.pieces[0]
+    np.testing.assert_allclose(3 * piece.effort[piece.use], piece.v[piece.use], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"cutoff": 1e-9}, r"filter\.cutoff of 1e-09 Hz leaves nothing of 10 s"),
+        ({"decimate": 10**9}, r"0 rows are compared, one of 1000000000; .*filter\.decimate"),
+        ({"drop": 10**9}, "only 0 s are left after the row filters"),
+    ],
+)
+def test_filters_that_leave_nothing_are_refused(settings, sentence):
+    t = np.arange(0, 10, 5e-3)
+    with pytest.raises(DataError, match=sentence):
+        rig = RigFile.model_validate(description(filter=settings))
+        prepare("log", {"t": t, "q": np.sin(3 * t), "u": np.cos(3 * t)}, rig)
+
+
+def test_a_speed_of_rest_above_the_motion_is_a_mistake():
+    t = np.arange(0, 10, 5e-3)
+    rig = RigFile.model_validate(description(rest_speed=1e300))
+    made = prepare("log", {"t": t, "q": np.sin(3 * t), "u": np.cos(3 * t)}, rig)
+    with pytest.raises(ConfigError, match=r"rest_speed: 1e\+300 .* moves at 2\.99 rad/s"):
+        sizes_of(rig, None, [made])

@@ -25,12 +25,11 @@ from types import ModuleType
 from spirob.errors import DataError, MissingLog
 from spirob.logs.readers.apart import apart
 from spirob.logs.readers.columns.finishing import finished
-from spirob.logs.readers.columns.frame import from_frame
 from spirob.logs.readers.columns.table import Asked, Table, printable
 
 SMALL = 2**22  # bytes of a plain file that is read here
 HEAD = 512  # bytes in which a file shows its kind
-__all__ = ["Table", "from_frame", "read_table"]
+__all__ = ["Table", "read_table"]
 
 
 def read_table(

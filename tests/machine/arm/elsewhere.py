@@ -5,6 +5,7 @@ import yaml
 
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
+from spirob.logs.readers import read_table
 from spirob.machine.arm.description import ArmFile
 from spirob.plant import Plant, Rig
 from tests.identify.known import TRIALS, moves
@@ -26,6 +27,11 @@ def description(**changes):
         },
     }
     return {**base, **changes}
+
+
+def tables(paths):
+    """Files as tables."""
+    return [read_table(path) for path in paths]
 
 
 def rig(**changes):

@@ -13,7 +13,7 @@ from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
 from spirob.plant import Plant
-from tests.machine.arm.elsewhere import log, rig
+from tests.machine.arm.elsewhere import log, rig, tables
 
 FRICTION = all_effects()["coulomb_friction"]
 HIDDEN = {"winch.efficiency": 0.7, "coulomb_friction.coulomb_torque": 0.004}
@@ -46,7 +46,7 @@ def diagnosed(folder, bad):
         pd.DataFrame(exchanged(found) if bad(role) else found).to_csv(paths[-1], index=False)
     arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
     settings = Settings(finalists=1, rounds=1, iterations=1, patience=2, intervals=False)
-    trials, said = diagnosis.read(arm, paths[:3], paths[3:])
+    trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
     search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
     return diagnosis.written(arm, search, residuals, settings, said)
 

@@ -17,7 +17,7 @@ from spirob.machine.arm.page import overlay
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import Part, roles
 from spirob.plant import Plant
-from tests.machine.arm.elsewhere import long_log, rig
+from tests.machine.arm.elsewhere import long_log, rig, tables
 
 FRICTION = all_effects()["coulomb_friction"]
 TRUE = {"winch.efficiency": 0.7, "coulomb_friction.coulomb_torque": 0.004}
@@ -132,7 +132,7 @@ def test_one_log_alone_is_searched_in_blocks(tmp_path):
     """The right effect explains the block that no fit saw; one log may not be enough to name it."""
     pd.DataFrame(long_log(TRUE, [FRICTION])).to_csv(tmp_path / "one.csv", index=False)
     arm = rig(fit=["winch.efficiency"])
-    trials, said = diagnosis.read(arm, [tmp_path / "one.csv"], [])
+    trials, said = diagnosis.read(arm, tables([tmp_path / "one.csv"]), [])
     settings = Settings(finalists=1, rounds=1, intervals=False)
     search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
     found = search.rounds[0][0]

@@ -9,7 +9,7 @@ from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.page import overlay, parameters
 from spirob.machine.loading import load_rig
-from tests.machine.arm.elsewhere import log, rig, write
+from tests.machine.arm.elsewhere import log, rig, tables, write
 
 FRICTION = all_effects()["coulomb_friction"]
 TRUE = {"winch.efficiency": 0.7, "coulomb_friction.coulomb_torque": 0.004}
@@ -21,7 +21,7 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
         paths.append(tmp_path / f"{role}_{k}.csv")
         pd.DataFrame(log(role, k, TRUE, [FRICTION])).to_csv(paths[-1], index=False, sep=";")
     arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
-    trials, said = diagnosis.read(arm, paths[:3], paths[3:])
+    trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
     settings = Settings(finalists=1, rounds=1, intervals=False)
     search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
     document = diagnosis.written(arm, search, residuals, settings, said)

@@ -13,7 +13,7 @@ from spirob.machine.arm.numbers import described
 from spirob.machine.arm.page import parameters
 from spirob.machine.loading import load_rig
 from spirob.plant import Plant
-from tests.machine.arm.elsewhere import log, rig, write
+from tests.machine.arm.elsewhere import log, rig, tables, write
 
 FRICTION = all_effects()["coulomb_friction"]
 TRUE = {"winch.efficiency": 0.7, "motor.rotor_damping": 2e-4}
@@ -36,7 +36,7 @@ def logs(tmp_path_factory):
 def fitted(logs, **changes):
     """The fit of the numbers alone, and the residuals by role."""
     arm = rig(**changes)
-    trials, _ = diagnosis.read(arm, logs[:3], logs[3:])
+    trials, _ = diagnosis.read(arm, tables(logs[:3]), tables(logs[3:]))
     return diagnosis.searched(arm, trials, QUICK, print, [])
 
 
