@@ -29,7 +29,7 @@ BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torqu
 ADDED = ("motor.torque", "tendon.force", "body.hinge_torque")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 REACH = 4  # samples to either side that a second derivative looks at
-KEPT = 2e8  # bytes of effects' torques along all trials
+KEPT = 1e8  # bytes of effects' torques along all trials
 SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
