@@ -31,7 +31,10 @@ def diagnose(
     progress(f"reading {len(train) + len(test)} logs")
     first = [read_trial(path, rig) for path in train]
     cutoff = min(r.cutoff for r in first) if rig.filter.cutoff is None else None
-    trials = [read_trial(path, rig, cutoff) for path in train]
+    trials = [
+        r if cutoff in (None, r.cutoff) else read_trial(path, rig, cutoff)
+        for r, path in zip(first, train, strict=True)
+    ]
     held = [read_trial(path, rig, cutoff) for path in test]
     return diagnose_recordings(rig, folder, trials, held, settings, progress)
 
