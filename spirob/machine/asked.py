@@ -33,7 +33,7 @@ HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 REACH = 4  # samples to either side that a second derivative looks at
-KEPT = 2e8  # bytes of effects' torques along all trials
+KEPT = 1e8  # bytes of effects' torques along all trials
 SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 

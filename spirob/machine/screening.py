@@ -166,8 +166,8 @@ class Screening:
             full = f"{name}.{field}"
             about, zero = table.about[full], float(table.values[table.position(full)])
             size = about.nominal - zero or 0.02 * (about.high - zero)
-            others = shaping(effect, field)  # type: ignore[arg-type]  # a class can be hashed
-            key = (field, *(shape[f] for f in others))
+            matters = shaping(effect, field)  # type: ignore[arg-type] # a class is hashable
+            key: tuple[str | float, ...] = (field, *(shape[f] for f in matters))
             if key not in known:
                 point = {**self.changes, **at_shape, full: zero + PROBE * size}
                 known[key] = self.problem.added(effect, point, self.residual) / PROBE

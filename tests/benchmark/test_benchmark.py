@@ -20,7 +20,7 @@ KEYS = {
         "mujoco_sysid_error",
     ],
     "screening": ["screen_seconds", "screened_effects", "screened_place"],
-    "diagnosis": ["diagnosis_seconds_10k", "diagnosis_seconds_100k", "diagnosis_named"],
+    "diagnosis": ["diagnosis_seconds_10k", "diagnosis_core_seconds_100k", "diagnosis_named"],
 }
 
 
