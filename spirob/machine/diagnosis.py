@@ -58,7 +58,6 @@ def diagnose(
     ran = [f"{name}: was run, as an effect of your own." for name in names if name.endswith(".py")]
     with failures_told(who):
         own = chosen(names)
-        progress(f"reading {len(train) + len(test)} logs")
         fitted, held = _read(told, folder, train, "train"), _read(told, folder, test, "test")
         each_once([(t.name, t.columns) for t in (*fitted, *held)], told.moving_columns())
         if isinstance(told, ArmFile):

@@ -62,8 +62,8 @@ def test_what_cannot_be_used_is_a_sentence_and_no_result(tmp_path, rig, capsys):
     (tmp_path / "exits.py").write_text("raise SystemExit(0)")
     given = ["diagnose", "--out", str(out), "--rig", rig(), "--train", good]
     for more, sentence in [
-        (["--train", str(tmp_path)], "is a folder, no log"),
-        (["--train", "/dev/zero"], "is a pipe or a device, no log"),
+        (["--train", str(tmp_path)], "is a folder, and none that holds a ROS 2 bag"),
+        (["--train", "/dev/zero"], "is a pipe or a device"),
         (["--test", str(tmp_path / "none.csv")], "there is no such log"),
         (["--train", "a\udcff.csv"], "not UTF-8"),
         (["--out", "a\udcff"], "not UTF-8"),

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from spirob.errors import ConfigError
-from spirob.machine.diagnosis import diagnose
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.plausible import _mended, _turned, strangers
 from spirob.machine.recording import prepare
@@ -34,14 +32,6 @@ def test_a_log_of_another_motor_is_named(signs, strange):
     made = problem(*signs)
     said = strangers([made], [made({"rig.inertia": 0.01, "rig.viscous": 0.3})])
     assert said.partition(":")[0] == strange
-
-
-def test_a_log_is_fitted_or_held_out(tmp_path):
-    text = "name: a\ntime: {column: t, unit: s}\nposition: {column: q, unit: rad}\n"
-    text += "effort: {column: u, unit: N·m, kind: torque}\n"
-    (tmp_path / "rig.yaml").write_text(text)
-    with pytest.raises(ConfigError, match=r"a\.csv: given twice"):
-        diagnose(tmp_path / "rig.yaml", ["a.csv"], ["./a.csv"])
 
 
 def search_of(effort):

@@ -79,6 +79,8 @@ def _kind(path: Path, where: str) -> ModuleType:
             if hasattr(kind, "FOLDER") and any(kind.FOLDER.search(p.name) for p in path.iterdir()):
                 return kind
         raise DataError(f"{where}: is a folder, and none that holds a ROS 2 bag")
+    if path.exists() and not path.is_file():
+        raise DataError(f"{where}: is a pipe or a device, no log")
     if not path.is_file():
         raise MissingLog(f"{where}: there is no such log")
     with path.open("rb") as file:
