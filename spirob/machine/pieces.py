@@ -87,8 +87,8 @@ def grids_of(
             "cut there."
         )
     if len(grids) > 1 or scraps:
-        lost = f", and {scraps:.2g} s of scraps dropped" if scraps else ""
-        said.append(f"{where}: used in {len(grids)} pieces, {left:.3g} s{lost}.")
+        dropped = f", and {scraps:.2g} s of scraps dropped" if scraps else ""
+        said.append(f"{where}: used in {len(grids)} pieces, {left:.3g} s{dropped}.")
     whole = steps[~gaps & ~begins & ~broken] / clock.period
     if (lost := round(float(whole.sum())) - len(whole)) > 0:
         said.append(f"{where}: {lost} lost samples were bridged.")

@@ -32,7 +32,7 @@ def agreement(
     """
     most = min(max(2, round(LATE / period)), min(map(len, given)) // 4)
     shifts = np.arange(-most, most + 1)
-    alike = np.array([_alike(given, derived, k) for k in shifts])
+    alike = np.array([_alike(given, derived, int(k)) for k in shifts])
     best, late = int(np.argmax(np.abs(alike))), 0.0
     if 1 - alike[best] ** 2 >= SURELY * (1 - alike[most] ** 2):
         best = most
