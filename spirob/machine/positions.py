@@ -41,7 +41,7 @@ def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
         values, wraps, fast = unwrapped(track, modulus)
         track = replace(track, values=values)
         if wraps:
-            how = " by the speed before, as it turns by half and more in a row" if fast else ""
+            how = " by its speed, as it turns by half and more in a row" if fast else ""
             said.append(
                 f"{where}: '{name}' wraps round by {modulus:.4g}; unwrapped at {wraps} places{how}."
             )

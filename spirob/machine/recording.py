@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from spirob.errors import DataError, MissingChannel
+from spirob.errors import DataError, MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
 from spirob.machine.filtering import (
@@ -278,15 +278,15 @@ def _agreed(
     if found is None:
         said.append(f"{title} is no derivative of the position and was left out.")
         return
+    noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
+    if noise > acceleration_noise(grids[0]["position"], 2, cutoff, period):
+        said.append(f"{title} is noisier than the derivative of the position and was left out.")
+        return
     if found.scale != 1.0:
         said.append(f"{title} is {found.scale:.3g} times the derivative of the position; scaled.")
     if found.late:
         when = "late" if found.late > 0 else "early"
         said.append(f"{title} is {1e3 * abs(found.late) * period:.3g} ms {when}; aligned.")
-    noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
-    if noise > acceleration_noise(grids[0]["position"], 2, cutoff, period):
-        said.append(f"{title} is noisier than the derivative of the position and was left out.")
-        return
     for grid, values in zip(grids, given, strict=True):
         grid["velocity"] = shifted(values, found.late) / found.scale
 
@@ -305,9 +305,10 @@ def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
     kept = made.worth(moves)
     compared = sum(int(p.use[:: made.every].sum()) for p in kept)
     if compared < FEWEST:
-        raise DataError(
-            f"{made.name}: {compared} rows are compared, one of {made.every}; {FEWEST} are needed "
-            "(filter.decimate)"
+        asked = " (filter.decimate)" if rig.filter.decimate else ""
+        raise (DataError if asked else NothingLeft)(
+            f"{made.name}: {compared} rows are compared, one of {made.every}; {FEWEST} are "
+            f"needed{asked}"
         )
     skipped = [(len(made.pieces) - len(moves), "stand"), (len(moves) - len(kept), "hold no rows")]
     made.said.extend(f"{made.name}: {text}." for text in shares)
