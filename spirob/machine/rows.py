@@ -8,7 +8,9 @@ from spirob.machine.rig import ANGLES, EFFORTS, LENGTHS, RigFile
 
 FULL = 0.98  # of the drive's limit counts as saturated
 STUCK = 5  # equal extreme values in a row are a limit that nobody declared
-EDGE = 2.5  # periods of the cutoff: so far from an end, acceleration as compared is good to 3 %
+# Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
+EDGE, SETTLED = 2.5, 6.0
+SHARE = 0.05  # of a piece that may be lost at each end for that
 STILL = 1e-3  # of a log's stroke: a piece that moves by less stands
 
 
@@ -29,7 +31,7 @@ def usable(
     use = np.ones(len(v), bool)
     drop = rig.filter.drop
     if drop is None:
-        drop = round(EDGE / (cutoff * period))
+        drop = round(min(SETTLED, max(EDGE, SHARE * len(v) * cutoff * period)) / (cutoff * period))
     use[:drop] = False
     use[max(len(use) - drop, 0) :] = False
     reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
