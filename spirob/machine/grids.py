@@ -85,7 +85,7 @@ def _moved(
         clock.period,
         clock.longest,
         [*(turn * k for k in TURNS if turn), *(size * 2.0**bits for bits in BITS)],
-        None if modulus is None else size * modulus,
+        modulus,
         None if speed is None else speed[known],
     )
     return repaired(log.where, column.column, track, said), known
