@@ -85,8 +85,8 @@ class FilterSettings(Entry):
 
     cutoff    of the zero-phase Butterworth filter of 4th order [Hz]; absent: from the sample rate
     decimate  keep every n-th sample afterwards; absent: about six times the cutoff
-    drop      samples left out at both ends, where the filter has no neighbours; absent: half a
-              period of the cutoff times ten
+    drop      samples left out at both ends, where the filter has no neighbours; absent: six periods
+              of the cutoff, or a twentieth of the piece, at least 2.5 periods
     """
 
     cutoff: float | None = Field(default=None, gt=0)
