@@ -11,10 +11,12 @@ from spirob.perceive.features import FEATURES
 from tests.docs.blocks import follow
 
 DOCS = Path(__file__).parents[2] / "docs"
-OWN = ("tutorial", "new_effect", "conventions", "reference")
+OWN = ("from_python", "tutorial", "new_effect", "conventions", "reference")
 
 
-@pytest.mark.parametrize(("page", "blocks"), [("tutorial", 7), ("new_effect", 2)])
+@pytest.mark.parametrize(
+    ("page", "blocks"), [("tutorial", 7), ("new_effect", 2), ("from_python", 1)]
+)
 def test_every_block_does_what_the_page_says(page, blocks, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert follow(DOCS / f"{page}.md", capsys) == blocks
