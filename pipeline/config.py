@@ -51,13 +51,12 @@ def write(root: Path, plain: Any, source: str) -> None:
     """Check a composed configuration and write its public and its hidden part."""
     config = validated(plain, source)
     check(config.model_dump())
-    public = config.model_dump(mode="json", exclude={"robot": {"hidden"}})
     hidden = {}
     if config.robot.kind == "emulated":
         if config.robot.hidden is None:
             raise ConfigError(f"{source}: robot.hidden is missing; effect 'none' hides nothing")
-        hidden = config.robot.hidden.model_dump()
-    write_text(root / PUBLIC, yaml.safe_dump(public, sort_keys=False, allow_unicode=True))
+        hidden = config.robot.hidden.model_dump() | {"build": config.robot.build}
+    write_text(root / PUBLIC, yaml.safe_dump(config.public(), sort_keys=False, allow_unicode=True))
     write_text(root / HIDDEN, yaml.safe_dump(hidden, sort_keys=False))
 
 
