@@ -22,7 +22,7 @@ BuildName = Literal["as_designed", "typical", "rough"]
 BUILDS: tuple[str, ...] = get_args(BuildName)
 AS_DESIGNED: BuildName = "as_designed"
 STIFFEST_GEAR = 600.0  # N·m/rad at the winch, of the data sheet
-TRIES = 100  # draws until a build can be; of rough ones at full size one in a hundred cannot
+TRIES = 100  # draws until a build can be; of rough ones one in a hundred cannot
 
 
 @dataclass(frozen=True)
@@ -115,9 +115,8 @@ def _shift(build: Build, along: np.ndarray) -> Build:
 
 def _scatter_holes(build: Build, off: np.ndarray) -> Build:
     """Both mouths of a hole together; hole 0 is the mount's, hole k that of unit k."""
-    off = off.copy()
-    off[:, 1:, 0] *= build.scale  # where a mouth lies along a unit is given by the unit's faces
-    return _moved(build, off[:, 0], off[:, 1:])
+    scale = np.append(build.scale[0], build.scale)[:, None]
+    return _moved(build, scale[0] * off[:, 0], scale[1:] * off[:, 1:])
 
 
 def _moved(build: Build, mount: np.ndarray | float, units: np.ndarray) -> Build:
@@ -182,7 +181,7 @@ ROWS = {
         0.0003,
         0.0003,
         "m",
-        "each hole along its unit (less in smaller ones) and in height: accuracy of the print",
+        "each hole along its unit and in height, in proportion to its size: skew and shrinkage",
         _within(SIDES, HINGES + 1, 2),
         _scatter_holes,
     ),
@@ -215,7 +214,7 @@ def built(name: str, arm: SpiralArm, sheet: dict[str, np.ndarray], rng: Generato
     """Build the drawing's arm; what cannot be is drawn again.
 
     sheet  drawn numbers of the data sheet
-    Raises ConfigError where `TRIES` draws in a row cannot be, as of an arm too small for its holes.
+    Raises ConfigError where there is no such build or `TRIES` draws in a row cannot be.
     """
     require_build(name)
     before, after = (np.stack([guide] * SIDES) for guide in (arm.guide_before, arm.guide_after))

@@ -178,14 +178,23 @@ def test_an_unknown_build_is_a_sentence():
         HiddenSettings("none", build="perfect")
 
 
-def test_units_scale_what_a_design_shifts_but_not_what_a_printer_misses():
-    small = spiral_arm(HINGES, 0.5)
-    half, whole = (built("typical", arm, SHEET, np.random.default_rng(1)) for arm in (small, ARM))
-    assert half.rows["hole_shift"] == whole.rows["hole_shift"]
-    off = half.after[..., 1] - small.guide_after[:, 1]
-    assert off == pytest.approx(whole.after[..., 1] - ARM.guide_after[:, 1], abs=1e-12)
-    along = half.after[..., 0] - small.guide_after[:, 0]
-    assert 2 * along == pytest.approx(whole.after[..., 0] - ARM.guide_after[:, 0], abs=1e-12)
+def test_a_smaller_arm_of_the_same_draws_is_the_same_arm_scaled():
+    small = spiral_arm(HINGES, 0.25)
+    quarter, whole = (built("rough", arm, SHEET, np.random.default_rng(1)) for arm in (small, ARM))
+    for name in ("before", "after"):
+        assert 4 * getattr(quarter, name) == pytest.approx(getattr(whole, name), abs=1e-12)
+    assert 4 * quarter.arm.unit_length == pytest.approx(whole.arm.unit_length)
+
+
+def test_a_hole_moves_as_a_whole_within_what_its_unit_allows(monkeypatch):
+    for row in ("hole_shift", "mount_hole"):
+        monkeypatch.setitem(ROWS, row, replace(ROWS[row], put=lambda build, value: build))
+    build = built("typical", ARM, SHEET, np.random.default_rng(1))
+    enters, leaves = build.after - ARM.guide_after, build.before - ARM.guide_before
+    assert enters[:, :-1] == pytest.approx(leaves[:, 1:], abs=1e-12)
+    limit = 0.0003 * build.scale[:, None]
+    assert (np.abs(enters) <= limit).all()
+    assert (np.abs(enters) > 0.8 * limit).any()
 
 
 def test_tendons_run_through_the_holes_as_built(machine):
@@ -229,7 +238,7 @@ def test_energy_of_a_rough_build_is_where_it_was_or_was_lost_in_hinges_and_tendo
         lost += h * power(made)
         assert (made.state["tension"][0] > 0.0).all()
     assert first - held(made) == pytest.approx(lost, rel=0.01)
-    assert lost > 0.3 * first
+    assert lost > 0.05 * first
 
 
 def test_the_mass_matrix_of_a_rough_build_is_that_of_its_own_units(machine):
