@@ -125,7 +125,7 @@ def hidden_of(config: Config) -> dict[str, Any]:
         return {}
     if config.robot.hidden is None:
         raise ConfigError("robot.hidden is missing; effect 'none' hides nothing")
-    return config.robot.hidden.model_dump()
+    return config.robot.hidden.model_dump() | {"build": config.robot.build}
 
 
 def _experiments(config: Config) -> None:

@@ -97,7 +97,7 @@ def write(root: Path, plain: Any, source: str) -> None:
     with about(source):
         check(config)
         hidden = hidden_of(config)
-    public = config.model_dump(mode="json", exclude={"robot": {"hidden"}})
+    public = config.public()
     write_text(root / HIDDEN, yaml.safe_dump(hidden, sort_keys=False))
     write_text(root / PUBLIC, yaml.safe_dump(public, sort_keys=False, allow_unicode=True))
 

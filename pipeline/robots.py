@@ -15,6 +15,7 @@ from spirob.bench.simulated import SimulatedRobot
 from spirob.canbus import CanRobot, open_bus
 from spirob.drives import Drive, find_drive
 from spirob.effects import find_effects
+from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
@@ -66,7 +67,6 @@ def _record(
         else:
             robot.prepare(scene)
 
-    public = config.model_dump(mode="json", exclude={"robot": {"hidden"}})
     about = {"commit": git_commit(root), **versions()}
     try:
         record(
@@ -78,7 +78,7 @@ def _record(
             ),
             gains=rig.gains,
             rig=rig.name,
-            config=yaml.safe_dump(public, sort_keys=False).encode(),
+            config=yaml.safe_dump(config.public(), sort_keys=False).encode(),
             about=about,
             prepare=prepare,
             limits=limits,
@@ -105,7 +105,9 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
             current_bandwidth=rig.drive.bandwidth,
             current_noise=robot.current_noise,
         )
-        effect = HiddenSettings(str(hidden["effect"]), float(hidden["strength"]))
+        effect = HiddenSettings(
+            str(hidden["effect"]), float(hidden["strength"]), hidden.get("build", AS_DESIGNED)
+        )
         return EmulatedRobot(machine, effect, int(hidden["seed"]), robot.faults)
     if robot.kind == "simulated":
         return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)

@@ -4,6 +4,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from spirob.emulator.build import AS_DESIGNED, BuildName
 from spirob.errors import ConfigError
 
 
@@ -28,7 +29,9 @@ class Emulated(Strict):
     current_noise: float = Field(0.005, ge=0, le=0.2)
     faults: list[dict[str, Any]] = []  # checked by `spirob.emulator.faults`
     safety: dict[str, float] = {}  # checked by `spirob.safety.Limits`
-    hidden: Hidden | None = None  # taken out before any other stage sees the configuration
+    # both are taken out before any other stage sees the configuration
+    build: BuildName = AS_DESIGNED
+    hidden: Hidden | None = None
 
 
 class Simulated(Strict):
@@ -136,6 +139,7 @@ class TrialConfig(Strict):
     seeds: tuple[int, int] = (0, 1)
     nulls: int = Field(0, ge=0, le=10_000)
     without: bool = False
+    build: BuildName = AS_DESIGNED
     scheduler: str | None = None  # address of a Dask cluster; else the cores of this machine
 
 
@@ -151,6 +155,10 @@ class Config(Strict):
     diagnose: Diagnose
     perceive: Perceive
     trial: TrialConfig = TrialConfig()
+
+    def public(self) -> dict[str, Any]:
+        """As plain data, without what only the emulated robot knows."""
+        return self.model_dump(mode="json", exclude={"robot": {"build", "hidden"}})
 
 
 def validated(plain: Any, source: str) -> Config:

@@ -16,7 +16,7 @@ def stage(root: Path) -> None:
     seeds = range(*chosen.seeds)
     folder = root / "data/trial"
     folder.mkdir(parents=True, exist_ok=True)
-    picked = cases(chosen.kinds, seeds, chosen.nulls, chosen.without)
+    picked = cases(chosen.kinds, seeds, chosen.nulls, chosen.without, build=chosen.build)
     results = play(picked, folder, workers(), tell=tell, scheduler=chosen.scheduler)
     write_json(root / "reports/metrics/trial.json", rates(results))
 

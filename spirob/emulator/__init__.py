@@ -7,6 +7,7 @@ data from its own equations proves nothing.
 
     rig.py      what a user may know and choose: ratio, winch, size, gravity, noise
     truth.py    how this one machine differs from its data sheet, drawn from a seed
+    build.py    how it is built: scatter and other choices of design, drawn from the seed
     hidden/     effects that nobody told the model about, one file each
     physics/    the compiled step, one file for each part of the machine
     node.py     the drives' side of the bus

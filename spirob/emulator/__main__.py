@@ -12,6 +12,7 @@ import sys
 import can
 
 from spirob.can_interface import require_interface
+from spirob.emulator.build import AS_DESIGNED, BUILDS
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.service import serve
@@ -26,11 +27,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--channel", default="239.74.163.2", help="of that interface")
     parser.add_argument("--seconds", type=float, default=3600.0, help="how long to serve")
     parser.add_argument("--hidden", default="none", help="what the model does not know")
+    parser.add_argument("--build", default=AS_DESIGNED, choices=BUILDS, help="how it is built")
     parser.add_argument("--seed", type=int, default=1, help="which machine of its kind")
     chosen = parser.parse_args(arguments)
     try:
         require_interface(chosen.interface, f"CAN bus {chosen.interface}:{chosen.channel}")
-        machine = Machine(EmulatedRig(), HiddenSettings(chosen.hidden), chosen.seed)
+        settings = HiddenSettings(chosen.hidden, build=chosen.build)
+        machine = Machine(EmulatedRig(), settings, chosen.seed)
         print("compiling, the first time for half a minute", file=sys.stderr, flush=True)
         machine.cycle((0.0, 0.0))  # compiled before time counts
         with can.Bus(interface=chosen.interface, channel=chosen.channel) as bus:

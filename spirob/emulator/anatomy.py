@@ -40,12 +40,8 @@ class Anatomy:
 
 def anatomy(arm: SpiralArm) -> Anatomy:
     """Integrate every unit of the arm."""
-    face = np.tan(arm.unit_angle / 2)
-    ratio = arm.scale[0] / arm.scale[1]
+    face, start, slope = _shape(arm)
     length = arm.unit_length
-    start = arm.half_width * 2 * ratio / (1 + ratio)
-    slope = (start - start / ratio) / length
-
     x = (np.arange(SLICES) + 0.5) / SLICES * length[:, None]
     width = start[:, None] - slope[:, None] * x
     height = np.minimum(width, np.minimum(x, length[:, None] - x) / face)
@@ -54,8 +50,21 @@ def anatomy(arm: SpiralArm) -> Anatomy:
     moment = (density * 2 * height * x).sum(axis=1)
     inertia = (density * (2 * height * x**2 + 2 / 3 * height**3)).sum(axis=1)
 
+    return Anatomy(mass, moment / mass, inertia, *corners(arm))
+
+
+def corners(arm: SpiralArm) -> tuple[np.ndarray, np.ndarray]:
+    """Where each unit's outer edge starts and ends, x and y, (N, 2) each [m]."""
+    face, start, slope = _shape(arm)
+    length = arm.unit_length
     first = start / (1 + slope * face)
     last = (start - slope * length) / (1 - slope * face)
     corner_x = np.column_stack([face * first, length - face * last])
-    corner_y = np.column_stack([first, last])
-    return Anatomy(mass, moment / mass, inertia, corner_x, corner_y)
+    return corner_x, np.column_stack([first, last])
+
+
+def _shape(arm: SpiralArm) -> tuple[float, np.ndarray, np.ndarray]:
+    """tan α, and w₀ and σ of each unit."""
+    ratio = arm.scale[0] / arm.scale[1]
+    start = arm.half_width * 2 * ratio / (1 + ratio)
+    return np.tan(arm.unit_angle / 2), start, (start - start / ratio) / arm.unit_length

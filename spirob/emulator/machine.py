@@ -10,10 +10,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from spirob.emulator import hidden, truth
+from spirob.emulator.build import built
+from spirob.emulator.physics.compiled import HINGES
 from spirob.emulator.physics.layout import SCRATCH, STATE
 from spirob.emulator.physics.step import run_cycle
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
+from spirob.geometry import spiral_arm
 from spirob.robot import CYCLE_NS, MOTORS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
@@ -27,6 +30,7 @@ class Machine:
     """One emulated machine.
 
     rig, settings  what was asked for
+    drawn          its data sheet, of which `build` is what was built
     numbers        the record of its true numbers, hidden effects included
     hidden         what each hidden effect changed
     state          the record of its present state
@@ -38,7 +42,9 @@ class Machine:
         self.seed = seed
         self.dt = CYCLE / rig.steps_per_cycle
         self.drawn = truth.draw(self.generator("machine"))
-        self.numbers = truth.machine(rig, self.drawn, self.dt)
+        arm = spiral_arm(HINGES, rig.size)
+        self.build = built(settings.build, arm, self.drawn, self.generator("build"))
+        self.numbers = truth.machine(rig, self.build, self.dt)
         self.hidden = hidden.apply(settings, self.generator, self.numbers)
         self.state = np.zeros(1, STATE)
         self.counts = np.zeros((2, 4), dtype=np.int64)

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+from spirob.emulator.build import AS_DESIGNED, require_build
 from spirob.errors import ConfigError
 
 M3508_RATIO = 3591 / 187  # 19.203, from published firmware of the motor
@@ -48,17 +49,20 @@ class EmulatedRig:
 
 @dataclass(frozen=True)
 class HiddenSettings:
-    """Which hidden effects the machine has, and how strong: 1 is typical, 0 is none of it.
+    """Which hidden effects the machine has, how strong (1 is typical, 0 is none), how it is built.
 
     effect    one kind, "cogging", or several at once, "cogging+joint_creep", each with a strength
               of its own where one is written, "cogging:0.5+joint_creep:1.2"
     strength  of all of them; it multiplies their own
+    build     one of `spirob.emulator.build.BUILDS`
     """
 
     effect: str = "guide_friction"
     strength: float = 1.0
+    build: str = AS_DESIGNED
 
     def __post_init__(self) -> None:
+        require_build(self.build)
         kinds = [kind for kind, _ in self.parts]
         for kind in kinds:
             if kinds.count(kind) > 1:

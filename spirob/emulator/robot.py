@@ -94,6 +94,10 @@ class EmulatedRobot:
             "strength": machine.settings.strength,
             "hidden": [effect.plain for effect in machine.hidden],
             "drawn": {name: value.tolist() for name, value in machine.drawn.items()},
+            "build": {
+                "name": machine.settings.build,
+                "rows": {name: value.tolist() for name, value in machine.build.rows.items()},
+            },
             "numbers": {
                 name: np.asarray(machine.numbers[name][0]).tolist()
                 for name in fields

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.emulator.anatomy import anatomy
-from spirob.emulator.physics.compiled import HINGES, SIDES
+from spirob.emulator.build import Build
+from spirob.emulator.physics.compiled import SIDES
 from spirob.emulator.physics.layout import NUMBERS
 from spirob.emulator.rig import EmulatedRig
-from spirob.geometry import spiral_arm
 
 HINGE_STIFFNESS = 0.15  # N·m/rad for the first of 24 hinges; twice that for one of 48
 STIFFNESS_EXPONENT = 1.5  # k ∝ s^e; published values lie between 1 and 3
@@ -76,21 +76,21 @@ def draw(rng: np.random.Generator) -> dict[str, np.ndarray]:
     return drawn
 
 
-def machine(rig: EmulatedRig, drawn: dict[str, np.ndarray], dt: float) -> np.ndarray:
+def machine(rig: EmulatedRig, build: Build, dt: float) -> np.ndarray:
     """The record of numbers of a machine without any hidden effect.
 
     dt  integration step [s], of which the current loop takes whole fractions
     """
     numbers = np.zeros(1, NUMBERS)
-    arm = spiral_arm(HINGES, rig.size)
-    body = anatomy(arm)
-    _body(numbers, rig, arm, body, drawn)
-    _tendons(numbers, arm, drawn)
-    _drives(numbers, rig, drawn, dt)
+    _body(numbers, rig, build)
+    _tendons(numbers, build)
+    _drives(numbers, rig, build.sheet, dt)
     return numbers
 
 
-def _body(numbers, rig, arm, body, drawn) -> None:
+def _body(numbers, rig, build) -> None:
+    arm, drawn = build.arm, build.sheet
+    body = anatomy(arm)
     mass = drawn["mass"] * body.mass
     beyond = np.concatenate([np.cumsum(mass[::-1])[::-1][1:], [0.0]])
     length = arm.unit_length
@@ -118,11 +118,11 @@ def _body(numbers, rig, arm, body, drawn) -> None:
     _assign(numbers, fields)
 
 
-def _tendons(numbers, arm, drawn) -> None:
-    before = np.linalg.norm(arm.guide_before, axis=1)
-    after = np.linalg.norm(arm.guide_after, axis=1)
-    x, y = arm.guide_before.T
-    angle = np.arctan2(y, x) - np.arctan2(arm.guide_after[:, 1], arm.guide_after[:, 0])
+def _tendons(numbers, build) -> None:
+    before = np.linalg.norm(build.before, axis=-1)
+    after = np.linalg.norm(build.after, axis=-1)
+    angle = np.arctan2(build.before[..., 1], build.before[..., 0])
+    angle -= np.arctan2(build.after[..., 1], build.after[..., 0])
     fields = {
         "guide_product": before * after,
         "guide_difference": (before - after) ** 2,
@@ -130,8 +130,8 @@ def _tendons(numbers, arm, drawn) -> None:
         "guide_sine": np.sin(angle / 2),
         "guide_cosine": np.cos(angle / 2),
         "guide_slip_distance": 1.5e-4,
-        "tendon_stiffness": drawn["tendon_stiffness"],
-        "tendon_damping": drawn["tendon_damping"],
+        "tendon_stiffness": build.sheet["tendon_stiffness"],
+        "tendon_damping": build.sheet["tendon_damping"],
         "tendon_creep_time": 1.0,
     }
     _assign(numbers, fields)

@@ -9,6 +9,7 @@ from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from spirob.diagnose.rungs import Settings
+from spirob.emulator.build import AS_DESIGNED
 from spirob.ending import end_with_parent
 from spirob.logs.atomic import replacing
 from spirob.trial.answers import ANSWERS
@@ -33,23 +34,28 @@ def cases(
     without: bool = False,
     pairs: bool = False,
     ratios: tuple[float, float] = RATIOS,
+    build: str = AS_DESIGNED,
 ) -> list[Case]:
     """Every kind with every seed, `nulls` robots with nothing hidden, each pair with every seed.
 
     ratios  between which knowing what is hidden would bring the held-out error
+    build   of every robot, one of `spirob.emulator.build.BUILDS`
     """
     chosen = [
-        Case(k, s, without and any(_names(k)), ratios) for s in seeds for k in kinds if k != "none"
+        Case(k, s, without and any(_names(k)), ratios, build)
+        for s in seeds
+        for k in kinds
+        if k != "none"
     ]
     first = min(seeds, default=0)
-    chosen += [Case("none", first + k) for k in range(nulls)]
+    chosen += [Case("none", first + k, build=build) for k in range(nulls)]
     return chosen + [
-        Case("+".join(pair), s, ratios=ratios) for s in seeds for pair in PAIRS if pairs
+        Case("+".join(pair), s, False, ratios, build) for s in seeds for pair in PAIRS if pairs
     ]
 
 
 def left(chosen: Sequence[Case], folder: Path) -> list[Case]:
-    """The cases that have no result yet; one of another robot or strength is none."""
+    """The cases that have no result yet; one of another robot, build or strength is none."""
     return [case for case in chosen if not _played(_path(folder, case), case)]
 
 
@@ -58,7 +64,8 @@ def _played(path: Path, case: Case) -> bool:
         return False
     found = json.loads(path.read_text())[0]
     ratios = tuple(found.get("ratios", RATIOS))  # an earlier release had no others
-    return bool(found.get("robot") == case.robot and ratios == case.ratios)
+    robot = found.get("robot"), found.get("build", AS_DESIGNED)
+    return bool(robot == (case.robot, case.build) and ratios == case.ratios)
 
 
 def play(

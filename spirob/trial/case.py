@@ -14,6 +14,7 @@ from spirob.diagnose.noise import complete
 from spirob.diagnose.rungs import Search, Settings
 from spirob.diagnose.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
+from spirob.emulator.build import AS_DESIGNED
 from spirob.identify.numbers import FITTED
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
@@ -34,17 +35,20 @@ class Case:
     without  diagnose once more with a library that lacks every right answer: it must not name
              another with confidence
     ratios   between which knowing the effect would bring the held-out error
+    build    how the robot is built
     """
 
     kind: str
     seed: int
     without: bool = False
     ratios: tuple[float, float] = RATIOS
+    build: str = AS_DESIGNED
 
     @property
     def name(self) -> str:
         """Of its results' file."""
-        return f"{self.kind.replace('+', '_and_')}-{self.seed}{'-without' * self.without}"
+        build = "" if self.build == AS_DESIGNED else f"-{self.build}"
+        return f"{self.kind.replace('+', '_and_')}-{self.seed}{build}{'-without' * self.without}"
 
     @property
     def robot(self) -> int:
@@ -58,7 +62,9 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     settings = settings or Settings(intervals=False, always=False)
     library = list(all_effects().values())
     plant = Plant(Rig(), library)
-    hidden, problems, base = drawn(case.kind, case.seed, case.robot, plant, settings, case.ratios)
+    hidden, problems, base = drawn(
+        case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
+    )
     robot = hidden, case.robot
     search = climb(problems, FITTED, library, {}, settings, known=base)
     first, asked, experiment = judge(search, problems, settings), search, ""
@@ -70,6 +76,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         "seed": case.seed,
         "robot": case.robot,
         "ratios": list(case.ratios),
+        "build": case.build,
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
     told = {"first_verdict": first.kind, "experiment": experiment}

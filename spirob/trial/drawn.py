@@ -7,6 +7,7 @@ import numpy as np
 
 from spirob.diagnose.ladder import begun
 from spirob.diagnose.rungs import Search, Settings
+from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.fit import STEPS, fit
 from spirob.identify.near import near
@@ -29,6 +30,7 @@ def drawn(
     plant: Plant,
     settings: Settings,
     ratios: tuple[float, float] = RATIOS,
+    build: str = AS_DESIGNED,
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
@@ -36,11 +38,12 @@ def drawn(
 
     kind    one, or two joined by "+";  seed  draws the strength;  robot  its seed
     ratios  between which knowing the effect is to bring the error
+    build   how the robot is built
     """
-    alone = [_alone(each, seed, robot, plant, settings, ratios) for each in kind.split("+")]
+    alone = [_alone(each, seed, robot, plant, settings, ratios, build) for each in kind.split("+")]
     if len(alone) == 1:
         return alone[0]
-    hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone))
+    hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone), build=build)
     problems = problems_of(recorded(hidden, robot), plant)
     return hidden, problems, _without_any(problems, settings)
 
@@ -52,6 +55,7 @@ def _alone(
     plant: Plant,
     settings: Settings,
     ratios: tuple[float, float],
+    build: str,
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Search]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
@@ -60,7 +64,8 @@ def _alone(
     tries: list[tuple[float, float]] = []
     played = []
     while True:
-        hidden = HiddenSettings("none" if kind == "none" else f"{kind}:{strength:.6g}")
+        effect = "none" if kind == "none" else f"{kind}:{strength:.6g}"
+        hidden = HiddenSettings(effect, build=build)
         problems = problems_of(recorded(hidden, robot), plant)
         search = _without_any(problems, settings)
         tries.append((strength, beside(left(search.base, problems), LEFT)))

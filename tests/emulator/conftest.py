@@ -17,9 +17,14 @@ def machine() -> Callable[..., Machine]:
     """Build a machine without friction, noise or hidden effect, unless told otherwise."""
 
     def build(
-        effect: str = "none", strength: float = 1.0, seed: int = 3, clean: bool = True, **rig
+        effect: str = "none",
+        strength: float = 1.0,
+        seed: int = 3,
+        clean: bool = True,
+        build: str = "as_designed",
+        **rig,
     ) -> Machine:
-        made = Machine(EmulatedRig(**rig), HiddenSettings(effect, strength), seed)
+        made = Machine(EmulatedRig(**rig), HiddenSettings(effect, strength, build), seed)
         if clean:
             made.numbers["current_noise"] = 0.0
             if effect != "rotor_friction":

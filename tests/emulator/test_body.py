@@ -12,20 +12,21 @@ N = 48
 BODY = anatomy(spiral_arm(N))
 
 
-def mass_matrix(machine, phi):
+def mass_matrix(machine, phi, body=BODY):
     """Σ m J_cᵀJ_c + I ωωᵀ from the Jacobian of every centre of mass: nothing closed form."""
-    length, mass = machine.numbers["length"][0], machine.drawn["mass"] * BODY.mass
+    length, factor = machine.numbers["length"][0], machine.build.sheet["mass"]
+    mass = factor * body.mass
     normal = np.column_stack([-np.sin(phi), np.cos(phi)])
     jacobian = np.tril(np.ones((N, N)), -1)[:, None, :] * (length[:, None] * normal).T
-    jacobian[np.arange(N), :, np.arange(N)] = BODY.centre[:, None] * normal
+    jacobian[np.arange(N), :, np.arange(N)] = body.centre[:, None] * normal
     weighted = (np.sqrt(mass)[:, None, None] * jacobian).reshape(2 * N, N)
-    about_centre = machine.drawn["mass"] * (BODY.inertia - BODY.mass * BODY.centre**2)
+    about_centre = factor * (body.inertia - body.mass * body.centre**2)
     return weighted.T @ weighted + np.diag(about_centre)
 
 
-def energy(machine):
+def energy(machine, body=BODY):
     phi, rate = machine.state["phi"][0], machine.state["rate"][0]
-    kinetic = 0.5 * rate @ mass_matrix(machine, phi) @ rate
+    kinetic = 0.5 * rate @ mass_matrix(machine, phi, body) @ rate
     return kinetic + 0.5 * machine.numbers["stiffness"][0] @ hinge_angles(machine) ** 2
 
 

@@ -49,6 +49,17 @@ def test_a_result_of_another_strength_is_no_result(tmp_path):
     assert strong.robot == weak.robot
 
 
+def test_a_result_of_another_build_is_no_result_and_lies_elsewhere(tmp_path):
+    plain, rough = (campaign.cases(["cogging"], [7], 1, build=b) for b in ("as_designed", "rough"))
+    assert {case.build for case in rough} == {"rough"}
+    assert [case.robot for case in rough] == [case.robot for case in plain]
+    assert not {case.name for case in rough} & {case.name for case in plain}
+    for case in rough:
+        found = [{"kind": case.kind, "robot": case.robot}]  # as an earlier release wrote it
+        (tmp_path / f"{case.name}.json").write_text(json.dumps(found))
+    assert campaign.left(rough, tmp_path) == rough
+
+
 def test_each_kind_has_a_robot_of_its_own_and_without_the_right_name_the_same():
     cases = [Case(kind, seed) for kind in ("none", "cogging", "creep+cogging") for seed in (4, 5)]
     assert len({case.robot for case in cases}) == len(cases)
@@ -63,6 +74,7 @@ def test_each_kind_has_a_robot_of_its_own_and_without_the_right_name_the_same():
         ["--seeds", "x"],
         ["--ratios", "0.5:0.3"],
         ["--ratios", "half"],
+        ["--build", "perfect"],
     ],
 )
 def test_bad_choices_are_a_sentence(flag, capsys, tmp_path):

@@ -125,3 +125,10 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     assert played[-1].parts[0][1] == LARGEST
     drawn("none", 5, 41, None, Settings())
     assert len(played) == 3 + TRIES + 5
+
+
+def test_every_robot_of_a_case_is_built_as_asked(monkeypatch, names):
+    monkeypatch.setitem(names, "left", lambda base, problems: 0.74)
+    drawn("cogging+joint_creep", 5, 41, None, Settings(), build="rough")
+    assert len(names["played"]) == 3
+    assert {hidden.build for hidden in names["played"]} == {"rough"}

@@ -45,6 +45,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         " B of what it is (%(default)s)",
     )
     parser.add_argument(
+        "--build",
+        default="as_designed",
+        metavar="BUILD",
+        help="how the robots are built: as_designed, typical or rough (%(default)s)",
+    )
+    parser.add_argument(
         "--out", type=Path, default=Path("data/trial"), metavar="DIR", help="results (%(default)s)"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rates there")
@@ -61,13 +67,23 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from spirob.cli.progress import Progress
+    from spirob.emulator.build import require_build
     from spirob.logs.atomic import write_text
     from spirob.trial.campaign import cases, left, play
     from spirob.trial.rates import rates
 
     seeds = _seeds(arguments.seeds)
     kinds, ratios = _kinds(arguments.kinds), _ratios(arguments.ratios)
-    chosen = cases(kinds, seeds, arguments.nulls, arguments.without, arguments.pairs, ratios)
+    require_build(arguments.build)
+    chosen = cases(
+        kinds,
+        seeds,
+        arguments.nulls,
+        arguments.without,
+        arguments.pairs,
+        ratios,
+        arguments.build,
+    )
     with Progress([case.name for case in left(chosen, arguments.out)]) as progress:
         results = play(
             chosen,

@@ -24,8 +24,8 @@ NUMBERS = {
     "guide_product": (SIDES, HINGES),  # |p||c| [m²]
     "guide_difference": (SIDES, HINGES),  # (|p| - |c|)² [m²]
     "guide_span": (SIDES, HINGES),  # ℓ(0) [m]
-    "guide_sine": (HINGES,),  # sin β/2
-    "guide_cosine": (HINGES,),  # cos β/2
+    "guide_sine": (SIDES, HINGES),  # sin β/2
+    "guide_cosine": (SIDES, HINGES),  # cos β/2
 }
 STATE = {
     "wound": (SIDES,),  # x, tendon wound in since the arm was straight [m]
@@ -51,8 +51,8 @@ def routing(p, s, w, h):
         sine_q, cosine_q = np.sin(half_q), np.cos(half_q)
         for m in range(SIDES):
             sign = 1.0 if m == 0 else -1.0
-            sine = p.guide_sine[i] * cosine_q - sign * p.guide_cosine[i] * sine_q
-            cosine = p.guide_cosine[i] * cosine_q + sign * p.guide_sine[i] * sine_q
+            sine = p.guide_sine[m, i] * cosine_q - sign * p.guide_cosine[m, i] * sine_q
+            cosine = p.guide_cosine[m, i] * cosine_q + sign * p.guide_sine[m, i] * sine_q
             product = p.guide_product[m, i]
             length = np.sqrt(p.guide_difference[m, i] + 4.0 * product * sine * sine)
             w.shortening[m] += p.guide_span[m, i] - length
