@@ -39,7 +39,7 @@ def _rows(motion: Motion, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
     q, whole = smooth(motion.q), smooth(motion.effort)
     v = np.gradient(q, 1 / FINE)
-    effort = whole if motion.known is None else whole - smooth(motion.known)
+    effort = whole if motion.known is None else whole - smooth(motion.known(motion.q))
     every = max(1, int(FINE / (8 * FASTEST)))
     kept = slice(int(EDGE * FINE), len(q) - int(EDGE * FINE), every)
     design = np.column_stack([np.gradient(v, 1 / FINE), v])
@@ -48,6 +48,8 @@ def _rows(motion: Motion, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 def strength(shown: Callable[[float], float], wanted: float, most: float) -> tuple[float, float]:
     """The strength at which a kind shows as much as is wanted, as nearly as can be; and the share.
+
+    Where no strength shows it, it is moderate: what cannot be seen is no reason for a monster.
 
     shown  share at a strength
     """
@@ -61,6 +63,8 @@ def strength(shown: Callable[[float], float], wanted: float, most: float) -> tup
         at = min(max(_next(tried, wanted), 1e-3), most)
         if any(abs(at - before) < 1e-3 * at for before, _ in tried):
             break
+    if max(found for _, found in tried) < SEEN:
+        return tried[0]
     return min(tried, key=lambda one: abs(np.log(max(one[1], 1e-6) / wanted)))
 
 

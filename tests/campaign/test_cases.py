@@ -118,7 +118,7 @@ def test_the_share_is_what_inertia_and_viscous_friction_cannot_take_up():
     found = share([Motion(q, v, plain + force)], 500.0)
     whole = np.sqrt(np.mean((plain + force)[2500:-2500] ** 2))
     assert found == pytest.approx(force / whole, rel=0.02)
-    known = Motion(q, v, plain + force, {}, np.full_like(q, force))
+    known = Motion(q, v, plain + force, {}, lambda read: np.full_like(read, force))
     assert share([known], 500.0) < 1e-4
 
 
@@ -132,6 +132,16 @@ def test_a_strength_is_found_whatever_the_law(law):
 
 
 def test_a_strength_ends_at_the_most_there_is():
-    at, shown = strength(lambda s: 0.01 * s, 0.3, 2.0)
-    assert (at, shown) == (2.0, 0.02)
+    assert strength(lambda s: 0.1 * s, 0.3, 2.0) == (2.0, 0.2)
+
+
+def test_what_cannot_be_seen_is_not_made_a_monster_of():
+    at, shown = strength(lambda s: 0.001 * s, 0.3, 30.0)
     assert shown < drawing.SEEN
+    assert at < 1.0
+
+
+def test_a_described_arm_whose_encoder_is_off_centre_shows_it(short):
+    truths = [drawn(Case("arm", "encoder_eccentricity", seed)) for seed in range(4)]
+    described = [one.truth["share"] for one in truths if one.about["described"]]
+    assert max(described) > 0.9 * LOW

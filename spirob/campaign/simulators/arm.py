@@ -123,12 +123,16 @@ def play(machine: Machine, hidden: Hidden, plan: Plan) -> Motion:
     wanted = np.column_stack([*both, *(np.gradient(w, 1 / FINE) for w in both)])
     q, v, u = _played(wanted, carried, h, memory(), plan.warming, 1.0 / FINE)
     k = p.driven
-    others, known = {}, None
-    if not bare:
-        others = {"other": q[1 - k]}
-        rates = np.gradient(v, 1 / FINE, axis=1)
-        known = inverse(q, v, rates, p)[k] / machine.constant
-    return Motion(q[k], v[k], u / machine.constant, others, known)
+    if bare:
+        return Motion(q[k], v[k], u / machine.constant)
+
+    def known(seen: np.ndarray) -> np.ndarray:
+        read = np.array([seen, q[1]] if k == 0 else [q[0], seen])
+        speeds = np.gradient(read, 1 / FINE, axis=1)
+        rates = np.gradient(speeds, 1 / FINE, axis=1)
+        return np.asarray(inverse(read, speeds, rates, p)[k] / machine.constant)
+
+    return Motion(q[k], v[k], u / machine.constant, {"other": q[1 - k]}, known)
 
 
 def loaded(p: Arm, share: float) -> Arm:

@@ -30,14 +30,14 @@ class Motion:
     q       position that its sensor is at;  v  speed of the motor
     effort  in the unit of the machine's effort
     others  further joints by name
-    known   of the effort, what the rig's description knows already
+    known   of the effort, what the rig's description knows already, from position as it is read
     """
 
     q: np.ndarray
     v: np.ndarray
     effort: np.ndarray
     others: dict[str, np.ndarray] = field(default_factory=dict)
-    known: np.ndarray | None = None
+    known: Callable[[np.ndarray], np.ndarray] | None = None
 
 
 @dataclass(frozen=True)
