@@ -4,6 +4,9 @@ Every case is a robot of its own (kind and seed), recorded over the bus, fitted,
 compared with what was hidden.  A case takes about a minute of processor time, and with
 `--without` most robots are two cases; results that are there already are kept, so a trial that was
 stopped goes on.
+
+With `--rigs` the machines are simulated axes of other people's kind, diagnosed as `spirob diagnose
+--rig` does; one file holds all results, a line each.
 """
 
 import argparse
@@ -51,7 +54,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how the robots are built: as_designed, typical or rough (%(default)s)",
     )
     parser.add_argument(
-        "--out", type=Path, default=Path("data/trial"), metavar="DIR", help="results (%(default)s)"
+        "--rigs", action="store_true", help="simulated axes in place of robots: servos, slides, ..."
+    )
+    parser.add_argument(
+        "--simulators", nargs="+", default=[], metavar="NAME", help="of axes, with --rigs; all"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="PATH",
+        help="results: a folder (data/trial), with --rigs a file (data/campaign.jsonl)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rates there")
     parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes; all cores")
@@ -73,6 +85,11 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.trial.rates import rates
 
     seeds = _seeds(arguments.seeds)
+    if arguments.rigs:
+        from spirob.cli.campaign import play_rigs
+
+        return play_rigs(arguments, seeds)
+    out = arguments.out or Path("data/trial")
     kinds, ratios = _kinds(arguments.kinds), _ratios(arguments.ratios)
     require_build(arguments.build)
     chosen = cases(
@@ -84,10 +101,10 @@ def run(arguments: argparse.Namespace) -> int:
         ratios,
         arguments.build,
     )
-    with Progress([case.name for case in left(chosen, arguments.out)]) as progress:
+    with Progress([case.name for case in left(chosen, out)]) as progress:
         results = play(
             chosen,
-            arguments.out,
+            out,
             arguments.workers,
             tell=_told(progress),
             scheduler=arguments.scheduler,

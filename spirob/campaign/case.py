@@ -1,0 +1,202 @@
+"""One case of the campaign: a machine with something hidden, its logs, and what is right.
+
+What is drawn follows from simulator, kind and seed alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from spirob.campaign import recorder as recording
+from spirob.campaign.kinds import KINDS, LIBRARY, NO_PARTNER, NONE, OUTSIDE, THREE, TWO, answers
+from spirob.campaign.recorder import Recorder
+from spirob.campaign.simulators import SIMULATORS
+from spirob.campaign.simulators.hidden import Hidden, Hiding, Scale, hiding
+from spirob.campaign.simulators.motion import Machine, Motion, Plan, Simulator
+from spirob.campaign.simulators.plans import plan
+from spirob.campaign.strength import HIGH, LOW, SEEN, share, strength
+
+FASTEST = (0.3, 2.0)  # Hz, of the motion
+SLOW_LOG = 40.0  # samples in a period of the fastest motion at least
+QUICK = (4.0, 8.0)  # Hz, of machines whose time in the log is hidden
+PROMPT = 500.0  # Hz, of their logs at least
+SLOW = 0.05  # of the usual speed: what is slower goes no way
+DRAWS = 200  # of partners, until they go together
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is hidden, in which machine.
+
+    kind  of the library or not, two or three by +, or "none"; "two" and "three" are drawn
+    """
+
+    simulator: str
+    kind: str
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """By which its result is found again."""
+        return f"{self.simulator}-{self.kind}-{self.seed}"
+
+    def kinds(self) -> tuple[str, ...]:
+        """What is hidden."""
+        if self.kind == NONE:
+            return ()
+        if self.kind not in (TWO, THREE):
+            return tuple(self.kind.split("+"))
+        rng = np.random.default_rng([self.seed, 1, *f"{self.simulator}/{self.kind}".encode()])
+        able = sorted(SIMULATORS[self.simulator].kinds & set(LIBRARY) - NO_PARTNER)
+        for _ in range(DRAWS):
+            chosen = rng.choice(able, 2 if self.kind == TWO else 3, replace=False)
+            if together([str(kind) for kind in chosen]):
+                break
+        return tuple(sorted(map(str, chosen)))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A machine's logs and their description, as the diagnosis gets them; and the truth.
+
+    truth  plain data: groups of names of which one each must be named, names that may stand
+           besides, names that say a part, whether the logs can show it, share of each kind
+    """
+
+    rig: dict[str, Any]
+    files: dict[str, str]
+    train: list[dict[str, np.ndarray]]
+    test: dict[str, np.ndarray]
+    truth: dict[str, Any]
+    about: dict[str, Any]
+
+
+def together(kinds: Sequence[str]) -> bool:
+    """Whether an axis can have all of these at once."""
+    families = [KINDS[kind].family for kind in kinds]
+    return len(set(families)) == len(families)
+
+
+def drawn(case: Case) -> Drawn:
+    """Draw, play and record a case."""
+    rng = np.random.default_rng([case.seed, *f"{case.simulator}/{case.kind}".encode()])
+    simulator, kinds = SIMULATORS[case.simulator], case.kinds()
+    machine, recorder, plans, motions = _set_up(simulator, frozenset(kinds), rng)
+    scale = _scale(machine, recorder, motions)
+    found: dict[str, float] = {}
+    shares: dict[str, float] = {}
+    for kind in kinds:
+        made = hiding(kind, scale, rng)
+        fields, shares[kind] = _adjusted(simulator, machine, recorder, plans, made, rng)
+        found |= fields
+    hidden = Hidden(**found)
+    motions = [simulator.play(machine, hidden, p) for p in plans]
+    played = [recording.reported(m, machine, hidden) for m in motions]
+    speeds = np.concatenate([m.v[np.abs(m.v) > SLOW * scale.speed] for m in motions])
+    one_way = bool(np.all(speeds > 0) or np.all(speeds < 0))
+    truth = _truth(kinds, simulator, one_way, shares) | {"share": share(played, recorder.rate)}
+    delay_known = any(KINDS[kind].family == "late" for kind in kinds)
+    rig = recording.description(machine, recorder, delay_known, rng)
+    logs = [recording.columns(m, machine, recorder, rng) for m in played]
+    about = asdict(recorder) | {
+        "rig": machine.rig,
+        "effort": machine.effort,
+        "origin": machine.origin,
+        "warming": plans[0].warming,
+        "one_way": one_way,
+        "described": "body" in rig,
+    }
+    return Drawn(rig, machine.files, logs[:-1], logs[-1], truth, about)
+
+
+def _set_up(
+    simulator: Simulator, kinds: frozenset[str], rng: np.random.Generator
+) -> tuple[Machine, Recorder, list[Plan], list[Motion]]:
+    """A machine, how it is logged, what it plays, and what it does with nothing hidden in it."""
+    late = any(KINDS[kind].family == "late" for kind in kinds)
+    rate = float(rng.choice([r for r in recording.RATES if r >= PROMPT or not late]))
+    low, high = QUICK if late else FASTEST
+    fastest = min(float(rng.uniform(low, high)), rate / SLOW_LOG)
+    machine = simulator.draw(rng, kinds, fastest)
+    seconds = recording.length_of(rate, rng)
+    recorder = recording.drawn(rng, machine, rate, seconds, 2.5 * fastest * machine.stroke)
+    warming = float(rng.choice([0.0, 0.0, 0.0, rng.uniform(-0.05, 0.05)]))
+    motions = [str(rng.choice(machine.motions))] * recorder.logs
+    if rng.uniform() < 0.3 and "one way" not in motions:
+        motions = [str(rng.choice(machine.motions)) for _ in motions]
+    plans = [
+        plan(motion, rng, seconds, machine.stroke, machine.fastest, warming) for motion in motions
+    ]
+    return machine, recorder, plans, [simulator.play(machine, Hidden(), p) for p in plans]
+
+
+def _scale(machine: Machine, recorder: Recorder, motions: Sequence[Motion]) -> Scale:
+    q, v, effort = (np.concatenate([getattr(m, n) for m in motions]) for n in ("q", "v", "effort"))
+    return Scale(
+        machine.constant * float(np.sqrt(np.mean(effort**2))),
+        float(np.sqrt(np.mean(v**2))),
+        float(0.5 * (q.max() + q.min())),
+        float(0.5 * np.ptp(q)),
+        recorder.seconds,
+        machine.angular,
+        machine.turn,
+    )
+
+
+def _adjusted(
+    simulator: Simulator,
+    machine: Machine,
+    recorder: Recorder,
+    plans: Sequence[Plan],
+    made: Hiding,
+    rng: np.random.Generator,
+) -> tuple[dict[str, float], float]:
+    """The numbers of a kind that is alone in the machine, and the share that it shows."""
+
+    def shown(at: float) -> float:
+        hidden = Hidden(**made.at(at))
+        played = [simulator.play(machine, hidden, p) for p in plans]
+        return share([recording.reported(m, machine, hidden) for m in played], recorder.rate)
+
+    wanted = float(np.exp(rng.uniform(np.log(LOW), np.log(HIGH))))
+    if made.fixed:
+        return made.at(1.0), shown(1.0)
+    at, found = strength(shown, wanted, made.most)
+    return made.at(at), found
+
+
+def _truth(
+    kinds: Sequence[str], simulator: Simulator, one_way: bool, shares: dict[str, float]
+) -> dict[str, Any]:
+    keys = [answers(kind, simulator.bristles, one_way) for kind in kinds]
+    return {
+        "hidden": list(kinds),
+        "inside": all(key.names for key in keys),
+        "must": [sorted(key.names) for key in keys if key.names],
+        "besides": sorted({name for key in keys for name in key.besides}),
+        "near": sorted({name for key in keys for name in key.near}),
+        "can_be_shown": all(shown >= SEEN for shown in shares.values()),
+        "shares": shares,
+    }
+
+
+def cases(
+    simulators: Sequence[str], kinds: Sequence[str], seeds: Sequence[int], nulls: int = 0
+) -> list[Case]:
+    """Each kind that a simulator plays with every seed, and `nulls` machines with nothing hidden.
+
+    kinds  empty: all, and nothing hidden, two and three
+    """
+    asked = list(kinds) or [NONE, *LIBRARY, *OUTSIDE, TWO, THREE]
+    first = min(seeds, default=0)
+    found = [Case(s, k, n) for n in seeds for s in simulators for k in asked if able(s, k)]
+    found += [Case(s, NONE, first + n) for n in range(nulls) for s in simulators]
+    return list(dict.fromkeys(found))
+
+
+def able(simulator: str, kind: str) -> bool:
+    """Whether a simulator plays a kind."""
+    parts = () if kind in (NONE, TWO, THREE) else kind.split("+")
+    return set(parts) <= SIMULATORS[simulator].kinds

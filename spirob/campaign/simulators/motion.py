@@ -1,0 +1,154 @@
+"""What a simulator is asked to play, what it gives back, and what all of them have in common."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from spirob.campaign.simulators.hidden import Hidden
+
+FINE = 5000.0  # Hz, of what a simulator gives back
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Where the axis is asked to be, (n,) at FINE; `around` what else moves, where anything does.
+
+    warming  by how much friction in proportion to speed has changed at the end of a log
+    """
+
+    wanted: np.ndarray
+    around: np.ndarray
+    warming: float = 0.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What an axis did, (n,) each at FINE, in SI.
+
+    q       position that its sensor is at;  v  speed of the motor
+    effort  in the unit of the machine's effort
+    others  further joints by name
+    known   of the effort, what the rig's description knows already, from position as it is read
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    effort: np.ndarray
+    others: dict[str, np.ndarray] = field(default_factory=dict)
+    known: Callable[[np.ndarray], np.ndarray] | None = None
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine as it was drawn.
+
+    rig       servo, direct drive, slide, joint, two masses, bench
+    angular   whether it turns
+    inertia, viscous  of the whole axis, in its own units
+    effort    current, torque, force or voltage;  constant  torque for one unit of it
+    origin    measured, command or sensor
+    numbers   the simulator's own
+    stroke, fastest   of the motion [rad or m], [Hz]
+    turn      rad of the motor for one unit of position
+    motions   kinds of motion that it plays
+    described further keys of its description;  files  beside it, name -> text
+    """
+
+    rig: str
+    angular: bool
+    inertia: float
+    viscous: float
+    effort: str
+    constant: float
+    origin: str
+    numbers: Any
+    stroke: float
+    fastest: float
+    turn: float = 1.0
+    motions: tuple[str, ...] = ("tones", "moves", "sweep")
+    described: dict[str, Any] = field(default_factory=dict)
+    files: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """A way to simulate axes.
+
+    kinds     that it can hide
+    bristles  whether its dry friction always turns round over a short way
+    draw      (rng, kinds that will be hidden, fastest motion [Hz]) -> a machine
+    play      (machine, what is hidden, what to play) -> its motion
+    """
+
+    name: str
+    kinds: frozenset[str]
+    bristles: bool
+    draw: Callable[[np.random.Generator, frozenset[str], float], Machine]
+    play: Callable[[Machine, Hidden, Plan], Motion]
+
+
+PASSIVE = frozenset(
+    {
+        "none",
+        "coulomb_friction",
+        "stribeck_friction",
+        "presliding_friction",
+        "asymmetric_viscous_friction",
+        "quadratic_drag",
+        "cogging",
+        "constant_force",
+        "current_offset",
+        "current_gain",
+        "current_lag",
+        "feedback_latency",
+        "encoder_eccentricity",
+        "position_viscosity",
+        "drifting_friction",
+        "power_friction",
+        "progressive_spring",
+        "tight_spot",
+        "hysteretic_spring",
+        "chirped_magnets",
+        "stick_one_way",
+        "loose_screw",
+    }
+)
+DRIVEN = PASSIVE | {
+    "load_dependent_friction",
+    "direction_dependent_efficiency",
+    "torque_ripple",
+    "tip_payload",
+    "driver_dead_band",
+    "torque_constant_saturation",
+    "winding_heating",
+    "speed_efficiency",
+}
+MOTOR = {  # kinds of the motor or its sensor: invisible to a sensor behind it
+    "direction_dependent_efficiency",
+    "torque_ripple",
+    "driver_dead_band",
+    "torque_constant_saturation",
+    "winding_heating",
+    "speed_efficiency",
+    "current_offset",
+    "current_gain",
+    "current_lag",
+}
+
+
+def drawn_effort(
+    rng: np.random.Generator, kinds: frozenset[str], angular: bool, voltage: bool
+) -> tuple[str, float, str]:
+    """What the effort is, torque or force for one unit of it, and where it comes from."""
+    plain = "torque" if angular else "force"
+    choices = [plain, "current", *(["voltage"] if voltage and not kinds & MOTOR else [])]
+    chosen = str(rng.choice(choices))
+    constant = 1.0 if chosen == plain else float(np.exp(rng.uniform(np.log(0.1), np.log(5.0))))
+    return chosen, constant, "command" if "driver_dead_band" in kinds else "measured"
+
+
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """Drawn evenly in the logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -1,0 +1,56 @@
+"""The table of a campaign: what became of the cases, each rate with its 95 % interval (Wilson)."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from spirob.campaign.scoring import group
+from spirob.trial.rates import rate
+
+GROUPS = ("one", "two", "three", "none", "outside", "not to be seen")
+WORDS = ("more", "partly", "undecided", "unknown", "missed", "wrong", "refused", "crashed")
+
+
+def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Of each group, over all simulators and of each: how many cases, and the rates of `row`."""
+    simulators = sorted({r["simulator"] for r in results})
+    table: dict[str, Any] = {}
+    for name in GROUPS:
+        chosen = [r for r in results if group(r) == name]
+        if chosen:
+            each = {s: [r for r in chosen if r["simulator"] == s] for s in simulators}
+            table[name] = {"all": row(chosen)} | {s: row(rs) for s, rs in each.items() if rs}
+    return table
+
+
+def row(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Rates of some cases of one group; `words` counts what became of the others."""
+    outcomes = [r["outcome"] for r in results]
+    words = Counter(o["word"] for o in outcomes)
+    return {
+        "n": len(results),
+        "exactly": rate(o["word"] == "exactly" for o in outcomes),
+        "first": rate(o["first"] for o in outcomes),
+        "sure_wrong": rate(o["sure_wrong"] for o in outcomes),
+        "among": sum(o["among"] for o in outcomes),
+        "words": {word: words[word] for word in WORDS if words[word]},
+    }
+
+
+def lines(table: Mapping[str, Any]) -> list[str]:
+    """The table as text."""
+    head = f"{'hidden':16s}{'simulator':11s}{'n':>5s}  {'exactly right':22s}"
+    out = [f"{head}{'right name first':22s}{'wrong and sure':22s}otherwise"]
+    for name, rows in table.items():
+        for simulator, one in rows.items():
+            words = ", ".join(f"{n} {word}" for word, n in one["words"].items())
+            told = [_told(one[key]) for key in ("exactly", "first", "sure_wrong")]
+            if name in ("none", "outside", "not to be seen"):
+                told[1] = ""
+            shown = "".join(f"{text:22s}" for text in told)
+            out.append(f"{name:16s}{simulator:11s}{one['n']:5d}  {shown}{words}".rstrip())
+    return out
+
+
+def _told(one: Mapping[str, Any]) -> str:
+    return f"{one['value']:.1%} [{one['low']:.0%}, {one['high']:.0%}]"
