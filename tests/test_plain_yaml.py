@@ -81,7 +81,8 @@ PLAIN = st.recursive(
 
 @given(PLAIN)
 def test_what_is_written_is_read_back(value):
-    assert read(yaml.safe_dump(value, allow_unicode=True), "a.yaml") == value
+    # escaped: within plain text YAML 1.1 takes U+0085 for the end of a line
+    assert read(yaml.safe_dump(value), "a.yaml") == value
 
 
 @given(st.text() | st.binary())

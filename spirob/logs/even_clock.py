@@ -17,6 +17,7 @@ MOSTLY = 0.99  # of them
 SAME = 1e-3  # of a period: stamps that close are one
 SHORTEST = 0.25  # s; runs that are all shorter, between gaps, are bursts
 BURSTS = 3  # of them at least
+FASTER = 0.5  # of the time that they take in all: else samples are lost between them
 BESIDE = 31  # stamps by which a period is told, and whether a line fits
 ROUNDS = 4  # of a fit to the middle of the stamps, from which a few may be far
 CLOSEST = 0.1  # of a period: rows follow one another by at least that
@@ -60,7 +61,8 @@ def _bursts(stamps: np.ndarray, first: np.ndarray, usual: float) -> np.ndarray:
     """First rows of bursts, where runs between gaps are that; else `first`."""
     gaps = np.flatnonzero(np.diff(stamps) > GAP * usual) + 1
     runs = stamps[np.append(gaps - 1, -1)] - stamps[np.insert(gaps, 0, 0)]
-    return np.insert(gaps, 0, 0) if len(gaps) >= BURSTS and runs.max() < SHORTEST else first
+    bursts = runs.max() < SHORTEST and runs.sum() < FASTER * np.ptp(stamps)
+    return np.insert(gaps, 0, 0) if len(gaps) >= BURSTS and bursts else first
 
 
 def _spread(stamps: np.ndarray, first: np.ndarray, period: float) -> np.ndarray:

@@ -10,6 +10,7 @@ import yaml
 
 from spirob.effects import Effect
 from spirob.errors import ConfigError
+from spirob.given_file import named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns.frame import from_frame
 from spirob.machine.alike import filtered_alike
@@ -80,7 +81,7 @@ def _read(rig: RigFile | ArmFile, folder: Path, logs: Sequence[Log], role: str) 
         if isinstance(log, pd.DataFrame):
             found.append(from_frame(log, str(log.attrs.get("name") or f"{role}[{k}]")))
         else:
-            found.append(read_table(log, rig.columns(), dbc))
+            found.append(read_table(named(log), rig.columns(), dbc))
     return found
 
 

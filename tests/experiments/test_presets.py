@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline.config import check, composed
+from pipeline.checks import check
+from pipeline.config import composed
 from pipeline.schema import validated
 from spirob.bench import Trial
 from spirob.errors import ConfigError
@@ -43,7 +44,7 @@ def test_a_preset_runs_alone(group, name):
     assert list(plain["experiments"]) == [name]
     assert plain["experiments"][name] == preset(name)
     assert plain["experiment"] == composed(ROOT, [])["experiment"]
-    check(validated(plain, "conf").model_dump())
+    check(validated(plain, "conf"))
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config import check, composed
+from pipeline.checks import check
+from pipeline.config import composed
 from pipeline.schema import validated
 from pipeline.trials import compared_wraps, paper_wraps, robot_wraps, train_wraps, unseen_wraps
 from spirob.errors import ConfigError
@@ -93,4 +94,4 @@ def test_what_is_tested_is_not_trained_on(default):
 )
 def test_a_mistake_is_told_before_anything_is_played(override, said):
     with pytest.raises(ConfigError, match=said):
-        check(config(override).model_dump())
+        check(config(override))
