@@ -18,9 +18,8 @@ from threading import Lock
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.filtering import rates
 from spirob.machine.kernel_loop import loop_of
-from spirob.machine.motion import Motion
+from spirob.machine.motion import Motion, late
 from spirob.machine.rig import NUMBERS, PER_LOG
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
@@ -32,7 +31,6 @@ BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torqu
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
-REACH = 4  # samples to either side that a second derivative looks at
 KEPT = 1e8  # bytes of effects' torques along all trials
 SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
@@ -327,37 +325,3 @@ def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         steps = moved / gained
     return np.where((steps > SHRINKS) & (steps < 1.0 / SHRINKS), steps, 1.0)
-
-
-def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
-    """e(t - δ): whole samples by moving rows, the rest, half a sample at most, to second order."""
-    if delay == 0.0:
-        return effort
-    out = np.empty_like(effort)
-    for k, step in enumerate(motion.steps):
-        whole = round(delay / step)
-        rest = delay - whole * step
-        own = effort[motion.starts[k] : motion.starts[k + 1]]
-        moved = _moved(own, rest, step)
-        at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
-        out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
-    return out
-
-
-def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
-    """Values (n,) as they were `by` seconds earlier, to second order.
-
-    Away from the ends, where derivatives are one-sided, this is one filter of a few taps.
-    """
-
-    def exact(v: np.ndarray) -> np.ndarray:
-        first, second = rates(v, period)
-        return v - by * first + 0.5 * by**2 * second
-
-    if len(values) <= 6 * REACH:
-        return exact(values)
-    impulse = exact(np.eye(1, 4 * REACH + 1, 2 * REACH)[0])
-    out = np.convolve(values, impulse[REACH : 3 * REACH + 1], "same")
-    out[:REACH] = exact(values[: 3 * REACH])[:REACH]
-    out[-REACH:] = exact(values[-3 * REACH :])[-REACH:]
-    return out

@@ -14,7 +14,7 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
-from spirob.machine.differing import candidates
+from spirob.machine.differing import KINDS, may_differ
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
@@ -75,7 +75,9 @@ def diagnose_recordings(
     with threadpool_limits(1):
         search, gate = _search(ready, settings, progress)
         found = search.run()
-        for kind in candidates(rig, search, found.chosen):
+        for kind in KINDS:
+            if not may_differ(kind, rig, search, found.chosen):
+                continue
             kinds = (*(ready.rig.per_log or ()), kind)
             told = replace(ready, rig=ready.rig.model_copy(update={"per_log": kinds}))
             wider, its_gate = _search(told, settings, progress)

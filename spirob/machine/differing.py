@@ -4,7 +4,6 @@ What is left of the chosen model may be another force, or another payload, in ea
 number of every log has to pass what an effect has to pass.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -16,25 +15,22 @@ from spirob.machine.search import Search
 KINDS = ("offset", "payload")
 
 
-def candidates(rig: RigFile, search: Search, chosen: Model) -> Iterator[str]:
-    """Kinds of number that may differ between the training logs, by what is left of a model.
+def may_differ(kind: str, rig: RigFile, search: Search, chosen: Model) -> bool:
+    """Whether a kind of number may differ between the training logs, by what is left of a model.
 
-    Those whose columns, one set for each log, take more of the squared residual than the least
+    It may where its columns, one set for each log, take more of the squared residual than the least
     share of an effect beyond what the same columns take for all logs together.
     """
     logs = {r.log for r in search.train.recordings}
     if rig.per_log is not None or rig.logs or len(logs) < 2:
-        return
+        return False
+    columns = _columns(kind, rig, search)
+    if columns is None:
+        return False
     residual, edges = chosen.fit.residual, search.train.edges
-    whole = float(np.dot(residual, residual))
-    for kind in KINDS:
-        columns = _columns(kind, rig, search)
-        if columns is None:
-            continue
-        together = _left(columns, residual)
-        apart = sum(_left(columns[a:b], residual[a:b]) for a, b in pairwise(edges))
-        if together - apart > search.settings.share * whole:
-            yield kind
+    together = _left(columns, residual)
+    apart = sum(_left(columns[a:b], residual[a:b]) for a, b in pairwise(edges))
+    return together - apart > search.settings.share * float(np.dot(residual, residual))
 
 
 def _columns(kind: str, rig: RigFile, search: Search) -> np.ndarray | None:

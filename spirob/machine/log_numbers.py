@@ -37,11 +37,6 @@ class LogNumbers:
         """Names of the numbers of these logs that are fitted."""
         return [n for n in self.about if n not in self.known and n.partition(".")[2] in logs]
 
-    @property
-    def kinds(self) -> list[str]:
-        """Which kinds of number the logs have for themselves."""
-        return sorted({name.partition(".")[0] for name in self.about})
-
 
 NONE = LogNumbers({}, {})
 
@@ -86,7 +81,7 @@ def with_payload(rig: RigFile, sizes: Sizes) -> RigFile:
 
     A body with a tip knows both.
     """
-    if "payload" not in kinds_of(rig) or _at_tip(rig):
+    if "payload" not in _kinds(rig) or _at_tip(rig):
         return rig
     inertia = rig.fit.get("inertia")
     nominal = inertia.nominal if inertia else rig.known.get("inertia", 0.0)
@@ -104,7 +99,7 @@ def with_payload(rig: RigFile, sizes: Sizes) -> RigFile:
     return rig.model_copy(update={"fit": {**rig.fit, **missing}})
 
 
-def kinds_of(rig: RigFile) -> set[str]:
+def _kinds(rig: RigFile) -> set[str]:
     """Which kinds of number the logs of a rig have for themselves."""
     return set(rig.per_log or ()) | {kind for kind in PER_LOG if _given(rig, kind)}
 
@@ -112,7 +107,7 @@ def kinds_of(rig: RigFile) -> set[str]:
 def profiled(residual: Any, names: Sequence[str], start: Mapping[str, float]) -> dict[str, float]:
     """The values of some numbers that make a residual least, by three steps of Gauss and Newton.
 
-    residual  changes -> (N,);  start  name -> (value, size of a step)
+    residual  changes -> (N,);  start  name -> where it begins
     """
     values = dict(start)
     for _ in range(3):

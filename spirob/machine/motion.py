@@ -9,6 +9,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.filtering import rates
 from spirob.machine.recording import Piece, Recording
 
+REACH = 4  # samples to either side that a second derivative looks at
 NEEDS = ("load", "payload", "along", "across")  # of `RigidBody.needs`
 
 
@@ -91,3 +92,37 @@ def kept_rows(recordings: Sequence[Recording]) -> Iterator[Kept]:
             inside = inside[piece.use[inside]]
             yield Kept(recording, piece, inside, begin + inside)
             begin += len(piece.q)
+
+
+def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
+    """e(t - δ): whole samples by moving rows, the rest, half a sample at most, to second order."""
+    if delay == 0.0:
+        return effort
+    out = np.empty_like(effort)
+    for k, step in enumerate(motion.steps):
+        whole = round(delay / step)
+        rest = delay - whole * step
+        own = effort[motion.starts[k] : motion.starts[k + 1]]
+        moved = _moved(own, rest, step)
+        at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
+        out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
+    return out
+
+
+def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
+    """Values (n,) as they were `by` seconds earlier, to second order.
+
+    Away from the ends, where derivatives are one-sided, this is one filter of a few taps.
+    """
+
+    def exact(v: np.ndarray) -> np.ndarray:
+        first, second = rates(v, period)
+        return v - by * first + 0.5 * by**2 * second
+
+    if len(values) <= 6 * REACH:
+        return exact(values)
+    impulse = exact(np.eye(1, 4 * REACH + 1, 2 * REACH)[0])
+    out = np.convolve(values, impulse[REACH : 3 * REACH + 1], "same")
+    out[:REACH] = exact(values[: 3 * REACH])[:REACH]
+    out[-REACH:] = exact(values[-3 * REACH :])[-REACH:]
+    return out

@@ -7,11 +7,12 @@ import pytest
 
 from spirob.diagnose.periodogram import peaks
 from spirob.effects import all_effects
-from spirob.machine.asked import late
 from spirob.machine.candidates import applicable
 from spirob.machine.filtering import rates
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kernel_loop import loop_of
+from spirob.machine.laws import load_side
+from spirob.machine.motion import late
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, dimensions, parameters
@@ -211,3 +212,28 @@ def test_effects_without_a_place_are_left_out_with_a_reason():
     assert (
         "sensor" in applicable(list(LIBRARY.values()), other, False, 0.0, True)[1]["torque_ripple"]
     )
+
+
+def test_a_back_emf_is_added_in_proportion_to_speed():
+    effort = {"column": "u", "unit": "V", "kind": "voltage"}
+    made = problem(effort=effort, known={"back_emf": 0.25})
+    bare = {"rig.inertia": 0.03, "rig.viscous": 0.2}
+    without, signals = problem(effort=effort), made.signals()
+    expected = without(bare) + 0.25 * signals["speed"]
+    np.testing.assert_allclose(made(bare), expected, atol=2e-3 * np.ptp(expected))
+
+
+def test_a_load_on_a_soft_gear_has_its_motor_move_by_the_twist_besides():
+    """τ = J·a + μ·J·φ'', φ = c·J·a: for a sine of ω, J·a·(1 - μ·c·J·ω²)."""
+    position = {"column": "q", "unit": "rad", "side": "load"}
+    rig = RigFile.model_validate(description(position=position))
+    law, w, t = load_side.GearCompliance, 2 * np.pi * 2.0, np.arange(0, 6, 2e-3)
+    log = {"t": t, "q": np.sin(w * t), "u": np.cos(t)}
+    made = InverseProblem(rig, None, [prepare("log", log, rig)], [law], SIZES, 0.02)
+    numbers = {"gear_compliance.compliance": 0.05, "gear_compliance.rotor_share": 0.3}
+    base = {"rig.inertia": 0.03, "rig.viscous": 0.0}
+    stiff = made(base) + made.measured()
+    soft = made(base | numbers) + made.measured()
+    expected = stiff * (1 - 0.3 * 0.05 * 0.03 * w**2)
+    assert 1 - 0.3 * 0.05 * 0.03 * w**2 < 0.95
+    np.testing.assert_allclose(soft, expected, atol=2e-3 * np.abs(expected).max())

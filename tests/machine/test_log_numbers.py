@@ -73,7 +73,20 @@ def diagnosed(described, made, held):
     return diagnose_recordings(described, None, logs[: len(made)], logs[len(made) :])
 
 
-def test_logs_under_another_force_each_are_found_to_differ(tmp_path):
+def test_a_zero_that_moved_is_recovered_where_a_spring_tells_it():
+    described = rig(per_log=["zero"], known={"stiffness": 0.5})
+    t = np.arange(0, 12, 4e-3)
+    q = np.sin(1.7 * t) + 0.4 * np.sin(4.1 * t)
+    v, a = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
+    made = [{"t": t, "q": q, "u": INERTIA * a + VISCOUS * v + 0.5 * (q + z)} for z in (0.0, 0.3)]
+    logs = recordings(made, described)
+    numbers = log_numbers(described, logs, SIZES)
+    problem = InverseProblem(described, None, logs[1:], [], SIZES, 0.02, numbers, ["zero.1.csv"])
+    found = problem.completed({"rig.inertia": INERTIA, "rig.viscous": VISCOUS})
+    assert found["zero.1.csv"] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_logs_under_another_force_each_are_found_to_differ():
     made = [log(0, offset=0.3), log(1, offset=0.9), log(2, offset=-0.4)]
     found = diagnosed(rig(), made, [log(3, offset=0.1)])
     assert found.verdict == "nothing_missing"

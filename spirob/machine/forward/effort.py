@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from spirob.machine.asked import AskedEffort, late
+from spirob.machine.asked import AskedEffort
+from spirob.machine.motion import late
 
 PASSES = 10  # of the solution for the effort before its report
 SETTLE = 0.5  # s in which a report comes to what it shows at the first row
