@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 SOURCE = Path(__file__).parents[1]
+HERE = {**os.environ, "PYTHONPATH": str(SOURCE)}  # `pipeline` is a clone's, never installed
 ENTRIES = sorted(
     ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__main__")
     for folder in ("pipeline", "spirob")
@@ -25,7 +26,7 @@ def test_help_helps_and_does_nothing(tmp_path, entry):
     done = subprocess.run(
         [sys.executable, "-m", entry, "--help"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(SOURCE)},
+        env=HERE,
         capture_output=True,
         text=True,
         timeout=300,
@@ -37,6 +38,6 @@ def test_help_helps_and_does_nothing(tmp_path, entry):
 
 def test_a_stage_takes_no_arguments(tmp_path):
     asked = [sys.executable, "-m", "pipeline.record", "--now"]
-    done = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run(asked, cwd=tmp_path, env=HERE, capture_output=True, text=True)
     assert done.returncode == 2
     assert "--now" in done.stderr

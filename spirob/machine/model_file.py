@@ -7,6 +7,8 @@ further files is refused.
 """
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, SubElement, tostring
 
@@ -58,9 +60,9 @@ def load(name: str, folder: Path) -> mujoco.MjModel:
     # the lengths of muscles would be searched by simulation
     compiler = SubElement(tree, "compiler")
     SubElement(compiler, "lengthrange", mode="none")
-    _silence()
     try:
-        model = mujoco.MjModel.from_xml_string(tostring(tree, "unicode"), meshes)
+        with _unheard():
+            model = mujoco.MjModel.from_xml_string(tostring(tree, "unicode"), meshes)
     except RecursionError:
         raise ConfigError(f"{path}: is nested too deeply") from None
     except (ValueError, mujoco.FatalError) as error:
@@ -132,8 +134,15 @@ def _meshes(tree: Element, path: Path, beside: str, stripped: bool) -> dict[str,
     return found
 
 
-def _silence() -> None:
-    """No MUJOCO_LOG.TXT in the folder where the program was started, and nothing said beside."""
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """MuJoCo says nothing on the console meanwhile, and never writes MUJOCO_LOG.TXT."""
     log = mujoco.MjLogConfig.get()
-    log.logto_file = log.logto_console = False
+    log.logto_file, heard = False, log.logto_console
+    log.logto_console = False
     log.set()
+    try:
+        yield
+    finally:
+        log.logto_console = heard
+        log.set()

@@ -1,5 +1,6 @@
 """A user's mistake is one sentence that names the file and the key, and nothing is half-written."""
 
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -220,7 +221,8 @@ def test_two_motors_exchanged(configured, role, stage):
 
 def test_the_process_says_one_sentence_and_no_traceback(tmp_path):
     command = [sys.executable, "-m", "pipeline.decode"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    env = {**os.environ, "PYTHONPATH": str(SOURCE)}
+    done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr.startswith("decode: data/raw holds no log")
     assert "Traceback" not in done.stderr
