@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.model import plant, residual
 from pipeline.stage import entry, public_config, read_json, tell, write_json
-from spirob.diagnose.compare import CHANNELS, compare
+from spirob.diagnosis.compare import CHANNELS, compare
 
 
 def stage(root: Path) -> None:

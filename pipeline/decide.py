@@ -15,14 +15,14 @@ from pipeline.model import plant, residual
 from pipeline.overlay import motion, overlay
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
-from spirob.diagnose.again import decided_again, joined
-from spirob.diagnose.contest import Contestant, in_question
-from spirob.diagnose.document import described, document, metrics
-from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.proof import FOUND, Proof, Proofs, disproved, put_to_proof, sifted
-from spirob.diagnose.rungs import Search, Settings
-from spirob.diagnose.survey import KEYS
-from spirob.diagnose.verdict import Verdict, judge
+from spirob.diagnosis.again import decided_again, joined
+from spirob.diagnosis.contest import Contestant, in_question
+from spirob.diagnosis.document import described, document, metrics
+from spirob.diagnosis.noise import noise_floor
+from spirob.diagnosis.proof import FOUND, Proof, Proofs, disproved, put_to_proof, sifted
+from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.survey import KEYS
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log

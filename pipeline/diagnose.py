@@ -9,16 +9,16 @@ from pipeline.overlay import motion, overlay
 from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
-from spirob.diagnose.again import proposed
-from spirob.diagnose.contest import in_question
-from spirob.diagnose.document import document, metrics
-from spirob.diagnose.ladder import climb
-from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.proof import FOUND, to_prove
-from spirob.diagnose.proposals import Proposal
-from spirob.diagnose.rungs import Search, Settings
-from spirob.diagnose.survey import survey
-from spirob.diagnose.verdict import Verdict, judge
+from spirob.diagnosis.again import proposed
+from spirob.diagnosis.contest import in_question
+from spirob.diagnosis.document import document, metrics
+from spirob.diagnosis.ladder import climb
+from spirob.diagnosis.noise import noise_floor
+from spirob.diagnosis.proof import FOUND, to_prove
+from spirob.diagnosis.proposals import Proposal
+from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.survey import survey
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
 from spirob.identify.sense import refuse_senseless
 

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from pipeline.overlay import CHANNELS, table_of, write_table
-from spirob.diagnose.rungs import Search, label
-from spirob.diagnose.screen import without
-from spirob.diagnose.together import Alone, together
+from spirob.diagnosis.rungs import Search, label
+from spirob.diagnosis.screen import without
+from spirob.diagnosis.together import Alone, together
 from spirob.effects import Effect
 from spirob.identify.residual import Residual
 

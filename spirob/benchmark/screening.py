@@ -11,7 +11,7 @@ from spirob.bench.simulate import simulate
 from spirob.benchmark.identification import LOSS_SCALE, NAMES, TRUTH
 from spirob.benchmark.trials import moving
 from spirob.benchmark.turns import Size
-from spirob.diagnose.screen import screen
+from spirob.diagnosis.screen import screen
 from spirob.effects import all_effects, find_effects
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement

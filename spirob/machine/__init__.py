@@ -1,4 +1,4 @@
 """Any motor rig: from its description and its logs to what its model misses.
 
-`spirob.machine.diagnosis.diagnose` goes from a description and logs to the result.
+`spirob.diagnose` goes from a description and logs to the result.
 """

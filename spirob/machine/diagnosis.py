@@ -99,7 +99,7 @@ def _arm(
     own: Sequence[type[Effect]],
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else; its search has settings of its own."""
-    from spirob.diagnose.rungs import Settings as ArmSettings
+    from spirob.diagnosis.rungs import Settings as ArmSettings
     from spirob.machine.arm import diagnosis as arm
     from spirob.machine.arm.page import overlay, parameters
 

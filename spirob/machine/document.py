@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnose.atlas import Regime, worst
-from spirob.diagnose.evidence import half_seconds
-from spirob.diagnose.lateness import lateness
-from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.spectrum import orders
-from spirob.diagnose.steps import CEILING
-from spirob.diagnose.trees import worth
+from spirob.diagnosis.atlas import Regime, worst
+from spirob.diagnosis.evidence import half_seconds
+from spirob.diagnosis.lateness import lateness
+from spirob.diagnosis.noise import noise_floor
+from spirob.diagnosis.spectrum import orders
+from spirob.diagnosis.steps import CEILING
+from spirob.diagnosis.trees import worth
 from spirob.machine.flexible import Ceiling
 from spirob.machine.judgement import Judgement
 from spirob.machine.models import Model

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.diagnose.depends import NOTHING, named
-from spirob.diagnose.periodogram import spectrum
-from spirob.diagnose.trees import left_out, share, tree, worth
+from spirob.diagnosis.depends import NOTHING, named
+from spirob.diagnosis.periodogram import spectrum
+from spirob.diagnosis.trees import left_out, share, tree, worth
 from spirob.machine.inverse import InverseProblem
 
 TALL = 0.3  # of the structured part: a wave that holds so much of it is worth a sentence

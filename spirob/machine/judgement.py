@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.diagnose.evidence import win_rates
-from spirob.diagnose.noise import noise_floor
+from spirob.diagnosis.evidence import win_rates
+from spirob.diagnosis.noise import noise_floor
 from spirob.effects import Effect
 from spirob.machine.equivalence import equivalents
 from spirob.machine.flexible import Ceiling

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.diagnose.evidence import block_errors
-from spirob.diagnose.trees import folds_of
+from spirob.diagnosis.evidence import block_errors
+from spirob.diagnosis.trees import folds_of
 from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit
 from spirob.machine.inverse import InverseProblem

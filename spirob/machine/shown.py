@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from spirob.diagnose.screen import without
+from spirob.diagnosis.screen import without
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem

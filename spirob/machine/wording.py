@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.diagnose.trees import share
+from spirob.diagnosis.trees import share
 from spirob.effects import Effect
 from spirob.identify.problem import Effort
 from spirob.machine.flexible import Ceiling, depends_on

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.diagnose.evidence import improvement
+from spirob.diagnosis.evidence import improvement
 from spirob.machine.models import Model
 
 HALF = 0.5

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from spirob.diagnose.regimes import masks_of
+from spirob.diagnosis.regimes import masks_of
 from spirob.identify.problem import Stretch
 from spirob.identify.residual import STILL
 

@@ -8,7 +8,7 @@ that it was not fitted to tells a law from its imitation.
 
 from typing import Any
 
-from spirob.diagnose.proposals import bend
+from spirob.diagnosis.proposals import bend
 
 # name, role, motor that moves, (duration [s], length [m]) of its moves, current of the other [A];
 # a trial lasts as long as its moves

@@ -8,7 +8,7 @@ from typing import Any
 from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from spirob.diagnose.rungs import Settings
+from spirob.diagnosis.rungs import Settings
 from spirob.emulator.build import AS_DESIGNED
 from spirob.ending import end_with_parent
 from spirob.logs.atomic import replacing

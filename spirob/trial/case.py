@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnose.ladder import climb
-from spirob.diagnose.noise import complete
-from spirob.diagnose.rungs import Search, Settings
-from spirob.diagnose.verdict import explained, foretold, judge
+from spirob.diagnosis.ladder import climb
+from spirob.diagnosis.noise import complete
+from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import AS_DESIGNED
 from spirob.identify.numbers import FITTED

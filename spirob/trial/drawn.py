@@ -5,8 +5,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from spirob.diagnose.ladder import begun
-from spirob.diagnose.rungs import Search, Settings
+from spirob.diagnosis.ladder import begun
+from spirob.diagnosis.rungs import Search, Settings
 from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.fit import STEPS, fit

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from spirob.diagnose.again import decided_again, joined, proposed
-from spirob.diagnose.contest import contest, in_question
-from spirob.diagnose.proof import FOUND, Proof, proved, put_to_proof, sifted, to_prove
-from spirob.diagnose.rungs import Search, Settings
-from spirob.diagnose.verdict import Verdict, judge
+from spirob.diagnosis.again import decided_again, joined, proposed
+from spirob.diagnosis.contest import contest, in_question
+from spirob.diagnosis.proof import FOUND, Proof, proved, put_to_proof, sifted, to_prove
+from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.emulator.rig import HiddenSettings
 from spirob.identify.residual import Residual
 from spirob.trial.played import recorded

@@ -7,10 +7,10 @@ not be what fails, so it begins at the base and from afar too, as that of a lead
 
 from collections.abc import Mapping, Sequence
 
-from spirob.diagnose.afar import to_the_end
-from spirob.diagnose.confirm import confirm
-from spirob.diagnose.rungs import Rung, Search, Settings
-from spirob.diagnose.screen import screen
+from spirob.diagnosis.afar import to_the_end
+from spirob.diagnosis.confirm import confirm
+from spirob.diagnosis.rungs import Rung, Search, Settings
+from spirob.diagnosis.screen import screen
 from spirob.effects import Effect
 from spirob.identify.near import near
 from spirob.identify.problem import Problem

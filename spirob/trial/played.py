@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from spirob.bench import Trial, record
-from spirob.diagnose.rungs import ROLES
+from spirob.diagnosis.rungs import ROLES
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.identify.measurement import Measurement

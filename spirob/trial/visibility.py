@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from joblib import Parallel, delayed
 
-from spirob.diagnose.ladder import begun
-from spirob.diagnose.rungs import Rung, Settings
+from spirob.diagnosis.ladder import begun
+from spirob.diagnosis.rungs import Rung, Settings
 from spirob.emulator.rig import HiddenSettings
 from spirob.ending import end_with_parent
 from spirob.identify.numbers import FITTED

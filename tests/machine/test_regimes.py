@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.diagnose.spectrum import orders
+from spirob.diagnosis.spectrum import orders
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

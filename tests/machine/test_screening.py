@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.diagnose.trees import folds_of
+from spirob.diagnosis.trees import folds_of
 from spirob.effects import all_effects
 from spirob.identify.fit import fit
 from spirob.machine.inverse import InverseProblem

@@ -59,7 +59,7 @@ def machines(monkeypatch):
         return {"level": sum(one.changes["level"] for one in chosen)}
 
     monkeypatch.setattr(module, "together", summed)
-    monkeypatch.setattr("spirob.diagnose.screen.amplitudes", lambda effect, problem: ["level"])
+    monkeypatch.setattr("spirob.diagnosis.screen.amplitudes", lambda effect, problem: ["level"])
     return {"train": Machine("none"), "validate": Machine("one"), "heldout": Machine("two")}
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from spirob.diagnose.proposals import ROLES, TRIALS, bend
+from spirob.diagnosis.proposals import ROLES, TRIALS, bend
 from spirob.robot import MOTORS
 from tests.pipeline.project import DECIDING, MEASURED, SHORT, Project
 

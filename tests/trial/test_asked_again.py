@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.diagnose.proposals import Proposal
-from spirob.diagnose.rungs import Settings
+from spirob.diagnosis.proposals import Proposal
+from spirob.diagnosis.rungs import Settings
 from spirob.emulator.rig import HiddenSettings
 from spirob.trial.further import asked_again
 from tests.identify.known import residual, spirob

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from spirob.cli.main import main
-from spirob.diagnose.rungs import Settings
+from spirob.diagnosis.rungs import Settings
 from spirob.trial import campaign
 from spirob.trial.case import Case, run
 

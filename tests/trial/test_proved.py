@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.diagnose.proof import Proof
-from spirob.diagnose.proposals import Proposal
-from spirob.diagnose.rungs import Settings
-from spirob.diagnose.verdict import Verdict
+from spirob.diagnosis.proof import Proof
+from spirob.diagnosis.proposals import Proposal
+from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.verdict import Verdict
 from spirob.emulator.rig import HiddenSettings
 from spirob.trial.further import judged as judged_on
 

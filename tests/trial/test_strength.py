@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnose.rungs import Settings
+from spirob.diagnosis.rungs import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
 from spirob.trial.drawn import NEAR, TRIES, drawn

@@ -1,17 +1,17 @@
-"""The arm's own search (`spirob.diagnose`) on logs from elsewhere, as the document of a rig."""
+"""The arm's own search (`spirob.diagnosis`) on logs from elsewhere, as the document of a rig."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from spirob.diagnose.again import proposed
-from spirob.diagnose.document import document
-from spirob.diagnose.ladder import climb
-from spirob.diagnose.noise import noise_floor
-from spirob.diagnose.proof import to_prove
-from spirob.diagnose.rungs import Search, Settings
-from spirob.diagnose.survey import survey
-from spirob.diagnose.verdict import Verdict, judge
+from spirob.diagnosis.again import proposed
+from spirob.diagnosis.document import document
+from spirob.diagnosis.ladder import climb
+from spirob.diagnosis.noise import noise_floor
+from spirob.diagnosis.proof import to_prove
+from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.survey import survey
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from spirob.diagnose.rungs import Search
+from spirob.diagnosis.rungs import Search
 from spirob.identify.residual import Residual
 from spirob.parameter import Table
 from spirob.robot import MOTORS

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.diagnose.rungs import Settings
+from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import DataError, TooShort
 from spirob.identify.residual import Residual

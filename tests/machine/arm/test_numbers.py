@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from spirob.cli.main import main
-from spirob.diagnose.rungs import Settings
+from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.identify.numbers import FITTED

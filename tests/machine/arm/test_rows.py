@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from spirob.cli.main import main
-from spirob.diagnose.rungs import Settings
-from spirob.diagnose.survey import survey
-from spirob.diagnose.waves import answers
+from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.survey import survey
+from spirob.diagnosis.waves import answers
 from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
 from spirob.identify.near import Near, near

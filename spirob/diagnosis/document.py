@@ -1,0 +1,113 @@
+"""The diagnosis as plain data, for the report, the metrics and other programs."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from spirob.diagnosis.proposals import Proposal, told
+from spirob.diagnosis.rungs import Confirmed, Rung, Search, label, parameters_of
+from spirob.diagnosis.steps import steps
+from spirob.diagnosis.verdict import Verdict
+from spirob.identify.problem import Effort, Problem
+
+
+def document(
+    search: Search,
+    verdict: Verdict,
+    where: Mapping[str, Any],
+    noise_floor: float,
+    problems: Mapping[str, Problem],
+    proposals: Sequence[Proposal] = (),
+) -> dict[str, Any]:
+    """All of a diagnosis; errors in the unit of the effort.
+
+    problems   by role: those that the rungs were scored on
+    where      the residual lies, as `survey` tells it; an unknown effect is described by it
+    proposals  experiments that would tell the rivals apart, or put a name to the proof, best first
+    """
+    added = search.rungs[-1].effects if verdict.kind == "named" else []
+    last, effort = search.rungs[-1], problems["train"].effort
+    ladder, ceiling = steps(search, problems)
+    return {
+        "verdict": verdict.kind,
+        "sentence": verdict.sentence,
+        "explanation": described(verdict.kind, verdict.explanation, where),
+        "next_experiment": told(proposals, effort) or verdict.next_experiment,
+        "next_trials": [t for p in proposals[:1] for t in p.trials],
+        "effects": [
+            {
+                "name": effect.name(),
+                "title": effect.title,
+                "probability": _probability(search, verdict, effect.name()),
+                "equivalents": list(verdict.equivalents) if k == 0 else [],
+                "parameters": _numbers(last, parameters_of(effect)),
+            }
+            for k, effect in enumerate(added)
+        ],
+        "candidates": [_candidate(c) for c in (search.rounds[0] if search.rounds else [])],
+        "ladder": ladder,
+        "left": {"share": ceiling.share},
+        "noise_floor": noise_floor,
+        **where,
+        "vague": search.vague,
+        "unit": effort.unit,
+    }
+
+
+def described(kind: str, explanation: str, where: Mapping[str, Any]) -> str:
+    """The explanation; of an unknown effect also what the residual depends on, where known."""
+    depends = where.get("depends", {}).get("sentence", "")
+    return f"{explanation} {depends}" if kind == "unknown" and depends else explanation
+
+
+def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:
+    """The few figures that `dvc metrics` follows, with their unit."""
+    first, last = search.rungs[0].scores["heldout"], search.rungs[-1].scores["heldout"]
+    named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
+    return {
+        "verdict": verdict.kind,
+        "effect": named[0] if named else "",
+        "effects": " + ".join(named),
+        "probability": round(verdict.probability, 6),
+        "before": first.as_dict(),
+        "after": last.as_dict(),
+        "unit": effort.unit,
+    }
+
+
+def _probability(search: Search, verdict: Verdict, name: str) -> float:
+    """The verdict's; of several effects each has its own rate of winning."""
+    if len(search.rungs[-1].effects) == 1:
+        return verdict.probability
+    rates = [
+        c.probability
+        for tried in search.rounds
+        for c in tried
+        if name in (e.name() for e in c.effects)
+    ]
+    return max(rates, default=0.0) * verdict.accounted
+
+
+def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:
+    estimates = rung.fit.estimates
+    return {
+        n.split(".", 1)[1]: {
+            "value": estimates[n].value,
+            "low": estimates[n].low,
+            "high": estimates[n].high,
+            "unit": estimates[n].unit,
+        }
+        for n in names
+        if n in estimates
+    }
+
+
+def _candidate(found: Confirmed) -> dict[str, Any]:
+    return {
+        "name": label(found.effects),
+        "title": " and ".join(e.title for e in found.effects),
+        "probability": found.probability,
+        "train_rmse": found.scores["train"].rmse,
+        "validate_rmse": found.scores["validate"].rmse,
+        "heldout_rmse": found.scores["heldout"].rmse,
+        "screen_gain": found.gain,
+    }

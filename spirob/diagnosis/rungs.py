@@ -1,0 +1,137 @@
+"""The steps of the ladder: what was fitted, and how well each does on every role of trials."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from spirob.diagnosis.evidence import block_errors
+from spirob.diagnosis.screen import Screened
+from spirob.effects import Effect
+from spirob.effects.individual import differences
+from spirob.identify.fit import Fit
+from spirob.identify.problem import Effort, Problem
+from spirob.score import Score, score
+
+ROLES = ("train", "validate", "heldout")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the search decides.
+
+    scale        of the robust loss, in the unit of the effort
+    finalists    candidates confirmed in full simulation in the first round; one less in each after
+    rounds       effects added at most
+    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort; with an
+                 error no larger beside the sensor's noise a model counts as complete
+    further      least size of a second effect, relative to the first: a law of the library is never
+                 quite that of the machine, and what is left of its form is no effect of its own
+    confidence   an effect is named when no rival wins more than the rest of the resampled errors
+    explained    least share of the squared error above the floor that named effects account for;
+                 with less, something else is missing
+    sure         least probability of a name; with less the verdict is unknown
+    alike        two candidates whose residuals differ by less than this share of the effect's size
+                 say the same of the data, and count as one
+    iterations   sets of differences in the fit of a finalist
+    patience     sets of differences in a last fit, and in the fit of the parameters alone
+    intervals    exact ones for the numbers of each rung; a trial of many robots does without
+    always       look for effects, for a report to show, even where the whole error is below the
+                 floor and so none can count; a trial of many robots does without
+    """
+
+    scale: float = 0.05
+    finalists: int = 6
+    rounds: int = 2
+    floor: float = 0.003
+    further: float = 0.25
+    confidence: float = 0.9
+    explained: float = 0.9
+    sure: float = 0.7
+    alike: float = 0.3
+    iterations: int = 2
+    patience: int = 6
+    intervals: bool = True
+    always: bool = True
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmed:
+    """Candidates after a full refit.
+
+    effects  one, or a pair that helps only jointly
+    missed   model minus measurement on the validation trials;  errors  its mean squares by block
+    """
+
+    effects: tuple[type[Effect], ...]
+    gain: float
+    fit: Fit
+    missed: np.ndarray
+    errors: np.ndarray
+    scores: dict[str, Score]
+    probability: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the ladder."""
+
+    label: str
+    effects: list[type[Effect]]
+    fit: Fit
+    scores: dict[str, Score]
+    errors: np.ndarray
+
+
+@dataclass
+class Search:
+    """Everything that the search saw; rounds[k] are the finalists of round k, best first.
+
+    base  the fitted parameters alone, as they were when the search began
+    """
+
+    base: Rung
+    rungs: list[Rung]
+    rounds: list[list[Confirmed]] = field(default_factory=list)
+    screened: list[list[Screened]] = field(default_factory=list)
+    vague: list[str] = field(default_factory=list)
+
+
+def parameters_of(effect: type[Effect]) -> list[str]:
+    """Full names of an effect's numbers, its motors' differences included."""
+    return [f"{effect.name()}.{f}" for f in [*effect.parameters(), *differences(effect)]]
+
+
+def label(effects: Sequence[type[Effect]]) -> str:
+    """Names of effects, "a + b"."""
+    return " + ".join(e.name() for e in effects)
+
+
+def rung_of(
+    title: str, effects: list[type[Effect]], found: Fit, residuals: Mapping[str, Problem]
+) -> Rung:
+    scores, _, errors = scores_of(found, residuals)
+    return Rung(title, effects, found, scores, errors)
+
+
+def scores_of(
+    found: Fit, residuals: Mapping[str, Problem]
+) -> tuple[dict[str, Score], np.ndarray, np.ndarray]:
+    """Scores by role; on the validation trials the residual, and its mean squares by block."""
+    scores = {}
+    missed = errors = np.zeros(0)
+    for role in ROLES:
+        residual = residuals[role]
+        values = found.residual if role == "train" else residual(found.changes)
+        measured = residual.measured()[residual.rows]
+        scores[role] = score(measured, measured + values[residual.rows])
+        if role == "validate":
+            # a mean over samples of the effort, to which further signals only add
+            missed = values / np.sqrt(np.mean(residual.rows))
+            errors = block_errors(missed, residual.edges, residual.block)
+    return scores, missed, errors
+
+
+def line(scores: Mapping[str, Score], effort: Effort) -> str:
+    return ", ".join(f"{role} RMSE {effort.shown(s.rmse)}" for role, s in scores.items())
