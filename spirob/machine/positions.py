@@ -6,11 +6,14 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from spirob.errors import DataError
-from spirob.machine.unwrapping import Track, modulus_of, unwrapped
+from spirob.machine.unwrapping import LONG, Track, modulus_of, unwrapped
 
 FEW, LEAST = 0.01, 10  # share of a log that may be spikes or jumps, and how many at least
 UNUSUAL = ((0.98, 8.0), (0.9, 30.0))  # so many times what such a share of the rows does at most
 BACK = 0.2  # of a spike by which the position may have moved on behind it
+ANOTHER = "its zero may be another there, which moves what depends on position"
+LEAP = 1.5  # times the fastest 2 % of the log
+SURELY = 6.0  # times what is usual: a change of speed, and a speed that is none of its noise
 SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
 
 
@@ -45,7 +48,7 @@ def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
             said.append(
                 f"{where}: '{name}' wraps round by {modulus:.4g}; unwrapped at {wraps} places{how}."
             )
-    jumps = _jumps(where, name, track, said)
+    jumps, track = _jumps(where, name, track, said)
     kept = np.flatnonzero(~spikes)
     values = np.interp(np.arange(len(spikes)), kept, track.values)
     return Repaired(values, kept[jumps], modulus if wraps else None)
@@ -67,12 +70,17 @@ def _spikes(track: Track, modulus: float | None) -> np.ndarray:
     return spikes if spikes.sum() <= max(LEAST, FEW * len(spikes)) else np.zeros_like(spikes)
 
 
-def _jumps(where: str, name: str, track: Track, said: list[str]) -> np.ndarray:
-    """Rows before which the position jumps, (k,)."""
+def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.ndarray, Track]:
+    """Rows before which the position jumps, (k,), and the track without those jumps that are told.
+
+    Where the axis moves on at its speed, the step is that of the zero, and is taken out.  Where it
+    stands, nobody knows whether it was moved meanwhile.
+    """
     rates = track.rates()
+    _leaps(where, name, track, rates, said)
     at = np.flatnonzero(_alone(rates, track.values))
     if not len(at):
-        return at
+        return at, track
     first = np.diff(track.values)[at[0]]
     usual = float(np.quantile(np.abs(rates), 0.98))
     told = (
@@ -82,8 +90,33 @@ def _jumps(where: str, name: str, track: Track, said: list[str]) -> np.ndarray:
     if len(at) > max(LEAST, FEW * len(rates)):
         raise DataError(f"{told}, and {len(at)} times in all: lost counts, or a wrong unit?")
     more = f" and {len(at) - 1} times more" if len(at) > 1 else ""
-    said.append(f"{told}{more}: lost counts or a reset; the log was cut there.")
-    return at + 1
+    before, after = rates[np.maximum(at - 1, 0)], rates[np.minimum(at + 1, len(rates) - 1)]
+    moving = _goes_on(rates, before, after) & (track.apart[at] <= LONG * track.period)
+    step = np.zeros_like(track.values)
+    step[at[moving] + 1] = (np.diff(track.values)[at] - 0.5 * (before + after))[moving]
+    ends = "its motion goes on behind it" if moving.all() else ANOTHER
+    said.append(f"{told}{more}: lost counts or a reset; the log was cut there, and {ends}.")
+    return at + 1, replace(track, values=track.values - np.cumsum(step))
+
+
+def _leaps(where: str, name: str, track: Track, rates: np.ndarray, said: list[str]) -> None:
+    """Say where the position changes over a gap faster than anywhere else."""
+    steps, far = np.diff(track.values) * track.period / track.apart, track.apart > track.longest
+    fastest = float(np.quantile(np.abs(rates[~far]), UNUSUAL[0][0])) if not far.all() else np.inf
+    if len(at := np.flatnonzero(far & (np.abs(steps) > LEAP * fastest))):
+        change, length = np.diff(track.values)[at[0]], track.apart[at[0]]
+        said.append(
+            f"{where}: '{name}' changes by {abs(change):.3g} over a gap of {length:.3g} s, faster "
+            f"than it moves elsewhere: {ANOTHER}."
+        )
+
+
+def _goes_on(rates: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Whether the axis moves at one speed before and after each of some jumps, (k,)."""
+    usual, rough = (float(np.median(np.abs(np.diff(rates, k)))) for k in (1, 2))
+    alike = np.abs(after - before) <= SURELY * usual
+    moves = np.minimum(np.abs(before), np.abs(after)) > SURELY * rough
+    return np.asarray(alike & moves)
 
 
 def _alone(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
