@@ -30,6 +30,7 @@ from spirob.machine.result import Diagnosis
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
 from spirob.machine.search import Found, Search
+from spirob.machine.sensor_side import AT_LOAD, fits_at_load, may_sit_at_load
 from spirob.machine.shown import laws, overlay, parameters
 from spirob.machine.sizes_of import sizes_of
 from spirob.machine.splitting import split
@@ -53,6 +54,20 @@ class _Ready:
     said: list[str]
 
 
+@dataclass(frozen=True)
+class _Searched:
+    """What a search over a rig's logs ended with; `gate` is what they can say about its numbers."""
+
+    ready: _Ready
+    search: Search
+    gate: Identifiability
+    found: Found
+
+    @property
+    def chosen(self) -> Model:
+        return self.found.chosen
+
+
 def diagnose_recordings(
     rig: RigFile,
     folder: Path,
@@ -73,25 +88,45 @@ def diagnose_recordings(
     ready = _ready(rig, folder, train, test, held)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
-        search, gate = _search(ready, settings, progress)
-        found = search.run()
+        done = _searched(ready, settings, progress)
         for kind in KINDS:
-            if not may_differ(kind, rig, search, found.chosen):
-                continue
-            kinds = (*(ready.rig.per_log or ()), kind)
-            told = replace(ready, rig=ready.rig.model_copy(update={"per_log": kinds}))
-            wider, its_gate = _search(told, settings, progress)
-            its_found = wider.run()
-            if search.worth.matters(found.chosen, its_found.chosen):
+            if may_differ(kind, rig, done.search, done.chosen):
+                kinds = (*(done.ready.rig.per_log or ()), kind)
+                told = replace(done.ready, rig=done.ready.rig.model_copy(update={"per_log": kinds}))
                 said = f"The logs differ by a number of their own, {kind}: fitted for each."
-                ready = replace(told, said=[*told.said, said])
-                search, gate, found = wider, its_gate, its_found
-        if free := beyond_bounds(search, found.chosen):
+                done = _better(done, _searched(told, settings, progress), said)
+        if may_sit_at_load(rig, done.search, done.chosen):
+            told = _at_load(done.ready, held)
+            search, gate = _search(told, settings, progress)
+            if fits_at_load(search, done.search, done.chosen):
+                at_load = _Searched(told, search, gate, search.run())
+                done = _better(done, at_load, AT_LOAD)
+        if free := beyond_bounds(done.search, done.chosen):
             progress(f"once more, with {', '.join(free)} set free of its bounds")
-            wider_rig = released(ready.rig, free)
-            search, gate = _search(replace(ready, rig=wider_rig), settings, progress)
-            found = search.run()
-        return _finish(ready, search, found, gate)
+            told = replace(done.ready, rig=released(done.ready.rig, free))
+            done = replace(_searched(told, settings, progress), ready=done.ready)
+        return _finish(done)
+
+
+def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
+    """The same logs, read as those of a sensor at the load."""
+    assert ready.rig.position is not None
+    position = ready.rig.position.model_copy(update={"side": "load"})
+    rig = ready.rig.model_copy(update={"position": position})
+    own, possible, excluded = _library(rig, ready.body, ready.train, held, ready.sizes)
+    return replace(ready, rig=rig, own=own, possible=possible, excluded=excluded)
+
+
+def _searched(ready: _Ready, settings: Settings, progress: Callable[[str], None]) -> "_Searched":
+    search, gate = _search(ready, settings, progress)
+    return _Searched(ready, search, gate, search.run())
+
+
+def _better(done: "_Searched", wider: "_Searched", said: str) -> "_Searched":
+    """What was searched with more told of the rig, where that explains more by what counts."""
+    if not done.search.worth.matters(done.chosen, wider.chosen):
+        return done
+    return replace(wider, ready=replace(wider.ready, said=[*wider.ready.said, said]))
 
 
 def _ready(
@@ -105,23 +140,35 @@ def _ready(
     train, test, said = split(train, test)
     repairs += said
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
-    turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
-    side = rig.position.side if rig.position else "motor"
-    own = for_axis(held, turned, side)
-    library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
-    has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
-    stiffness = body.stiffness if body else 0.0
-    possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
-    possible, small = with_room(possible, sizes)
-    excluded |= small
-    if missing := [e.name() for e in own if e not in possible]:
-        raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
+    own, possible, excluded = _library(rig, body, train, held, sizes)
     rig = with_delay(rig, max(r.period for r in train))
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
     return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs)
+
+
+def _library(
+    rig: RigFile,
+    body: RigidBody | None,
+    train: list[Recording],
+    held: Sequence[type[Effect]],
+    sizes: Sizes,
+) -> tuple[list[type[Effect]], list[type[Effect]], dict[str, str]]:
+    """The laws of the effects that the model holds, of those that may act, why others may not."""
+    turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
+    side = (rig.position and rig.position.side) or "motor"
+    own = for_axis(held, turned, side)
+    library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
+    has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
+    stiffness = body.stiffness if body else 0.0
+    possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
+    possible, small = with_room(possible, sizes)
+    excluded |= small
+    if missing := [e.name() for e in own if e not in possible]:
+        raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
+    return own, possible, excluded
 
 
 def _search(
@@ -149,7 +196,8 @@ def _search(
     return Search(train, heldout, names, absent, settings, progress), gate
 
 
-def _finish(ready: _Ready, search: Search, found: Found, gate: Identifiability) -> Diagnosis:
+def _finish(done: _Searched) -> Diagnosis:
+    ready, search, found, gate = done.ready, done.search, done.found, done.gate
     problems = search.train, search.heldout
     rest = _ceiling(search, found.chosen)
     while (lesser := search.without_imitations(found, rest.share)) is not None:

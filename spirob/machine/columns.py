@@ -86,11 +86,12 @@ class PositionColumn(MotionColumn):
     """The position.
 
     modulus  after which it begins again at its lowest value, in `unit`; absent: found in the log
-    side     where its sensor sits: at the "motor", or at the "load" behind gear and shaft
+    side     where its sensor sits: at the "motor", or at the "load" behind gear and shaft; absent:
+             at the motor, unless the logs fit one at the load better
     """
 
     modulus: float | None = Field(default=None, gt=0)
-    side: Literal["motor", "load"] = "motor"
+    side: Literal["motor", "load"] | None = None
 
 
 class EffortColumn(Column):

@@ -4,7 +4,7 @@ Every set is fitted in full (`models`) and has to pass the questions of `worth`;
 can only veto.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -91,6 +91,20 @@ class Search:
             offers = self._screen(current, self._absent(current))
         self.progress.expect(_last(len(current.effects)))
         return self._found(self._pruned(current), first)
+
+    def extended(
+        self,
+        effects: tuple[type[Effect], ...],
+        start: Mapping[str, float],
+        others: Sequence[type[Effect]],
+    ) -> list[Model]:
+        """Models of a set with each of the others that could matter beside it."""
+        current = self.models.fitted(effects, start)
+        offers = [o for o in self._screen(current, others) if self.worth.possible(current, o.error)]
+        return [
+            self.models.fitted((*effects, o.effect), current.fit.changes | dict(o.values))
+            for o in offers
+        ]
 
     def without_imitations(self, found: Found, share: float) -> Found | None:
         """The same without its least effect, where more structure is left than that explains.

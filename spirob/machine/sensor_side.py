@@ -1,0 +1,33 @@
+"""Does the position sensor sit at the load?  Asked where a description leaves it open.
+
+A sensor at the motor and one at the load, behind an elastic gear or one with play, see different
+motions.  What is left of the model chosen for the one may be what the laws of the other take.
+"""
+
+from spirob.machine.laws import LOAD_SIDE, for_axis
+from spirob.machine.models import Model
+from spirob.machine.rig import RigFile
+from spirob.machine.search import Search
+
+AT_LOAD = (
+    "The logs fit a position sensor at the load, behind gear and shaft, better than one at the "
+    "motor: taken so. position.side says where it sits."
+)
+
+
+def may_sit_at_load(rig: RigFile, search: Search, chosen: Model) -> bool:
+    """Whether a description leaves the side open and enough is left for it to matter."""
+    opened = rig.position is not None and rig.position.side is None and isinstance(rig.body, str)
+    return opened and search.worth.possible(chosen, 0.0)
+
+
+def fits_at_load(at_load: Search, at_motor: Search, chosen: Model) -> bool:
+    """Whether a law of the load's side explains more beside, or instead of, a chosen effect.
+
+    at_load   the search in which the sensor sits there
+    at_motor  the search that ended with `chosen`
+    """
+    kept = tuple(for_axis((e for e in chosen.effects if e.name() not in LOAD_SIDE), side="load"))
+    laws = [e for e in at_load.candidates if e in LOAD_SIDE.values()]
+    grown = at_load.extended(kept, chosen.fit.changes, laws)
+    return any(at_motor.worth.matters(chosen, model) for model in grown)

@@ -1,0 +1,72 @@
+"""What a description leaves open, and what only one of the logs tells: sides, directions."""
+
+import numpy as np
+import pytest
+
+from spirob.machine.axis import diagnose_recordings
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.sensor_side import AT_LOAD
+from tests.machine.rigs import description
+
+T = np.arange(0.0, 10.0, 2e-3)
+SOFT = 0.04  # rad for 1 N·m
+LOAD, ROTOR, VISCOUS, DRY = 0.05, 0.02, 0.1, 0.3
+
+
+def soft_gear(seed):
+    """Both ends of an elastic gear: the load swings as wanted, the motor by the twist besides.
+
+    q_m = q_l + c·J_l·q̈_l;  u = J_l·q̈_l + J_m·q̈_m + b·q̇_m + F·tanh(q̇_m/v₀)
+    """
+    rng = np.random.default_rng(seed)
+    w = 2 * np.pi * np.array([0.35, 1.1, 2.3]) * rng.uniform(0.9, 1.1, 3)
+    angles, sizes = np.outer(T, w) + rng.uniform(0, 2 * np.pi, 3), np.array([1.2, 0.5, 0.3])
+    load, acceleration = np.sin(angles) @ sizes, -np.sin(angles) @ (sizes * w**2)
+    motor = load + SOFT * LOAD * acceleration
+    more = sizes * (w - SOFT * LOAD * w**3)
+    v, a = np.cos(angles) @ more, -np.sin(angles) @ (more * w)
+    u = LOAD * acceleration + ROTOR * a + VISCOUS * v + DRY * np.tanh(v / 0.02)
+    noise = rng.standard_normal((3, len(T)))
+    ends = {"load": load + 2e-5 * noise[0], "motor": motor + 2e-5 * noise[1]}
+    return ends, u + 5e-3 * noise[2]
+
+
+@pytest.mark.parametrize("end", ["load", "motor"])
+def test_the_side_of_the_sensor_is_found_where_it_is_not_told(tmp_path, end):
+    rig = RigFile.model_validate(description())
+    logs = []
+    for seed in range(3):
+        ends, u = soft_gear(2600 + seed)
+        logs.append(prepare(f"{seed}", {"t": T, "q": ends[end], "u": u}, rig))
+    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:])
+    names = {f.name for f in found.findings}
+    assert "coulomb_friction" in names
+    assert (AT_LOAD in found.notes) == (end == "load")
+    if end == "load":
+        assert names == {"coulomb_friction", "gear_compliance"}
+        numbers = next(f.numbers for f in found.findings if f.name == "gear_compliance")
+        assert numbers["compliance"]["value"] == pytest.approx(SOFT, rel=0.3)
+
+
+def one_way(sign, seed):
+    """A log that turns one way: from rest to a speed that changes, dry friction, an offset."""
+    rng = np.random.default_rng(seed)
+    w, phases = 2 * np.pi * rng.uniform(0.2, 0.9, 2), rng.uniform(0, 2 * np.pi, 2)
+    v = sign * (6.0 + np.sin(np.outer(T, w) + phases) @ [2.0, 1.5])
+    u = 0.01 * np.gradient(v, T) + 0.05 * v + 0.2 * sign + 0.05
+    noise = rng.standard_normal((2, len(T)))
+    q = np.cumsum(v) * (T[1] - T[0])
+    return {"t": T, "q": q + 2e-5 * noise[0], "u": u + 3e-3 * noise[1]}
+
+
+@pytest.mark.parametrize("ways", [(-1, 1, 1), (-1, 1, 1, 1, 1)])
+def test_the_one_log_that_turns_the_other_way_is_never_left_out(tmp_path, ways):
+    """Without it, friction and offset are one; more logs of the others change nothing."""
+    rig = RigFile.model_validate(description())
+    logs = [prepare(f"{k}", one_way(way, 2700 + k), rig) for k, way in enumerate((*ways, -1, 1))]
+    found = diagnose_recordings(rig, tmp_path, logs[:-2], logs[-2:])
+    named = [{f.name, *f.equivalents} for f in found.findings]
+    assert len(named) == 2
+    assert any("coulomb_friction" in names for names in named)
+    assert any({"constant_force", "current_offset"} <= names for names in named)
