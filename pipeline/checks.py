@@ -19,7 +19,7 @@ from spirob.bench import Trial
 from spirob.bench.trial import ROLES
 from spirob.bench.wrap import WrapSettings
 from spirob.can_interface import require_known
-from spirob.effects import find_effects
+from spirob.effects import Effect, find_effects
 from spirob.emulator.faults import wire_from
 from spirob.emulator.hidden import load
 from spirob.emulator.rig import HiddenSettings
@@ -27,6 +27,7 @@ from spirob.errors import ConfigError, SpirobError
 from spirob.experiments import experiment_from
 from spirob.identify.residual import Filter
 from spirob.logs.reader import FILTER_WINDOW
+from spirob.machine.own_effects import tried
 from spirob.perceive.choice import require_choices
 from spirob.perceive.size import SizeSettings
 from spirob.plant import Plant, Rig
@@ -65,13 +66,21 @@ def require_once(names: Sequence[str]) -> None:
         raise ConfigError(f"'{twice[0]}' stands twice")
 
 
+def _found(names: Sequence[str]) -> list[type[Effect]]:
+    """These effects, after files among them were run in a process apart, within bounds of time."""
+    for name in names:
+        if name.endswith(".py"):
+            tried(name, kernel=True)
+    return find_effects(list(names))
+
+
 def _model(config: Config, rig: Rig) -> None:
     with about("plant.effects"):
         require_once(config.plant.effects)
-        model = Plant(rig, find_effects(config.plant.effects))
+        model = Plant(rig, _found(config.plant.effects))
     with about("diagnose.candidates"):
         require_once(config.diagnose.candidates)
-        find_effects(config.diagnose.candidates)
+        _found(config.diagnose.candidates)
     with about("identify.parameters"):
         require_once(fitted_names(config))  # those of the model's own effects among them
         for name in config.identify.parameters:
@@ -105,7 +114,7 @@ def _robot(config: Config, rig: Rig) -> None:
     if robot.kind == "simulated":
         with about("robot.effects"):
             require_once(robot.effects)
-            model = Plant(rig, find_effects(robot.effects))
+            model = Plant(rig, _found(robot.effects))
         with about("robot.changes"):
             model.table.vector(robot.changes)
         return

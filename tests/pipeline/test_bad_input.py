@@ -13,8 +13,10 @@ from pipeline.stage import public_config, run, write_json
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
 from spirob.logs import read_parquet, write_parquet
+from spirob.machine import own_effects
 from spirob.plant import Plant, Rig
 from spirob.trace import Trace
+from tests.effects.test_declaration import GOOD
 from tests.pipeline.project import SHORT, SOURCE
 
 
@@ -92,6 +94,25 @@ def test_a_bad_configuration(project, override, said):
     project.override([*SHORT, override])
     assert said in project.refused("config")
     assert not (project.root / "data/config").exists()
+
+
+@pytest.mark.parametrize("key", ["plant.effects", "diagnose.candidates", "robot.effects"])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("import sys\nsys.exit(0)", "fails: SystemExit: 0"),
+        ("while True:\n    pass", "does not end"),
+        (GOOD.replace("return -torque", "raise ValueError(torque)"), "kernel fails"),
+    ],
+)
+def test_a_file_of_an_effect_that_fails_is_a_sentence(project, monkeypatch, key, text, said):
+    monkeypatch.setattr(own_effects, "LONGEST", 3.0)
+    robot = ["robot=simulated"] if key == "robot.effects" else []
+    (project.root / "own.py").write_text(text)
+    project.override([*SHORT, *robot, f"{key}=[own.py]"])
+    spoken = project.refused("config")
+    assert said in spoken
+    assert key in spoken
 
 
 @pytest.mark.parametrize(
