@@ -98,9 +98,11 @@ def diagnose_recordings(
         if may_sit_at_load(rig, done.search, done.chosen):
             told = _at_load(done.ready, held)
             search, gate = _search(told, settings, progress)
-            if fits_at_load(search, done.search, done.chosen):
-                at_load = _Searched(told, search, gate, search.run())
-                done = _better(done, at_load, AT_LOAD)
+            if fits_at_load(search, done.chosen):
+                found = search.run()
+                if done.search.worth.halves(done.chosen, found.chosen):
+                    told = replace(told, said=[*told.said, AT_LOAD])
+                    done = _Searched(told, search, gate, found)
         if free := beyond_bounds(done.search, done.chosen):
             progress(f"once more, with {', '.join(free)} set free of its bounds")
             told = replace(done.ready, rig=released(done.ready.rig, free))

@@ -21,13 +21,15 @@ def may_sit_at_load(rig: RigFile, search: Search, chosen: Model) -> bool:
     return opened and search.worth.possible(chosen, 0.0)
 
 
-def fits_at_load(at_load: Search, at_motor: Search, chosen: Model) -> bool:
-    """Whether a law of the load's side explains more beside, or instead of, a chosen effect.
+def fits_at_load(at_load: Search, chosen: Model) -> bool:
+    """Whether a law of the load's side halves what the model chosen for the motor's leaves.
 
-    at_load   the search in which the sensor sits there
-    at_motor  the search that ended with `chosen`
+    at_load  the search in which the sensor sits there
+
+    Less would be too little to contradict what most descriptions mean: the edges of friction at a
+    reversal look like a little play behind the sensor.
     """
     kept = tuple(for_axis((e for e in chosen.effects if e.name() not in LOAD_SIDE), side="load"))
     laws = [e for e in at_load.candidates if e in LOAD_SIDE.values()]
     grown = at_load.extended(kept, chosen.fit.changes, laws)
-    return any(at_motor.worth.matters(chosen, model) for model in grown)
+    return any(at_load.worth.halves(chosen, model) for model in grown)
