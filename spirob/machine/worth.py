@@ -1,7 +1,8 @@
 """When is an effect worth its place?  The three questions that every addition has to pass.
 
 Does the error of the folds left out rise without it by more than a floor, in size and in share?
-Surely, when half-second blocks are drawn again?  And do the held-out trials agree?
+Surely, when half-second blocks are drawn again, by their mean or by their typical fall?  And do
+the held-out trials agree?
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,8 @@ from spirob.diagnosis.evidence import improvement
 from spirob.machine.models import Model
 
 HALF = 0.5
+DRAWS, UNSURE = 2000, 0.025  # of blocks, and the share of draws that may deny what is sure
+TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -49,13 +52,13 @@ class Worth:
             return False
         if fall < self.settings.share * before.mean_square:
             return False
-        return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
+        return self._surely(before, after)
 
     def clearly(self, before: Model, after: Model) -> bool:
         """Whether `after` is better than a rival by enough to be preferred to a simpler one."""
         if after.mean_square > (1.0 - self.settings.better) * before.mean_square:
             return False
-        return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
+        return self._surely(before, after)
 
     def halves(self, before: Model, after: Model) -> bool:
         """Whether `after` leaves less than half the squared error, held out too, and surely."""
@@ -63,7 +66,19 @@ class Worth:
             return False
         if after.heldout_square > HALF * before.heldout_square:
             return False
-        return improvement(before.errors, after.errors, self.settings.seed)[1] > 0.0
+        return self._surely(before, after)
+
+    def _surely(self, before: Model, after: Model) -> bool:
+        """Whether the fall holds when blocks are drawn again, of errors or of their logarithms.
+
+        The logarithms weigh every block alike: one block with a blow in it decides nothing.
+        """
+        seed = self.settings.seed
+        if improvement(before.errors, after.errors, seed)[1] > 0.0:
+            return True
+        falls = np.log(before.errors + TINY) - np.log(after.errors + TINY)
+        draws = np.random.default_rng(seed).integers(0, len(falls), (DRAWS, len(falls)))
+        return bool(np.quantile(falls[draws].mean(axis=1), UNSURE) > 0.0)
 
     def possible(self, current: Model, error: float) -> bool:
         """Whether an addition could matter, judged by its screened error and half the floor."""
