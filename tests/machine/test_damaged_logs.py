@@ -152,6 +152,12 @@ DAMAGES: list[Callable[[Log], None]] = [
 
 
 SPEEDS = (scaled_speed, late_speed, no_speed)
+MIXTURES = given(
+    st.sampled_from([50.0, 100.0, 200.0, 500.0]),
+    st.sets(st.integers(0, len(DAMAGES) - 1), max_size=5),
+    st.booleans(),
+    st.integers(0, 2**32),
+)  # rate, damages, with a speed, seed
 
 
 def rig(with_speed: bool) -> RigFile:
@@ -192,12 +198,7 @@ def _missed(seconds, speed, heard, cutoff):
 
 
 @settings(max_examples=150, deadline=None, derandomize=True)
-@given(
-    st.sampled_from([50.0, 100.0, 200.0, 500.0]),
-    st.sets(st.integers(0, len(DAMAGES) - 1), max_size=5),
-    st.booleans(),
-    st.integers(0, 2**32),
-)
+@MIXTURES
 @example(200.0, set(range(len(DAMAGES))), True, 0)
 def test_a_damaged_log_gives_the_same_motion_or_a_sentence(rate, damages, with_speed, seed):
     log = Log(rate, seed)
@@ -218,12 +219,7 @@ def test_a_damaged_log_gives_the_same_motion_or_a_sentence(rate, damages, with_s
 
 
 @settings(max_examples=8, deadline=None, derandomize=True)
-@given(
-    st.sampled_from([50.0, 100.0, 200.0, 500.0]),
-    st.sets(st.integers(0, len(DAMAGES) - 1), max_size=5),
-    st.booleans(),
-    st.integers(0, 2**32),
-)
+@MIXTURES
 @example(200.0, {DAMAGES.index(jump)}, True, 0)
 def test_a_damaged_log_gives_the_same_answer_or_a_sentence(rate, damages, with_speed, seed):
     log, described = Log(rate, seed), rig(with_speed)

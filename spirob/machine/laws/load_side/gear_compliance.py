@@ -10,6 +10,8 @@ class GearCompliance(Effect):
 
     Valid well below the frequency at which the load swings on the spring, where the twist follows
     the load without delay.
+    τ holds the torque of all that moves, the motor's share μ of the inertia included: on an axis of
+    inertia alone, c is the shaft's own compliance times 1 - μ.
     """
 
     port = "sensing.displacement"
