@@ -1,11 +1,9 @@
 """The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`."""
 
-from dataclasses import replace
 from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
-from spirob.control.law import Gains
 from spirob.identify.numbers import FITTED
 from spirob.machine.arm.compared import ArmFilter, ArmRows
 from spirob.machine.arm.motors import MotorColumns
@@ -17,13 +15,11 @@ PARTS = {component.owner for component in COMPONENTS}
 PLACELESS = {  # keys of other rigs -> why the arm has none
     "velocity": "the speed is that of the position",
     "reference": "how the arm was commanded need not be known",
-    "control": "the model follows the measured motion",
+    "control": "the model is moved as it was measured",
     "predict": "the motors' currents are predicted",
     "rest_speed": "it is motor.rest_speed, for 'known' or 'fit'",
     "gear": "it is winch.gear_ratio, for 'known'",
 }
-TIGHT = 3.0  # times the bandwidth of the machine's own controller
-TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
 
 
 class ArmFile(Entry):
@@ -106,16 +102,12 @@ class ArmFile(Entry):
         return {"left": self.left, "right": self.right}
 
     def machine(self) -> Rig:
-        """The machine, with a tight controller, as it only has to repeat a motion.
+        """The machine with what is known of it.
 
         Raises ConfigError where `arm` or `known` names what it does not have, or a value is out of
         its range.
         """
-        rig = Rig.from_mapping({"name": self.name, **self.arm, **self._known_parts()})
-        own = {name: float(getattr(rig.gains, name)) for name in Gains.parameters()}
-        for name, power in TIGHTER.items():
-            own[name] *= TIGHT**power
-        return replace(rig, gains=Gains(**own))
+        return Rig.from_mapping({"name": self.name, **self.arm, **self._known_parts()})
 
     def _known_parts(self) -> dict[str, Any]:
         """The parts of the machine of which numbers are known, with what `arm` says of them."""

@@ -1,10 +1,11 @@
 """A log of the arm as a trial that the model can play again.
 
-How the arm was commanded is not in such a log, and need not be: the motor that does the work is
-made to follow the motion that was measured, the other one gets the current that was measured.  The
-error is then that of the working motor's current, and of the length that the other winds in.
-Following takes an error of the speed, i/K_v; so the measured current is fed forward as one, and
-what the controller adds is the model's own error.
+How the arm was commanded is not in such a log, and need not be.  The drum of the motor that does
+the work is moved as it was measured, with no controller in between, and the model says which
+current that asks for (`control.law`, MOTION); the other motor gets the current that was measured,
+or commanded where the log says so.  The error is then that of the working motor's current, and of
+the length that the other winds in.  The motion passes the filter, as its noise grows with each
+derivative, and so does the current that it is compared with.
 """
 
 from collections.abc import Mapping
@@ -12,16 +13,17 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.control.law import CURRENT, DISPLACEMENT
+from spirob.control.law import CURRENT, MOTION
 from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
 from spirob.machine import checks
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
+from spirob.machine.arm.steady import steadied
 from spirob.machine.filtering import derivative, smooth
 from spirob.machine.reading import read_columns
-from spirob.machine.rig import TIME_UNITS, Column
+from spirob.machine.rig import ANGLES, TIME_UNITS, Column
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
@@ -45,34 +47,99 @@ def arm_trial(
 ) -> tuple[Measurement, list[str]]:
     """Columns in the log's own units as a trial; see `read_arm_trial`."""
     values = _regular(name, columns, rig, said)
-    displacement = np.column_stack([values[f"{m}.position"] for m in MOTORS])
-    current = np.column_stack([values[f"{m}.effort"] for m in MOTORS])
-    motion, held = (
-        np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in both.T])
-        for both in (displacement, current)
-    )
+    length, current = (_both(values, kind) for kind in ("position", "effort"))
+    motion, passed = (_filtered(x, rig.filter.cutoff) for x in (length, current))
+    begin = slice(0, round(BEGIN / CYCLE))
+    zero = np.median(length[begin], axis=0)
     velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
-    _at_rest(name, velocity)
+    _at_rest(name, velocity[begin], velocity)
     _currents(name, current, rig, said)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
     schedule = Schedule(
-        mode=np.array([DISPLACEMENT if m == moves else CURRENT for m in range(len(MOTORS))]),
-        reference=np.where(np.arange(len(MOTORS)) == moves, motion, current),
-        reference_rate=velocity + held / rig.machine().gains.velocity,
+        mode=np.array([MOTION if m == moves else CURRENT for m in range(len(MOTORS))]),
+        reference=np.where(
+            np.arange(len(MOTORS)) == moves, motion - zero, _given(values, current, rig)
+        ),
+        reference_rate=velocity,
         current_limit=np.full(len(MOTORS), ROOM * float(np.abs(current).max())),
+        held=_held(current[begin]),
     )
     use = usable(name, current, velocity, moves, rig, said)
-    trial = Measurement(name, role, current, displacement, velocity, schedule, Scene(), use=use)
+    trial = Measurement(
+        name,
+        role,
+        current,
+        length - zero,
+        velocity,
+        schedule,
+        Scene(),
+        first_angle=_angles(zero, rig),
+        use=use,
+        passed=passed,
+    )
     return trial, said
+
+
+def _both(values: Mapping[str, np.ndarray], kind: str) -> np.ndarray:
+    return np.column_stack([values[f"{motor}.{kind}"] for motor in MOTORS])
+
+
+def _filtered(values: np.ndarray, cutoff: float) -> np.ndarray:
+    return np.column_stack([_smooth(x, cutoff) for x in values.T])
+
+
+def _smooth(values: np.ndarray, cutoff: float) -> np.ndarray:
+    """Filtered as if it went on behind its end with the same speed and acceleration.
+
+    The filter's own continuation turns the acceleration round, which a rotor of kilograms at the
+    tendon answers with 100 mA.
+    """
+    last = np.arange(-round(1.0 / (cutoff * CYCLE)), 1) * CYCLE
+    speed = np.polyfit(last, values[-len(last) :], 2)[1]
+    beyond = np.arange(1, min(3 * len(last), len(values)))
+    mirrored = values[-1 - beyond] + 2.0 * speed * CYCLE * beyond
+    return smooth(np.append(values, mirrored), cutoff, CYCLE)[: len(values)]
+
+
+def _given(values: Mapping[str, np.ndarray], current: np.ndarray, rig: ArmFile) -> np.ndarray:
+    """What each motor is given from cycle to cycle [A], (T, 2).
+
+    A drive reports the current of the cycle that ends; a command is for the one that begins.
+    """
+    found = []
+    for m, (motor, columns) in enumerate(rig.motors().items()):
+        if columns.command is not None:
+            found.append(values[f"{motor}.command"])
+        else:
+            reported = steadied(current[:, m], rig.filter.cutoff, CYCLE)
+            found.append(np.append(reported[1:], reported[-1]))
+    return np.column_stack(found)
+
+
+def _held(first: np.ndarray) -> np.ndarray | None:
+    """Currents under which the arm rests as a log begins (2,) [A]; None where there are none."""
+    mean = first.mean(axis=0)
+    return None if np.all(np.abs(mean) <= first.std(axis=0)) else mean
+
+
+def _angles(zero: np.ndarray, rig: ArmFile) -> tuple[float, ...]:
+    """Where in a turn the rotors begin [rad], if the log tells."""
+    winch = rig.machine().winch
+    turn = winch.gear_ratio / winch.radius
+    motors = zip(zero, rig.motors().values(), strict=True)
+    return tuple(float(x) * turn if of.position.unit in ANGLES else 0.0 for x, of in motors)
 
 
 def _regular(
     name: str, columns: Mapping[str, np.ndarray], rig: ArmFile, said: list[str]
 ) -> dict[str, np.ndarray]:
-    """All signals in SI on the model's clock, positions in metres wound in since the beginning."""
+    """All signals in SI on the model's clock, positions in metres wound in."""
     wanted = {
-        f"{m}.{k}": getattr(c, k) for m, c in rig.motors().items() for k in ("position", "effort")
+        f"{m}.{k}": column
+        for m, of in rig.motors().items()
+        for k in ("position", "effort", "command")
+        if (column := getattr(of, k)) is not None
     }
     for column in (rig.time, *wanted.values()):
         if column.column not in columns:
@@ -88,17 +155,13 @@ def _regular(
             checks.moving(name, column.column, found)
             found = checks.position(name, column.column, found, kept[key], seconds, said)
         of = rig.motors()[key.partition(".")[0]]
-        si = of.amperes if key.endswith("effort") else of.metres(rig.machine())
+        si = of.metres(rig.machine()) if key.endswith("position") else of.amperes(column)
         values[key] = found * si
     _, grids = checks.regular_grid(name, seconds, values, said)
     if len(grids) != 1:
         raise DataError(f"{name}: a gap; the model plays a log from its beginning, give whole ones")
     even = np.arange(0.0, grids[0]["time"][-1], CYCLE)
-    values = {key: np.interp(even, grids[0]["time"], grids[0][key]) for key in values}
-    begin = round(BEGIN / CYCLE)
-    for motor in MOTORS:
-        values[f"{motor}.position"] -= np.median(values[f"{motor}.position"][:begin])
-    return values
+    return {key: np.interp(even, grids[0]["time"], grids[0][key]) for key in values}
 
 
 def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -118,10 +181,7 @@ def _currents(name: str, current: np.ndarray, rig: ArmFile, said: list[str]) -> 
     ]
 
 
-def _at_rest(name: str, velocity: np.ndarray) -> None:
+def _at_rest(name: str, first: np.ndarray, velocity: np.ndarray) -> None:
     """Raise where the log begins in the midst of a motion."""
-    first = np.abs(velocity[: round(BEGIN / CYCLE)]).mean(axis=0)
-    if np.any(first > MOVING * np.quantile(np.abs(velocity), 0.95)):
-        raise DataError(
-            f"{name}: it begins in motion; the model plays a log from the straight arm at rest"
-        )
+    if np.any(np.abs(first).mean(axis=0) > MOVING * np.quantile(np.abs(velocity), 0.95)):
+        raise DataError(f"{name}: it begins in motion; the model plays a log from rest")
