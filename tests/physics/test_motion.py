@@ -69,10 +69,7 @@ def test_so_it_does_with_an_effect(name):
 def test_an_arm_that_was_held_rests_and_counts_from_there():
     held = np.array([0.3, 0.28])
     still = currents(np.full(500, held[0]), held[1])
-    schedule = Schedule(
-        still.mode, still.reference, still.reference_rate, still.current_limit, held
-    )
-    resting = Plant(GEARED).simulate(schedule, Scene(), BENT)
+    resting = Plant(GEARED).simulate(replace(still, held=held), Scene(), BENT)
     begun = Plant(GEARED).simulate(still, Scene(), BENT)
     assert resting.displacement[0] == pytest.approx(0.0, abs=1e-15)
     assert np.ptp(resting.tension, axis=0).max() < 0.01 * np.ptp(begun.tension, axis=0).max()
