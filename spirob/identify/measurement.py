@@ -52,7 +52,7 @@ class Measurement:
         )
         signals = ("current", "displacement", "velocity", "temperature", "use", "passed")
         whole = {name: getattr(self, name) for name in signals}
-        cut = {name: None if x is None else x[:end] for name, x in whole.items()}
+        cut: dict[str, Any] = {n: None if x is None else x[:end] for n, x in whole.items()}
         return replace(self, schedule=schedule, **cut)
 
     @classmethod

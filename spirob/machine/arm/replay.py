@@ -20,7 +20,7 @@ from spirob.identify.measurement import Measurement
 from spirob.machine import checks
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
-from spirob.machine.arm.steady import steadied
+from spirob.machine.arm.steady import first_level, steadied
 from spirob.machine.filtering import derivative, smooth
 from spirob.machine.reading import read_columns
 from spirob.machine.rig import ANGLES, TIME_UNITS, Column
@@ -119,8 +119,8 @@ def _given(values: Mapping[str, np.ndarray], current: np.ndarray, rig: ArmFile) 
 
 def _held(first: np.ndarray) -> np.ndarray | None:
     """Currents under which the arm rests as a log begins (2,) [A]; None where there are none."""
-    mean = first.mean(axis=0)
-    return None if np.all(np.abs(mean) <= first.std(axis=0)) else mean
+    levels = np.array([first_level(x) for x in first.T])
+    return levels if levels.any() else None
 
 
 def _angles(zero: np.ndarray, rig: ArmFile) -> tuple[float, ...]:

@@ -68,7 +68,7 @@ def test_a_log_may_begin_under_tension():
     whole = played({"name": "pull", "role": "train", **pull, "duration": 5.0}, TRUE)
     late = {name: values[1600:] for name, values in whole.items()}
     trial, _ = arm_trial("log", late, rig(), "train", [])
-    assert trial.schedule.held == pytest.approx(trial.current[:50].mean(axis=0))
+    assert trial.schedule.held == pytest.approx(trial.current[:50].mean(axis=0), abs=0.01)
     assert abs(trial.displacement[0, 0]) < 1e-5
     residual = Residual(Plant(rig().machine()), [trial])
     straight = Residual(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.machine.arm.steady import steadied
+from spirob.machine.arm.steady import first_level, steadied
 
 PERIOD, CUTOFF, NOISE = 1e-3, 30.0, 5e-3
 T = np.arange(4000) * PERIOD
@@ -46,3 +46,13 @@ def test_so_it_is_where_samples_are_further_apart_than_cycles(every):
 
 def test_a_constant_is_itself():
     np.testing.assert_allclose(steadied(np.full(2000, 0.25), CUTOFF, PERIOD), 0.25, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_where_a_current_begins_is_told_from_where_it_goes(seed):
+    t = T[:50]
+    for rest, change in ((0.08, 0.12 * (t > 0)), (0.3, 0.0 * t), (0.3, 8.0 * t**2 / T[50])):
+        assert first_level(measured(rest + change, seed)) == pytest.approx(rest, abs=4.0 * NOISE)
+    assert first_level(measured(8.0 * t**2 / T[50], seed)) == 0.0
+    assert first_level(0.25 + 0.0 * t) == pytest.approx(0.25)
+    assert first_level(0.0 * t) == 0.0
