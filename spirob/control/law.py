@@ -8,7 +8,6 @@ its rate v, current i.
     velocity       i_cmd = K_v (v_ref - v) + I,        İ = K_i (v_ref - v)
     displacement   velocity law with v_ref = ẋ_ref + K_x (x_ref - x)
     force          i_cmd = (F_ref + K_F (F_ref - F)) / n,   F = n·i - c·v
-    motion         none: the model's rotor is moved, and its current is what that asks for
 
 (paper, "Alternative feedback points", e_Δℓ, e_Δℓ̇, e_F and Φ.)  The integral stops while the
 command is at its limit and the error would drive it further (anti-windup).
@@ -17,7 +16,6 @@ command is at its limit and the error would drive it further (anti-windup).
 from spirob.parameter import Numbers, bounded
 
 CURRENT, VELOCITY, DISPLACEMENT, FORCE = 0, 1, 2, 3
-MOTION = 4  # of the model alone: no drive can be moved along a motion that was measured
 MODES = {"current": CURRENT, "velocity": VELOCITY, "displacement": DISPLACEMENT, "force": FORCE}
 
 
@@ -53,15 +51,13 @@ def current_command(
 ):
     """Commanded current [A] and the next value of the integral [A].
 
-    mode            CURRENT, VELOCITY, DISPLACEMENT, FORCE or MOTION
-    reference       [A], [m/s], [m], [N] or [m], by mode;  reference_rate  [m/s], displacement only
+    mode            CURRENT, VELOCITY, DISPLACEMENT or FORCE
+    reference       [A], [m/s], [m] or [N], by mode;  reference_rate  [m/s], displacement only
     displacement, velocity, current   as measured: [m], [m/s], [A]
     current_limit   the command stays within ± this [A]
     """
     if mode == 0:
         return min(max(reference, -current_limit), current_limit), 0.0
-    if mode == 4:
-        return current, 0.0
     if mode == 3:
         force = newton_per_ampere * current - drag * velocity
         command = (reference + gain_force * (reference - force)) / newton_per_ampere

@@ -10,8 +10,7 @@ class Schedule:
     """Feedback mode and reference of every motor at every cycle.
 
     mode           (M,) int, constants of `control.law`; fixed during a trial
-    reference      (T, M) in the unit of the mode: A, m/s, m or N.  In mode MOTION it is the length
-                   that the encoder reports at the beginning of each cycle [m]
+    reference      (T, M) in the unit of the mode: A, m/s, m or N
     reference_rate (T, M) [m/s], read by the displacement mode only
     current_limit  (M,) the command stays within ± this [A]
     held           (M,) currents under which the arm has come to rest before [A]; None: none

@@ -22,8 +22,6 @@ class Measurement:
     first_angle  of the rotors when the trial began [rad], where the log tells
     temperature  of the windings [°C], (T, 2), where the log tells
     use          cycles that are compared, (T,); None: all.  All are played
-    passed       currents behind a filter that a given motion has passed, too [A], (T, 2): these are
-                 compared in place of the raw ones.  None: there is none
     """
 
     name: str
@@ -36,7 +34,6 @@ class Measurement:
     first_angle: tuple[float, ...] = (0.0, 0.0)
     temperature: np.ndarray | None = None
     use: np.ndarray | None = None
-    passed: np.ndarray | None = None
 
     @property
     def seconds(self) -> np.ndarray:
@@ -50,7 +47,7 @@ class Measurement:
             reference=self.schedule.reference[:end],
             reference_rate=self.schedule.reference_rate[:end],
         )
-        signals = ("current", "displacement", "velocity", "temperature", "use", "passed")
+        signals = ("current", "displacement", "velocity", "temperature", "use")
         whole = {name: getattr(self, name) for name in signals}
         cut: dict[str, Any] = {n: None if x is None else x[:end] for n, x in whole.items()}
         return replace(self, schedule=schedule, **cut)

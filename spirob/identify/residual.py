@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy import signal
 
-from spirob.control.law import CURRENT, DISPLACEMENT, MOTION, VELOCITY
+from spirob.control.law import CURRENT, DISPLACEMENT, VELOCITY
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, Rotor, Stretch, compared
 from spirob.parameter import Table
@@ -79,10 +79,7 @@ class Residual:
     workers: int = 2
 
     def __post_init__(self) -> None:
-        self._measured = [
-            self._signals(t, t.current if t.passed is None else t.passed, t.displacement)
-            for t in self.trials
-        ]
+        self._measured = [self._signals(t, t.current, t.displacement) for t in self.trials]
         sizes = [len(m) for m in self._measured]
         self.edges = np.concatenate([[0], np.cumsum(sizes)])
         self.rows = np.concatenate([self._rows(t) for t in self.trials] or [np.zeros(0, bool)])
@@ -192,9 +189,7 @@ class Residual:
             lag=None
             if followed is None
             else self.thin(schedule.reference[:, motor] - followed[:, motor], trial),
-            command_rate=None
-            if schedule.mode[motor] == MOTION  # which nobody commanded
-            else self.thin(np.gradient(schedule.reference[:, motor], 1e-3), trial),
+            command_rate=self.thin(np.gradient(schedule.reference[:, motor], 1e-3), trial),
             temperature=None if heat is None else heat[cycles, motor],
         )
 

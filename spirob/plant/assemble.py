@@ -41,7 +41,6 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     weight.hinge_weights,
     winch.free_rate,
     winch.demanded_tension,
-    winch.even_gain,
     winch.one_sided_tensions,
 )
 LOCALS = {  # signal -> expression in the loop, valid at every port that may read it

@@ -3,16 +3,16 @@
 
 A comment `# @ port name -> variable` is replaced by one statement for each effect at that port;
 `repeat` applies them to another signal, `probe` asks them at another speed.  `READS_...` is whether
-an effect reads a signal.  `P_...` are positions in the parameter vector.  What it does in cycle k:
+an effect reads a signal.
+`P_...` are positions in the parameter vector, `COUNT_...` sizes.  What the loop does in cycle k:
 
     j_a  feedback law -> i_cmd;  drive and R-L circuit -> i*            (control.law, electrics)
     j_b  i* -> torque at the drum                                       (here)
     j_c  rotor, tendon and arm together -> F, Δl, dΔl/dt; i**           (winch, MuJoCo)
 
-repeated j_b, j_c for each substep.  Where the motion of a drum is given (mode MOTION) j_b is turned
-round: i* is the current with which the rotor's equation holds, as its mean over the cycle.
-Row k of the output is the state at the start of the cycle, as the drive reports it, with the
-command that follows from it; one more row holds the state after the last cycle.
+repeated j_b, j_c for each substep.  Row k of the output is the state at the start of the cycle,
+as the drive reports it, with the command that follows from it;
+one more row holds the state after the last cycle.
 
     i** = (J_eq Δl̈/r + b_eq Δl̇/r + r F + r m (g + Δl̈) - G τ_effects)/(η G k_t)
 
@@ -95,12 +95,9 @@ def run(
     reading_zero = state[20]  # reading error where the trial began [m]: lengths count from there
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
-    demand, free, give = np.zeros(motors), np.zeros(motors), np.zeros(motors)
-    inertia, damping = np.zeros(motors), np.zeros(motors)  # at the drum's surface [kg], [N·s/m]
-    pushing, lever = np.zeros(motors), np.zeros(motors)  # force of the motor there [N]; [A/N]
-    spin_up = np.zeros(motors)  # of a drum whose motion is given, in each step of a cycle [rad/s]
-    misplaced = np.zeros(motors)  # by what its encoder was wrong a cycle ago [m]
-    asked = np.zeros(motors)  # current that its motion asks for, mean over a cycle's steps [A]
+    demand = np.zeros(motors)
+    free = np.zeros(motors)
+    give = np.zeros(motors)
     tendon_damping = max(p[P_tendon_damping], step * p[P_tendon_stiffness])
     hinge_weight = np.zeros((hinges, 2))  # N·m, by direction of gravity
     place, factor, work = np.zeros((8, hinges)), np.zeros((4, hinges)), np.zeros((2, hinges))
@@ -124,7 +121,6 @@ def run(
             if begun[0] == 0.0:
                 reading_zero[m] = sensed_displacement - nominal_radius * turned[m]
             sensed_displacement -= reading_zero[m]
-            wrong = sensed_displacement - nominal_radius * turned[m]
             # @ port sensing.frame -> sensed_displacement
             # the drive differentiates the length that it reports
             error = sensed_displacement - nominal_radius * turned[m]
@@ -171,12 +167,6 @@ def run(
             # @ port command.current -> wanted
             command[m] = wanted
             out[cycle, m, 7] = wanted
-            if mode[m] == 4:
-                # of what the encoder is to report, less by what it will be wrong
-                aim = reference[min(cycle + 1, cycles - 1), m] - 2.0 * wrong + misplaced[m]
-                way, spin = aim / nominal_radius - turned[m], rate[m] / radius_now[m]
-                spin_up[m] = even_gain(way, spin, cycle_time, substeps)
-                misplaced[m], asked[m] = wrong, 0.0
         for i in range(hinges):
             angles[cycle, i] = qpos[i]
         if cycle == cycles:
@@ -211,7 +201,6 @@ def run(
                         total += arm[n, i] * solved[m, i]
                     mobility[n, m] = total
             for m in range(motors):
-                given, spin = current[m], rate[m] / radius_now[m]
                 radius = p[P_winch_radius]
                 # @ port winch.radius -> radius
                 radius_now[m] = radius
@@ -239,8 +228,6 @@ def run(
                     p[P_drive_emf_compensation],
                     supply,
                 )
-                if mode[m] == 4:  # no command: the current is what the motion asks for
-                    current[m] = mean_current[m] = given
                 drive_torque = p[P_motor_torque_constant] * mean_current[m]
                 # @ port motor.drive_torque -> drive_torque
                 # torque at this speed and just above it: its slope is solved implicitly
@@ -258,10 +245,10 @@ def run(
                 torque = gear * (added + rotor_damping * gear * rate[m] / radius)
                 own_inertia = p[P_motor_rotor_inertia]
                 own_inertia *= 1.0 + side[m] * p[P_motor_rotor_inertia_difference]
-                inertia[m] = gear * gear * own_inertia / (radius * radius) + hung[m]
+                inertia = gear * gear * own_inertia / (radius * radius) + hung[m]
                 own_damping = p[P_motor_rotor_damping]
                 own_damping *= 1.0 + side[m] * p[P_motor_rotor_damping_difference]
-                damping[m] = gear * gear * (own_damping + rotor_damping) / (radius * radius)
+                damping = gear * gear * (own_damping + rotor_damping) / (radius * radius)
                 external = -9.80665 * hung[m]  # standard gravity [m/s²]
                 # @ port tendon.force -> external
                 extra = 0.0
@@ -271,12 +258,8 @@ def run(
                 # @ port tendon.stiffness -> elasticity
                 share = elasticity / p[P_tendon_stiffness]
                 give[m] = step * share * tendon_damping
-                pushing[m] = torque / radius + external
-                weight[m] = inertia[m] + step * damping[m]
-                free[m] = free_rate(rate[m], pushing[m], inertia[m], damping[m], step)
-                if mode[m] == 4:  # no tension moves the drum away from its motion
-                    weight[m], free[m] = np.inf, (spin + spin_up[m]) * radius
-                    lever[m] = radius / (gear * efficiency * p[P_motor_torque_constant])
+                weight[m] = inertia + step * damping
+                free[m] = free_rate(rate[m], torque / radius + external, inertia, damping, step)
                 if begun[0] + substep > 0:
                     seen = (shortening_rate[m] - previous_rate[m]) / step
                     arm_accel[m] += 0.3 * (seen - previous_accel[m] - arm_accel[m])
@@ -300,10 +283,6 @@ def run(
             for m in range(motors):
                 previous_rate[m] = shortening_rate[m]
                 previous_accel[m] = mobility[m, 0] * tension[0] + mobility[m, 1] * tension[1]
-                if mode[m] == 4:
-                    needed = inertia[m] * (free[m] - rate[m]) / step + damping[m] * free[m]
-                    current[m] += lever[m] * (needed + tension[m] - pushing[m])
-                    asked[m] += current[m] / substeps
                 rate[m] = free[m] - step * tension[m] / weight[m]
                 displacement[m] += step * rate[m]
                 turned[m] += step * rate[m] / radius_now[m]
@@ -319,8 +298,6 @@ def run(
                 mj_step2(model, data)
             pose_tendons(qpos, qvel, guides, rest, arm, shortening, shortening_rate, tendon_work)
         for m in range(motors):
-            if mode[m] == 4:
-                current[m] = asked[m]
             arm_current[m] = current[m]
             if tension[m] > 0.0:
                 efficiency = p[P_winch_efficiency]

@@ -236,10 +236,7 @@ class Session:
                 self._memory[row, :2] = 0.0  # of the lengths, which pass this port first
 
     def play(self, schedule: Schedule) -> Response:
-        """Play a schedule; the response has one row more than it, the state at its end.
-
-        Played in pieces, a motion that is given stands still at the end of each.
-        """
+        """Play a schedule; the response has one row more than it, the state at its end."""
         rows, hinges = schedule.cycles + 1, self._plant.rig.units
         out = np.zeros((rows, 2, len(COLUMNS)))
         angles = np.zeros((rows, hinges))

@@ -51,12 +51,3 @@ def one_sided_tensions(demand_1, demand_2, give_11, give_12, give_21, give_22):
     if demand_2 - give_21 * alone_1 <= 0.0:
         return alone_1, 0.0
     return 0.0, max(0.0, demand_2 / give_22)
-
-
-def even_gain(way, rate, duration, steps):
-    """Gain of the rate in each of `steps`, so that after `duration` [s] the way is done.
-
-    way, rate  in any unit of length or angle, and per second.  At a constant gain a and steps of h
-    the way is rate·T + a h (1 + 2 + ... + n), each step being taken at the rate at its end.
-    """
-    return 2.0 * (way / duration - rate) / (steps + 1.0)

@@ -1,11 +1,13 @@
 """The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`."""
 
+from dataclasses import replace
 from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
 from spirob.identify.numbers import FITTED
 from spirob.machine.arm.compared import ArmFilter, ArmRows
+from spirob.machine.arm.following import following
 from spirob.machine.arm.motors import MotorColumns
 from spirob.machine.rig import TIME_UNITS, Bounded, Column, Entry
 from spirob.plant import Rig
@@ -15,7 +17,7 @@ PARTS = {component.owner for component in COMPONENTS}
 PLACELESS = {  # keys of other rigs -> why the arm has none
     "velocity": "the speed is that of the position",
     "reference": "how the arm was commanded need not be known",
-    "control": "the model is moved as it was measured",
+    "control": "the model follows the measured motion",
     "predict": "the motors' currents are predicted",
     "rest_speed": "it is motor.rest_speed, for 'known' or 'fit'",
     "gear": "it is winch.gear_ratio, for 'known'",
@@ -26,7 +28,8 @@ class ArmFile(Entry):
     """A whole description.
 
     left, right  the two motors; the left one bends the arm to the left
-    arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...}
+    arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...};
+                 of a controller's gains nothing is used
     fit          numbers of the model to fit; None: from where and between what the model has them.
                  A list of names is read as a mapping of each to None
     known        numbers of the model, or of effects that it holds, by name; they are not fitted
@@ -102,12 +105,13 @@ class ArmFile(Entry):
         return {"left": self.left, "right": self.right}
 
     def machine(self) -> Rig:
-        """The machine with what is known of it.
+        """The machine, with a controller that follows a motion.
 
         Raises ConfigError where `arm` or `known` names what it does not have, or a value is out of
         its range.
         """
-        return Rig.from_mapping({"name": self.name, **self.arm, **self._known_parts()})
+        rig = Rig.from_mapping({"name": self.name, **self.arm, **self._known_parts()})
+        return replace(rig, gains=following(rig))
 
     def _known_parts(self) -> dict[str, Any]:
         """The parts of the machine of which numbers are known, with what `arm` says of them."""

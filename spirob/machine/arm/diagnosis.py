@@ -23,7 +23,6 @@ from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
 from spirob.machine.arm.replay import read_arm_trial
 from spirob.machine.arm.roles import roles
-from spirob.machine.arm.start import slow_start
 from spirob.plant import Plant
 
 SENSELESS = "No verdict: the data or the model do not fit together."
@@ -69,15 +68,13 @@ def searched(
     names = list(dict.fromkeys([*rig.fitted(), *start]))
     kept = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)
     residuals = {role: Residual(plant, found, kept) for role, found in trials.items()}
-    if trials["train"]:
-        start = slow_start(residuals["train"], names, start, settings)
     found = climb(residuals, names, absent, start, settings, progress)
     return found, residuals
 
 
 def _unseen(rig: ArmFile) -> dict[str, str]:
     """Ports at which an effect does not show in such logs, and why."""
-    found = {"sensing.frame": "the model is moved as it was measured, in the time of the readings"}
+    found = {"sensing.frame": "motion and current are as old as each other"}
     if all(of.command is None for of in rig.motors().values()):
         found["command.current"] = "the logs do not tell how the motors were commanded"
     return found

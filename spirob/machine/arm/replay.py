@@ -1,11 +1,10 @@
 """A log of the arm as a trial that the model can play again.
 
-How the arm was commanded is not in such a log, and need not be.  The drum of the motor that does
-the work is moved as it was measured, with no controller in between, and the model says which
-current that asks for (`control.law`, MOTION); the other motor gets the current that was measured,
-or commanded where the log says so.  The error is then that of the working motor's current, and of
-the length that the other winds in.  The motion passes the filter, as its noise grows with each
-derivative, and so does the current that it is compared with.
+How the arm was commanded is not in such a log, and need not be: the motor that does the work gets
+the current that was measured and what holds the model to the motion that was measured, the other
+one the measured current alone.  What is added is the model's own error, in ampere (`following`);
+beside it the length that the other motor winds in is compared.  Of a motor whose command is in the
+log, that is given.
 """
 
 from collections.abc import Mapping
@@ -13,22 +12,21 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.control.law import CURRENT, MOTION
+from spirob.control.law import CURRENT, DISPLACEMENT
 from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
 from spirob.machine import checks
+from spirob.machine.arm.beginning import at_rest, first_angles, held
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
-from spirob.machine.arm.steady import first_level, steadied
 from spirob.machine.filtering import derivative, smooth
 from spirob.machine.reading import read_columns
-from spirob.machine.rig import ANGLES, TIME_UNITS, Column
+from spirob.machine.rig import TIME_UNITS, Column
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
 BEGIN = 0.05  # s at the beginning, in which the arm has to stand
-MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
 ROOM = 2.0  # times the largest current: the model's command never reaches its limit
 
 
@@ -48,24 +46,22 @@ def arm_trial(
     """Columns in the log's own units as a trial; see `read_arm_trial`."""
     values = _regular(name, columns, rig, said)
     length, current = (_both(values, kind) for kind in ("position", "effort"))
-    motion, passed = (_filtered(x, rig.filter.cutoff) for x in (length, current))
+    motion = np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in length.T])
+    velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
     begin = slice(0, round(BEGIN / CYCLE))
     zero = np.median(length[begin], axis=0)
-    velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
-    _at_rest(name, velocity[begin], velocity)
+    at_rest(name, velocity[begin], velocity)
     _currents(name, current, rig, said)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
+    given = _given(values, rig)
     schedule = Schedule(
-        mode=np.array([MOTION if m == moves else CURRENT for m in range(len(MOTORS))]),
-        reference=np.where(
-            np.arange(len(MOTORS)) == moves, motion - zero, _given(values, current, rig)
-        ),
-        reference_rate=velocity,
+        mode=np.array([DISPLACEMENT if m == moves else CURRENT for m in range(len(MOTORS))]),
+        reference=np.where(np.arange(len(MOTORS)) == moves, motion - zero, given),
+        reference_rate=velocity + given / rig.machine().gains.velocity,
         current_limit=np.full(len(MOTORS), ROOM * float(np.abs(current).max())),
-        held=_held(current[begin]),
+        held=held(current[begin]),
     )
-    use = usable(name, current, velocity, moves, rig, said)
     trial = Measurement(
         name,
         role,
@@ -74,9 +70,8 @@ def arm_trial(
         velocity,
         schedule,
         Scene(),
-        first_angle=_angles(zero, rig),
-        use=use,
-        passed=passed,
+        first_angle=first_angles(zero, rig),
+        use=usable(name, current, velocity, moves, rig, said),
     )
     return trial, said
 
@@ -85,50 +80,17 @@ def _both(values: Mapping[str, np.ndarray], kind: str) -> np.ndarray:
     return np.column_stack([values[f"{motor}.{kind}"] for motor in MOTORS])
 
 
-def _filtered(values: np.ndarray, cutoff: float) -> np.ndarray:
-    return np.column_stack([_smooth(x, cutoff) for x in values.T])
-
-
-def _smooth(values: np.ndarray, cutoff: float) -> np.ndarray:
-    """Filtered as if it went on behind its end with the same speed and acceleration.
-
-    The filter's own continuation turns the acceleration round, which a rotor of kilograms at the
-    tendon answers with 100 mA.
-    """
-    last = np.arange(-round(1.0 / (cutoff * CYCLE)), 1) * CYCLE
-    speed = np.polyfit(last, values[-len(last) :], 2)[1]
-    beyond = np.arange(1, min(3 * len(last), len(values)))
-    mirrored = values[-1 - beyond] + 2.0 * speed * CYCLE * beyond
-    return smooth(np.append(values, mirrored), cutoff, CYCLE)[: len(values)]
-
-
-def _given(values: Mapping[str, np.ndarray], current: np.ndarray, rig: ArmFile) -> np.ndarray:
+def _given(values: Mapping[str, np.ndarray], rig: ArmFile) -> np.ndarray:
     """What each motor is given from cycle to cycle [A], (T, 2).
 
     A drive reports the current of the cycle that ends; a command is for the one that begins.
     """
     found = []
-    for m, (motor, columns) in enumerate(rig.motors().items()):
-        if columns.command is not None:
-            found.append(values[f"{motor}.command"])
-        else:
-            reported = steadied(current[:, m], rig.filter.cutoff, CYCLE)
-            found.append(np.append(reported[1:], reported[-1]))
+    for motor, columns in rig.motors().items():
+        reported = values[f"{motor}.effort"]
+        coming = np.append(reported[1:], reported[-1])
+        found.append(coming if columns.command is None else values[f"{motor}.command"])
     return np.column_stack(found)
-
-
-def _held(first: np.ndarray) -> np.ndarray | None:
-    """Currents under which the arm rests as a log begins (2,) [A]; None where there are none."""
-    levels = np.array([first_level(x) for x in first.T])
-    return levels if levels.any() else None
-
-
-def _angles(zero: np.ndarray, rig: ArmFile) -> tuple[float, ...]:
-    """Where in a turn the rotors begin [rad], if the log tells."""
-    winch = rig.machine().winch
-    turn = winch.gear_ratio / winch.radius
-    motors = zip(zero, rig.motors().values(), strict=True)
-    return tuple(float(x) * turn if of.position.unit in ANGLES else 0.0 for x, of in motors)
 
 
 def _regular(
@@ -179,9 +141,3 @@ def _currents(name: str, current: np.ndarray, rig: ArmFile, said: list[str]) -> 
         f"{name}: '{columns[m]}' is constant at {current[0, m]:.3g} A, taken as commanded."
         for m in stuck
     ]
-
-
-def _at_rest(name: str, first: np.ndarray, velocity: np.ndarray) -> None:
-    """Raise where the log begins in the midst of a motion."""
-    if np.any(np.abs(first).mean(axis=0) > MOVING * np.quantile(np.abs(velocity), 0.95)):
-        raise DataError(f"{name}: it begins in motion; the model plays a log from rest")

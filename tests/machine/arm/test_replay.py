@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, MOTION
+from spirob.control.law import CURRENT, DISPLACEMENT
+from spirob.diagnose.noise import noise_floor
+from spirob.effects import find_effects
 from spirob.errors import ConfigError, DataError, MissingChannel
 from spirob.identify.fit import fit
 from spirob.identify.problem import effort_rms
@@ -54,12 +56,38 @@ def test_a_commanded_current_is_given_where_the_log_holds_it(columns):
         rig(right={**right, "command": {"column": "asked", "unit": "m"}})
 
 
-def test_without_it_a_current_that_is_held_has_no_noise(columns):
+def test_a_drive_reports_the_cycle_that_ends(columns):
+    """So what a motor is given in a cycle is in the next row."""
     trial, _ = arm_trial("log", columns, rig(), "train", [])
-    late = slice(1000, 3500)
-    assert np.std(trial.current[late, 1]) > 1e-3
-    assert np.std(trial.schedule.reference[late, 1]) < 2e-4
-    assert trial.schedule.reference[late, 1].mean() == pytest.approx(0.25, rel=0.002)
+    np.testing.assert_array_equal(trial.schedule.reference[:-1, 1], trial.current[1:, 1])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "coulomb_friction",
+        "cogging",
+        "torque_constant_saturation",
+        "direction_dependent_efficiency",
+        "load_dependent_friction",
+        "eccentric_winch",
+        "capstan_friction",
+        "gear_compliance",
+        "constant_force",
+        "current_offset",
+        "encoder_eccentricity",
+    ],
+)
+def test_an_effect_takes_its_own_error_away(name):
+    """Of each port that shows in such a log: with the effect nothing but the noise is left."""
+    (effect,) = find_effects([name])
+    true = TRUE | {f"{name}.{f}": about.nominal for f, about in effect.parameters().items()}
+    trial, _ = arm_trial("log", log("train", 0, true, [effect], every=1), rig(), "train", [])
+    trial = replace(trial, first_angle=(0.0, 0.0))  # as the model began
+    residual = Residual(Plant(rig().machine(), [effect]), [trial])
+    with_it, without = (np.std(residual(x)[residual.rows]) for x in (true, TRUE))
+    assert with_it < 1.2 * noise_floor(residual)
+    assert with_it < 0.5 * without
 
 
 def test_a_log_may_begin_under_tension():
@@ -81,7 +109,7 @@ def test_a_log_may_begin_under_tension():
 
 def test_the_motor_that_does_the_work_is_found_and_said(columns):
     trial, said = arm_trial("log", columns, rig(), "train", [])
-    assert list(trial.schedule.mode) == [MOTION, CURRENT]
+    assert list(trial.schedule.mode) == [DISPLACEMENT, CURRENT]
     assert any("the left motor does the work" in text for text in said)
     assert trial.displacement[:, 0].max() == pytest.approx(0.05, rel=0.05)
 
