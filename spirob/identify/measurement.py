@@ -40,6 +40,18 @@ class Measurement:
         """Time since the trial began [s]."""
         return np.arange(len(self.current)) * 1e-3
 
+    def until(self, end: int) -> "Measurement":
+        """The first `end` cycles."""
+        schedule = replace(
+            self.schedule,
+            reference=self.schedule.reference[:end],
+            reference_rate=self.schedule.reference_rate[:end],
+        )
+        signals = ("current", "displacement", "velocity", "temperature", "use")
+        whole = {name: getattr(self, name) for name in signals}
+        cut: dict[str, Any] = {n: None if x is None else x[:end] for n, x in whole.items()}
+        return replace(self, schedule=schedule, **cut)
+
     @classmethod
     def from_trace(cls, trace: Trace) -> "Measurement":
         """Read the channels that replaying needs; raises MissingChannel or DataError."""

@@ -8,6 +8,7 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
+from spirob.control.law import CURRENT
 from spirob.control.schedule import Schedule
 from spirob.effects import Effect
 from spirob.effects.individual import differences
@@ -28,7 +29,10 @@ from spirob.robot import CYCLE_NS, Scene, Weights
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
 STATE_ROWS = 21  # see `loop.run`
-DISPLACEMENT, SHORTENING, FIRST_ANGLE, HUNG = 3, 7, 18, 19  # rows of it that a trial begins with
+# rows of it that a trial begins with
+DISPLACEMENT, RATE, TURNED, SHORTENING, BEGUN, FIRST_ANGLE, HUNG = 3, 4, 5, 7, 15, 18, 19
+SETTLING = 1000  # cycles in which the arm comes to rest under currents, half of them to raise these
+LIGHT = {"motor.rotor_inertia": 1e-7, "motor.rotor_damping": 1e-6}  # rotors that hardly slow it
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -103,12 +107,17 @@ class Plant:
     ) -> Response:
         """Play a schedule from rest; `changes` replaces parameters by name, `owner.field`.
 
+        The tendons are off before, or hold the arm where the schedule says so.
+
         first_angle  of the rotors [rad], for what depends on where in a turn they stand
 
         Deterministic: the same arguments give the same bits.  Raises SimulationError naming the
         cycle when a state becomes non-finite, ConfigError on an unknown parameter.
         """
-        whole = self.start(scene, changes, first_angle).play(schedule)
+        session = self.start(scene, changes, first_angle)
+        if schedule.held is not None:
+            session.settle(schedule.held)
+        whole = session.play(schedule)
         return Response(*(getattr(whole, f.name)[:-1] for f in fields(Response)))
 
     def start(
@@ -207,6 +216,24 @@ class Session:
     def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
         """Say where in a turn the rotors stand at the start [rad]."""
         self._state[FIRST_ANGLE] = angle
+
+    def settle(self, currents: np.ndarray) -> None:
+        """Let the arm come to rest under constant currents (2,) [A]; lengths count from there.
+
+        The rotors are next to weightless meanwhile, which leaves the place of rest where it is.
+        """
+        heavy, self._p = self._p, self._p.copy()
+        for name, value in LIGHT.items():
+            self._p[self._plant.table.position(name)] = value
+        rising = np.minimum(np.linspace(0.0, 2.0, SETTLING), 1.0)[:, None] * currents
+        modes = np.full(2, CURRENT)
+        self.play(Schedule(modes, rising, np.zeros_like(rising), np.abs(currents)))
+        self._p = heavy
+        self._state[[RATE, TURNED, BEGUN]] = 0.0
+        self._data.qvel[:] = 0.0
+        for row, (effect, _) in enumerate(memory_rows(self._plant.effects)):
+            if effect.port == "sensing.frame":
+                self._memory[row, :2] = 0.0  # of the lengths, which pass this port first
 
     def play(self, schedule: Schedule) -> Response:
         """Play a schedule; the response has one row more than it, the state at its end."""

@@ -5,6 +5,8 @@ motors.py       which columns the two motors have
 compared.py     filter and rows of what is compared
 numbers.py      what is known of the model's numbers, and between which bounds others are fitted
 replay.py       a log as a trial that the model can play again
+beginning.py    at rest, under which currents, with the rotors where in a turn
+following.py    what holds the model to a measured motion
 rows.py         which of its cycles are left out
 roles.py        which logs, or parts of one, are fitted, chosen by, held out
 blocks.py       a part of a log, played from rest and compared from where it begins

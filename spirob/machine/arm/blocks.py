@@ -26,31 +26,23 @@ def block(trial: Measurement, part: Part) -> Measurement:
         return trial
     if cycles < 1e3 * SHORTEST:
         raise TooShort(trial.name, cycles, round(1e3 * SHORTEST), "a log that is to be divided")
-    begin, end = round(part.begin * cycles), slice(0, round(part.end * cycles))
-    schedule = replace(
-        trial.schedule,
-        reference=trial.schedule.reference[end],
-        reference_rate=trial.schedule.reference_rate[end],
-    )
-    return replace(
-        trial,
+    begin, end = round(part.begin * cycles), round(part.end * cycles)
+    part_of_it = replace(
+        trial.until(end),
         name=f"{trial.name} ({100 * part.begin:.0f} to {100 * part.end:.0f} %)",
-        current=trial.current[end],
-        displacement=trial.displacement[end],
-        velocity=trial.velocity[end],
-        schedule=schedule,
-        use=_from(trial, begin, end),
     )
+    return replace(part_of_it, use=_from(part_of_it, begin))
 
 
-def _from(trial: Measurement, begin: int, end: slice) -> np.ndarray | None:
-    if begin == 0 and trial.use is None:
-        return None
-    use = np.ones(end.stop, bool) if trial.use is None else trial.use[end].copy()
+def _from(trial: Measurement, begin: int) -> np.ndarray | None:
+    if begin == 0:
+        return trial.use
+    cycles = len(trial.current)
+    use = np.ones(cycles, bool) if trial.use is None else trial.use.copy()
     use[:begin] = False
     if 1e-3 * np.count_nonzero(use) < BLOCK:
         raise DataError(
-            f"{trial.name}: of its part from {1e-3 * begin:.3g} to {1e-3 * end.stop:.3g} s less "
+            f"{trial.name}: of its part from {1e-3 * begin:.3g} to {1e-3 * cycles:.3g} s less "
             f"than {BLOCK:g} s are left after the row filters"
         )
     return use

@@ -5,10 +5,10 @@ from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
-from spirob.control.law import Gains
 from spirob.given_number import Size
 from spirob.identify.numbers import FITTED
 from spirob.machine.arm.compared import ArmFilter, ArmRows
+from spirob.machine.arm.following import following
 from spirob.machine.arm.motors import MotorColumns
 from spirob.machine.rig import TIME_UNITS, Bounded, Column, Effects, Entry
 from spirob.plant import Rig
@@ -23,15 +23,14 @@ PLACELESS = {  # keys of other rigs -> why the arm has none
     "rest_speed": "it is motor.rest_speed, for 'known' or 'fit'",
     "gear": "it is winch.gear_ratio, for 'known'",
 }
-TIGHT = 3.0  # times the bandwidth of the machine's own controller
-TIGHTER = {"velocity": 1, "integral": 2, "displacement": 1}  # gain -> power of that
 
 
 class ArmFile(Entry):
     """A whole description.
 
     left, right  the two motors; the left one bends the arm to the left
-    arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...}
+    arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...};
+                 of a controller's gains nothing is used
     fit          numbers of the model to fit; None: from where and between what the model has them.
                  A list of names is read as a mapping of each to None
     known        numbers of the model, or of effects that it holds, by name; they are not fitted
@@ -106,8 +105,8 @@ class ArmFile(Entry):
 
     def columns(self) -> list[str]:
         """Names of the columns that the description needs."""
-        motors = [c for m in self.motors().values() for c in (m.position, m.effort)]
-        return [column.column for column in (self.time, *motors)]
+        motors = [c for m in self.motors().values() for c in (m.position, m.effort, m.command)]
+        return [column.column for column in (self.time, *motors) if column is not None]
 
     def moving_columns(self) -> list[str]:
         """Those that say what the machine did, whatever the time."""
@@ -118,16 +117,13 @@ class ArmFile(Entry):
         return {"left": self.left, "right": self.right}
 
     def machine(self) -> Rig:
-        """The machine, with a tight controller, as it only has to repeat a motion.
+        """The machine, with a controller that follows a motion.
 
         Raises ConfigError where `arm` or `known` names what it does not have, or a value is out of
         its range.
         """
         rig = Rig.from_mapping({"name": self.name, **self.arm, **self._known_parts()})
-        own = {name: float(getattr(rig.gains, name)) for name in Gains.parameters()}
-        for name, power in TIGHTER.items():
-            own[name] *= TIGHT**power
-        return replace(rig, gains=Gains(**own))
+        return replace(rig, gains=following(rig))
 
     def _known_parts(self) -> dict[str, Any]:
         """The parts of the machine of which numbers are known, with what `arm` says of them."""

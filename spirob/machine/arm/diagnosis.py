@@ -64,6 +64,9 @@ def searched(
     own = chosen(rig.effects) if own is None else own
     library = list(all_effects().values()) if candidates is None else list(candidates)
     absent = [e for e in library if e not in own]
+    for unseen in [e for e in absent if e.port in _unseen(rig)]:
+        absent.remove(unseen)
+        progress(f"{unseen.name()} is no candidate: {_unseen(rig)[unseen.port]}")
     plant = described(Plant(rig.machine(), [*own, *absent]), rig, own)
     held = [f"{e.name()}.{f}" for e in own for f in e.parameters()]
     start = {n: plant.table.about[n].nominal for n in held if n not in rig.known}
@@ -72,6 +75,14 @@ def searched(
     residuals = {role: Residual(plant, found, kept) for role, found in trials.items()}
     found = climb(residuals, names, absent, start, settings, progress)
     return found, residuals
+
+
+def _unseen(rig: ArmFile) -> dict[str, str]:
+    """Ports at which an effect does not show in such logs, and why."""
+    found = {"sensing.frame": "motion and current are as old as each other"}
+    if all(of.command is None for of in rig.motors().values()):
+        found["command.current"] = "the logs do not tell how the motors were commanded"
+    return found
 
 
 def written(

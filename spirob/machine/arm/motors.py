@@ -19,19 +19,22 @@ class MotorColumns(Entry):
     """A motor of the arm: how far it has wound in, and its current.
 
     position  angle of the rotor, or length wound in;  effort  current, which pulls where positive
+    command   the current that its drive was asked for; may be absent
     """
 
     position: Column
     effort: CurrentColumn
+    command: Column | None = None
 
     @model_validator(mode="after")
     def _units(self) -> "MotorColumns":
         if self.position.unit not in LENGTHS | ANGLES:
             known = ", ".join(LENGTHS | ANGLES)
             raise ValueError(f"position.unit '{self.position.unit}'; known: {known}")
-        if self.effort.unit not in EFFORTS["current"]:
-            known = ", ".join(EFFORTS["current"])
-            raise ValueError(f"effort.unit '{self.effort.unit}' is no current; known: {known}")
+        for name, column in (("effort", self.effort), ("command", self.command)):
+            if column is not None and column.unit not in EFFORTS["current"]:
+                known = ", ".join(EFFORTS["current"])
+                raise ValueError(f"{name}.unit '{column.unit}' is no current; known: {known}")
         return self
 
     def metres(self, machine: Rig) -> float:
@@ -41,7 +44,6 @@ class MotorColumns(Entry):
             return LENGTHS[unit]
         return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
 
-    @property
-    def amperes(self) -> float:
-        """Current for one unit of effort [A]."""
-        return EFFORTS["current"][self.effort.unit]
+    def amperes(self, column: Column) -> float:
+        """Current for one unit of `effort` or `command` [A]."""
+        return EFFORTS["current"][column.unit]

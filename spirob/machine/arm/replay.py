@@ -1,10 +1,10 @@
 """A log of the arm as a trial that the model can play again.
 
-How the arm was commanded is not in such a log, and need not be: the motor that does the work is
-made to follow the motion that was measured, the other one gets the current that was measured.  The
-error is then that of the working motor's current, and of the length that the other winds in.
-Following takes an error of the speed, i/K_v; so the measured current is fed forward as one, and
-what the controller adds is the model's own error.
+How the arm was commanded is not in such a log, and need not be: the motor that does the work gets
+the current that was measured and what holds the model to the motion that was measured, the other
+one the measured current alone.  What is added is the model's own error, in ampere (`following`);
+beside it the length that the other motor winds in is compared.  Of a motor whose command is in the
+log, that is given.
 """
 
 from collections.abc import Mapping
@@ -16,6 +16,7 @@ from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
 from spirob.logs.readers import Table
+from spirob.machine.arm.beginning import at_rest, first_angles, held
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
@@ -25,7 +26,6 @@ from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
 BEGIN = 0.05  # s at the beginning, in which the arm has to stand
-MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
 ROOM = 2.0  # times the largest current: the model's command never reaches its limit
 
 
@@ -39,34 +39,63 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
     time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
     name, said = table.name, list(table.said)
     values = _regular(name, table.columns, rig.model_copy(update={"time": time}), said)
-    displacement = np.column_stack([values[f"{m}.position"] for m in MOTORS])
-    current = np.column_stack([values[f"{m}.effort"] for m in MOTORS])
-    motion, held = (
-        np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in both.T])
-        for both in (displacement, current)
-    )
+    length, current = (_both(values, kind) for kind in ("position", "effort"))
+    motion = np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in length.T])
     velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
-    _at_rest(name, velocity)
+    begin = slice(0, round(BEGIN / CYCLE))
+    zero = np.median(length[begin], axis=0)
+    at_rest(name, velocity[begin], velocity)
     _currents(name, current, rig, said)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
+    given = _given(values, rig)
     schedule = Schedule(
         mode=np.array([DISPLACEMENT if m == moves else CURRENT for m in range(len(MOTORS))]),
-        reference=np.where(np.arange(len(MOTORS)) == moves, motion, current),
-        reference_rate=velocity + held / rig.machine().gains.velocity,
+        reference=np.where(np.arange(len(MOTORS)) == moves, motion - zero, given),
+        reference_rate=velocity + given / rig.machine().gains.velocity,
         current_limit=np.full(len(MOTORS), ROOM * float(np.abs(current).max())),
+        held=held(current[begin]),
     )
-    use = usable(name, current, velocity, moves, rig, said)
-    trial = Measurement(name, role, current, displacement, velocity, schedule, Scene(), use=use)
+    trial = Measurement(
+        name,
+        role,
+        current,
+        length - zero,
+        velocity,
+        schedule,
+        Scene(),
+        first_angle=first_angles(zero, rig),
+        use=usable(name, current, velocity, moves, rig, said),
+    )
     return trial, said
+
+
+def _both(values: Mapping[str, np.ndarray], kind: str) -> np.ndarray:
+    return np.column_stack([values[f"{motor}.{kind}"] for motor in MOTORS])
+
+
+def _given(values: Mapping[str, np.ndarray], rig: ArmFile) -> np.ndarray:
+    """What each motor is given from cycle to cycle [A], (T, 2).
+
+    A drive reports the current of the cycle that ends; a command is for the one that begins.
+    """
+    found = []
+    for motor, columns in rig.motors().items():
+        reported = values[f"{motor}.effort"]
+        coming = np.append(reported[1:], reported[-1])
+        found.append(coming if columns.command is None else values[f"{motor}.command"])
+    return np.column_stack(found)
 
 
 def _regular(
     name: str, columns: Mapping[str, np.ndarray], rig: ArmFile, said: list[str]
 ) -> dict[str, np.ndarray]:
-    """All signals in SI on the model's clock, positions in metres wound in since the beginning."""
+    """All signals in SI on the model's clock, positions in metres wound in."""
     wanted = {
-        f"{m}.{k}": getattr(c, k) for m, c in rig.motors().items() for k in ("position", "effort")
+        f"{m}.{k}": column
+        for m, of in rig.motors().items()
+        for k in ("position", "effort", "command")
+        if (column := getattr(of, k)) is not None
     }
     for column in (rig.time, *wanted.values()):
         if column.column not in columns:
@@ -85,11 +114,8 @@ def _regular(
     values = {}
     for key in wanted:
         of = rig.motors()[key.partition(".")[0]]
-        si = of.amperes if key.endswith("effort") else of.metres(rig.machine())
+        si = of.metres(rig.machine()) if key.endswith("position") else of.amperes(wanted[key])
         values[key] = si * np.interp(even, grids[0]["time"], grids[0][key])
-    begin = round(BEGIN / CYCLE)
-    for motor in MOTORS:
-        values[f"{motor}.position"] -= np.median(values[f"{motor}.position"][:begin])
     return values
 
 
@@ -108,12 +134,3 @@ def _currents(name: str, current: np.ndarray, rig: ArmFile, said: list[str]) -> 
         f"{name}: '{columns[m]}' is constant at {current[0, m]:.3g} A, taken as commanded."
         for m in stuck
     ]
-
-
-def _at_rest(name: str, velocity: np.ndarray) -> None:
-    """Raise where the log begins in the midst of a motion."""
-    first = np.abs(velocity[: round(BEGIN / CYCLE)]).mean(axis=0)
-    if np.any(first > MOVING * np.quantile(np.abs(velocity), 0.95)):
-        raise DataError(
-            f"{name}: it begins in motion; the model plays a log from the straight arm at rest"
-        )

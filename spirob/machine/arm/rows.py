@@ -57,7 +57,7 @@ def _left_out(
     reach = round(0.5 / (rig.filter.cutoff * CYCLE))  # the filter smears what is beside a row
     for m, (motor, columns) in enumerate(rig.motors().items()):
         if columns.effort.limit is not None:
-            limit = columns.effort.limit * columns.amperes
+            limit = columns.effort.limit * columns.amperes(columns.effort)
             full = np.abs(current[:, m]) >= FULL * limit
             yield widened(full, reach), f"where the drive of the {motor} motor saturates"
     speed = np.abs(v) / rig.motors()[working].metres(rig.machine())

@@ -135,7 +135,7 @@ def test_screening_and_atlas_follow_what_is_compared(columns):
         seen = problem({"cogging.order": 1.0, "cogging.sine": 2e-4}) - missed
         told = 2e-4 * found.columns(np.array([1.0]))[0][:, [0, 2]].sum(axis=1)
         missing[name] = np.mean((told - seen) ** 2) / np.mean(seen**2)
-    assert missing["part"] == pytest.approx(missing["whole"], abs=0.05)
+    assert missing["part"] == pytest.approx(missing["whole"], abs=0.1)
     cheap = near(problem, TRUE)
     assert isinstance(cheap, Near)
     np.testing.assert_allclose(cheap(TRUE), problem(TRUE), atol=1e-9)

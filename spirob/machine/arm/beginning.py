@@ -1,0 +1,57 @@
+"""Where a log of the arm begins: at rest, under which currents, with the rotors where in a turn."""
+
+import numpy as np
+
+from spirob.errors import DataError
+from spirob.machine.arm.description import ArmFile
+from spirob.machine.rig import ANGLES
+
+MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
+SURE = 3.0  # deviations of a mean, beyond which it is another
+FIRST = 3  # samples at least that say whether there is a current before any change of it
+APART = 5  # samples, between which noise has nothing in common at 200 Hz and more
+
+
+def at_rest(name: str, first: np.ndarray, velocity: np.ndarray) -> None:
+    """Raise DataError where the log begins in the midst of a motion.
+
+    first  velocity of both motors as the log begins;  velocity  of the whole log, (T, 2)
+    """
+    if np.any(np.abs(first).mean(axis=0) > MOVING * np.quantile(np.abs(velocity), 0.95)):
+        raise DataError(f"{name}: it begins in motion; the model plays a log from rest")
+
+
+def held(first: np.ndarray) -> np.ndarray | None:
+    """Currents under which the arm rests as a log begins (2,) [A]; None where there are none.
+
+    first  both currents as the log begins, (n, 2)
+    """
+    levels = np.array([first_level(current) for current in first.T])
+    return levels if levels.any() else None
+
+
+def first_level(current: np.ndarray) -> float:
+    """Where a current, (n,), begins: 0 where its first samples cannot be told from their noise.
+
+    It may be asked to change at once.  So the mean reaches only as far as it agrees, within what
+    the noise allows, with the means of fewer samples.
+    """
+    bend = current[2 * APART :] - 2.0 * current[APART:-APART] + current[: -2 * APART]  # no ramp
+    noise = 1.4826 * np.median(np.abs(bend - np.median(bend))) / np.sqrt(6)
+    counts = np.arange(1, len(current) + 1)
+    means, widths = np.cumsum(current) / counts, SURE * noise / np.sqrt(counts)
+    agree = np.maximum.accumulate(means - widths) <= np.minimum.accumulate(means + widths)
+    last = len(agree) - 1 if agree.all() else int(np.argmin(agree)) - 1
+    sure = last >= FIRST - 1 and all(abs(means[k]) > widths[k] for k in (FIRST - 1, last))
+    return float(means[last]) if sure else 0.0
+
+
+def first_angles(length: np.ndarray, rig: ArmFile) -> tuple[float, ...]:
+    """Where in a turn the rotors stand [rad], from what the log calls their angles; else 0.
+
+    length  wound in, as the log counts it where it begins [m], (2,)
+    """
+    winch = rig.machine().winch
+    turn = winch.gear_ratio / winch.radius
+    motors = zip(length, rig.motors().values(), strict=True)
+    return tuple(float(x) * turn if of.position.unit in ANGLES else 0.0 for x, of in motors)
