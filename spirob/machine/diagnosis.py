@@ -105,7 +105,7 @@ def _arm(
 
     settings = ArmSettings(intervals=False)
     trials, said = arm.read(rig, train, test)
-    search, residuals = arm.searched(rig, trials, settings, progress, own=own)
+    search, residuals = arm.searched(rig, trials, settings, progress, own=own, said=said)
     found = arm.written(rig, search, residuals, settings, said)
     last = search.rungs[-1]
     return Diagnosis(

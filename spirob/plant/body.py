@@ -11,7 +11,8 @@ import mujoco
 import numpy as np
 
 from spirob.geometry import SpiralArm, spiral_arm
-from spirob.plant.nominal import Arm
+from spirob.plant.holes import with_holes
+from spirob.plant.nominal import Arm, Holes
 from spirob.plant.objects import ARM_BIT, OBJECT_BIT, add_objects
 from spirob.robot import MOTORS, Scene
 
@@ -48,12 +49,16 @@ def build_spec(
     timestep: float,
     tendons: bool = False,
     tip_mass: float = 0.0,
+    holes: Holes | None = None,
 ) -> mujoco.MjSpec:
     """The arm, straight along +x from the origin, in its scene, with a point mass at its tip.
+
+    holes  where the tendons run, with `tendons`; None: as drawn
 
     Masses in kg, lengths in m, angles in rad; gravity from `arm.gravity_x`, `arm.gravity_y`.
     """
     geometry = spiral_arm(units)
+    run = with_holes(geometry, holes or Holes())
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     _set_options(spec, arm, timestep)
@@ -63,7 +68,7 @@ def build_spec(
     for i in range(units):
         offset = 0.0 if i == 0 else geometry.unit_length[i - 1]
         if tendons:
-            _add_guides(parent, geometry.guide_before[i] + [offset, 0], f"before_{i}")
+            _add_guides(parent, run.guide_before[i] + [offset, 0], f"before_{i}")
         parent = parent.add_body(name=f"unit_{i}", pos=[offset, 0, 0])
         _add_hinge(parent, i, arm, geometry, stiffness[i])
         parent.explicitinertial = True
@@ -72,7 +77,7 @@ def build_spec(
         parent.inertia = np.full(3, inertia[i])
         _add_outline(parent, i, arm, geometry)
         if tendons:
-            _add_guides(parent, geometry.guide_after[i], f"after_{i}")
+            _add_guides(parent, run.guide_after[i], f"after_{i}")
     if tip_mass > 0.0:
         _add_tip(parent, geometry.unit_length[-1], tip_mass)
     add_objects(spec, scene, geometry)

@@ -122,4 +122,18 @@ class Arm(Numbers):
     contact_friction: float = bounded(0.3, 0.0, 2.0, "1", "μ_c", "friction of the arm's surface")
 
 
-COMPONENTS: tuple[type[Numbers], ...] = (Motor, Drive, Winch, Tendon, Arm)
+class Holes(Numbers):
+    """Where the tendons' holes lie on the units, from the drawing's (`plant.holes`)."""
+
+    owner = "holes"
+
+    shift: float = bounded(
+        0.0, -0.2, 0.2, "1", "σ", "shift of each unit's hole to the tip, over the unit's length"
+    )
+    height: float = bounded(1.0, 0.6, 1.1, "1", "κ", "height of all holes, over the drawing's")
+    mount: float = bounded(
+        0.0, -0.01, 0.03, "m", "x_0", "how far the mount's hole lies behind the mount's face"
+    )
+
+
+COMPONENTS: tuple[type[Numbers], ...] = (Motor, Drive, Winch, Tendon, Arm, Holes)

@@ -18,7 +18,8 @@ from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_of
-from spirob.plant.nominal import Arm
+from spirob.plant.holes import with_holes
+from spirob.plant.nominal import Arm, Holes
 from spirob.plant.objects import launch
 from spirob.plant.outline import bow, outlines
 from spirob.plant.rest import Torque, rest_pose
@@ -85,11 +86,18 @@ class Plant:
         self.geometry = spiral_arm(rig.units)
         self._run = assemble(self.effects, self.table.names)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])
+        self._scatter: bytes = b""
 
     def coarse(self) -> "Plant":
         """The same machine in one step a cycle: half the price, 0.3 % of the current away."""
         found = copy.copy(self)
         found.substeps = 1
+        return found
+
+    def scattered(self, factors: np.ndarray) -> "Plant":
+        """The same machine, stiffness and damping of each hinge so many times as large, (N,)."""
+        found = copy.copy(self)
+        found._scatter = np.asarray(factors, dtype=float).tobytes()
         return found
 
     def within(self, about: Mapping[str, Parameter]) -> "Plant":
@@ -140,6 +148,10 @@ class Plant:
         names = Arm.parameters()
         return Arm(**{f: float(p[self.table.position(f"arm.{f}")]) for f in names})
 
+    def _holes(self, p: np.ndarray) -> Holes:
+        names = Holes.parameters()
+        return Holes(**{f: float(p[self.table.position(f"holes.{f}")]) for f in names})
+
     def _at_tip(self, p: np.ndarray) -> float:
         at_tip = [e for e in self.effects if e.port == "body.tip_mass"]
         values = [
@@ -168,7 +180,7 @@ class Session:
         hinges = plant.rig.units
         self._step = CYCLE / plant.substeps
         tip_mass = plant._at_tip(p)
-        model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass)
+        model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass, plant._scatter)
         bends = float(p[plant.table.position("arm.bends_per_hinge")])
         self._outline = outlines(model, hinges)
         self._heights = model.geom_pos[self._outline, 1]
@@ -187,7 +199,7 @@ class Session:
         self._stiffness = np.ascontiguousarray(springs)
         mass = np.append(model.body_mass[1 : hinges + 1], tip_mass)
         self._units = np.column_stack([mass, np.append(plant.geometry.unit_length, 0.0)])
-        self._guides = guides(plant.geometry, bends)
+        self._guides = guides(with_holes(plant.geometry, plant._holes(p)), bends)
         self._columns = np.ascontiguousarray(self._guides.T)
         self._state = np.zeros((STATE_ROWS, 2))
         self._hang(tip_mass)
@@ -206,7 +218,7 @@ class Session:
         torques = plant._at_hinges(p)
         if not (torques or arm.gravity_x or arm.gravity_y):
             return
-        bare = _compiled(arm, Scene(), hinges, self._step, tip_mass)
+        bare = _compiled(arm, Scene(), hinges, self._step, tip_mass, plant._scatter)
         # every trial of an evaluation begins alike
         pose = _pose(bare, self._units.tobytes(), self._stiffness.tobytes(), torques)
         self._data.qpos[:hinges] = pose
@@ -282,9 +294,13 @@ class Session:
 
 @lru_cache(maxsize=512)
 def _compiled(
-    arm: Arm, scene: Scene, units: int, timestep: float, tip_mass: float
+    arm: Arm, scene: Scene, units: int, timestep: float, tip_mass: float, scatter: bytes
 ) -> mujoco.MjModel:
     model = build_spec(arm, scene, units, timestep, tip_mass=tip_mass).compile()
+    if scatter:
+        factors = np.frombuffer(scatter)
+        model.dof_damping[:units] *= factors
+        model.jnt_stiffness.reshape(model.njnt, -1)[:units, 0] *= factors
     # a reset in mid-run would hide that the model diverged
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return model

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from spirob.control.law import Gains
 from spirob.errors import ConfigError
 from spirob.parameter import Numbers
-from spirob.plant.nominal import COMPONENTS, Arm, Drive, Motor, Tendon, Winch
+from spirob.plant.nominal import COMPONENTS, Arm, Drive, Holes, Motor, Tendon, Winch
 
 UNITS = (2, 200)  # that an arm may have
 
@@ -22,6 +22,7 @@ class Rig:
     winch: Winch = field(default_factory=Winch)
     tendon: Tendon = field(default_factory=Tendon)
     arm: Arm = field(default_factory=Arm)
+    holes: Holes = field(default_factory=Holes)
     gains: Gains = field(default_factory=Gains)
 
     def __post_init__(self) -> None:

@@ -39,7 +39,8 @@ def single_dynamics(
            counts as zero, because a tendon does not push
     Raises SimulationError naming the time at which a state becomes non-finite.
     """
-    spec = build_spec(rig.arm, scene or Scene(), rig.units, CYCLE / substeps, tendons=True)
+    step = CYCLE / substeps
+    spec = build_spec(rig.arm, scene or Scene(), rig.units, step, True, holes=rig.holes)
     model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     data = mujoco.MjData(model)

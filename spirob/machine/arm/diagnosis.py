@@ -6,13 +6,14 @@ from typing import Any
 
 from spirob.diagnosis.again import proposed
 from spirob.diagnosis.document import document
-from spirob.diagnosis.ladder import climb
+from spirob.diagnosis.ladder import begun, climb
 from spirob.diagnosis.noise import noise_floor
 from spirob.diagnosis.proof import to_prove
 from spirob.diagnosis.rungs import Search, Settings
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
+from spirob.identify.fit import STEPS
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
@@ -23,6 +24,8 @@ from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import roles
+from spirob.machine.arm.settled import of_design, settled
+from spirob.machine.arm.shape import SHAPE
 from spirob.machine.own_effects import chosen
 from spirob.plant import Plant
 
@@ -53,10 +56,12 @@ def searched(
     progress: Callable[[str], None],
     candidates: Sequence[type[Effect]] | None = None,
     own: Sequence[type[Effect]] | None = None,
+    said: list[str] | None = None,
 ) -> tuple[Search, dict[str, Residual]]:
     """The search on these trials; candidates are those of the library where none are given.
 
-    own  the effects that the model holds, where they are found already
+    own   the effects that the model holds, where they are found already
+    said  gets sentences about the arm's shape and what of the logs does not count
 
     Raises ConfigError where `fit` or `known` names no number of the model, or goes beyond its
     bounds.
@@ -73,8 +78,15 @@ def searched(
     names = list(dict.fromkeys([*rig.fitted(), *start]))
     kept = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)
     residuals = {role: Residual(plant, found, kept) for role, found in trials.items()}
-    found = climb(residuals, names, absent, start, settings, progress)
-    return found, residuals
+    # who says what is fitted has said that the rest is as it is
+    free = [] if "fit" in rig.model_fields_set else [n for n in SHAPE if n not in rig.known]
+    ground = settled(residuals, names, start, free, settings, progress)
+    if said is not None:
+        said += ground.said
+    own_floor = of_design(settings, ground.numbers)
+    base = begun(ground.residuals, names, ground.numbers, own_floor, STEPS[-1:])
+    found = climb(ground.residuals, names, absent, start, own_floor, progress, known=base)
+    return found, ground.residuals
 
 
 def _unseen(rig: ArmFile) -> dict[str, str]:
@@ -93,6 +105,7 @@ def written(
     said: list[str],
 ) -> dict[str, Any]:
     """What `diagnosis.json` holds, with the keys of any rig's."""
+    settings = of_design(settings, search.base.fit.changes)
     verdict = judge(search, residuals, settings)
     train, base = residuals["train"], search.rungs[0]
     where = survey(train, base.fit.changes, base.fit.residual[train.rows])

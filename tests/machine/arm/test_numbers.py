@@ -114,7 +114,7 @@ WIDE = {"winch.efficiency": {"nominal": 0.7, "low": 0.1, "high": 1.0}}
     ("changes", "sentence"),
     [
         ({"fit": {"winch.colour": None}}, r"fit: the arm's model has no number 'winch\.colour'; w"),
-        ({"fit": ["efficiency"]}, "no number 'efficiency'; its parts: arm, drive, motor, "),
+        ({"fit": ["efficiency"]}, "no number 'efficiency'; its parts: arm, drive, holes, motor, "),
         ({"known": {"arm.colour": 1.0}}, "arm has no number 'colour'; it has: base_stiffness"),
         ({"fit": WIDE}, r"fit\.winch\.efficiency: 0\.1 to 1 reaches beyond .*, 0\.6 to 1 1 \(torq"),
         ({"known": {"winch.efficiency": 2.0}}, r"winch\.efficiency = 2\.0 1 is out of range"),

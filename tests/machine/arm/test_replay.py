@@ -40,7 +40,9 @@ def test_the_same_numbers_are_found_as_where_its_commands_are_known():
     """A fit to the trials as they were commanded, one to the same signals as somebody's CSV."""
     names = ["winch.efficiency", "motor.rotor_damping", "motor.rotor_inertia"]
     known = identify.residual(Plant(rig().machine()), TRUE)
-    logs = [arm_trial(Table("log", log("train", k, TRUE, every=1)), rig(), "train")[0] for k in (0, 1)]
+    logs = [
+        arm_trial(Table("log", log("train", k, TRUE, every=1)), rig(), "train")[0] for k in (0, 1)
+    ]
     found = [fit(r, names, {}, 0.05) for r in (known, Residual(known.plant, logs))]
     for name in names:
         a, b = (f.estimates[name] for f in found)
