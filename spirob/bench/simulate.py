@@ -14,6 +14,8 @@ from spirob.plant import Plant, Response, Session
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.trace import Trace, moving_average
 
+ARM_CURRENT = {"arm_current": "A"}  # i** of (17), beside i*, of a model with its loop on the host
+
 
 def simulate(
     plant: Plant,
@@ -52,7 +54,10 @@ def simulate(
         }
         if plant.rig.host is not None:
             signals[f"{motor}.voltage"] = response.voltage[:, m]
-    units = {name: (CHANNELS | VOLTAGE).get(name.split(".")[1], "") for name in signals}
+            signals[f"{motor}.arm_current"] = response.arm_current[:, m]
+    units = {
+        name: (CHANNELS | VOLTAGE | ARM_CURRENT).get(name.split(".")[1], "") for name in signals
+    }
     plain = dict(trial.plain)
     meta = {"role": trial.role, "trial": plain, "scene": plain.get("scene") or {}}
     time = np.arange(schedule.cycles, dtype=np.int64) * CYCLE_NS

@@ -68,10 +68,11 @@ class Placed:
     def told(self) -> str:
         """In a sentence, for a log and a report."""
         p, i, d = self.gains
+        more = " or more" if self.latest >= LATEST else ""
         return (
             f"K_p {p:.4g} V/A, K_i {i:.4g} V/(A·s), K_d {d:.4g} V·s/A; slowest pole "
             f"{abs(self.poles).max():.3f}; stable up to {self.times:.2f} times the gains, "
-            f"or a latency of {1e3 * self.latest:.2f} ms"
+            f"or a latency of {1e3 * self.latest:.2f} ms{more}"
         )
 
 

@@ -19,6 +19,8 @@ EXPERIMENTS = (
     "single_contact",
     "periodic_contact",
     "active_contact",
+    "host_contact",
+    "host_periodic",
 )
 LIMIT = 5.0  # A, of every command: the paper's saturation
 
