@@ -45,6 +45,10 @@ class HostPeriodic(PeriodicContact):
     """
 
     title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
+    about: ClassVar[str] = (
+        "The current follows the arm's own swing between hits of the wheel, for a slow loop on the "
+        "host lets the back-EMF through. What (12) feeds forward hides it here as well."
+    )
     bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
     shares: tuple[float, ...] = (1.0, 0.0)
     latency: float = 0.001
