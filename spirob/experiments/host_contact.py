@@ -41,9 +41,9 @@ class HostContact(SingleContact):
     title: ClassVar[str] = "Single contact, no gearbox, current loop on the host"
     about: ClassVar[str] = (
         "A loop in the drive answers a push within a fraction of a millisecond and hides it; one "
-        "on the host hears of it a cycle late and answers slowly, so that the back-EMF of the pushed "
-        "motor stands in its current. Whatever of that back-EMF the host feeds forward, as the "
-        "paper's (12) does, it takes away again, but for what came within the latency."
+        "on the host hears of it a cycle late and answers slowly, so that the back-EMF of the "
+        "pushed motor stands in its current. Whatever of that back-EMF the host feeds forward, "
+        "as the paper's (12) does, it takes away again, but for what came within the latency."
     )
     bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
     shares: tuple[float, ...] = (1.0, 0.0)
