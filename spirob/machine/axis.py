@@ -144,10 +144,10 @@ def _ready(
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
     own, possible, excluded = _library(rig, body, train, held, sizes)
-    rig = with_delay(rig, max(r.period for r in train))
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
+    rig, train, test = with_delay(rig, train, test, rest)
     return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs)
 
 
