@@ -48,10 +48,25 @@ def with_delay(
         fitted = Bounded(nominal=far, low=min(far, 0.0) - most, high=max(far, 0.0) + most)
         rig = rig.model_copy(update={"fit": {**rig.fit, "delay": fitted}})
     farthest = abs(known or 0.0) if fitted is None else max(fitted.high, -fitted.low)
-    cut = [[inside(r, farthest) for r in logs] for logs in (train, test)]
-    if all(r.pieces for logs in cut for r in logs):
-        return rig, *cut
+    cut, held = ([inside(r, farthest) for r in logs] for logs in (train, test))
+    if all(r.pieces for r in [*cut, *held]):
+        return rig, cut, held
     return rig, list(train), list(test)
+
+
+def as_usual(rig: RigFile, chosen: Model, period: float) -> RigFile | None:
+    """The rig with the usual delay alone to fit, where a far one was possible and is not needed.
+
+    None where it is needed, or was not possible.  What is missing of a model may look like a delay;
+    once it is named, the effort lies where logs usually have it.
+    """
+    delay, most = rig.fit.get("delay"), usual(period)
+    if delay is None or max(delay.high, -delay.low) <= most:
+        return None
+    if abs(chosen.fit.changes["rig.delay"]) > most:
+        return None
+    near = Bounded(nominal=0.0, low=max(delay.low, -most), high=min(delay.high, most))
+    return rig.model_copy(update={"fit": {**rig.fit, "delay": near}})
 
 
 def delay_beyond(

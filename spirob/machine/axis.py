@@ -11,7 +11,7 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import with_delay
+from spirob.machine.alignment import as_usual, with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.differing import KINDS, may_differ
@@ -89,6 +89,11 @@ def diagnose_recordings(
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         done = _searched(ready, settings, progress)
+        if "delay" not in rig.fit and (
+            near := as_usual(ready.rig, done.chosen, max(r.period for r in ready.train))
+        ):
+            progress("once more, with effort and motion as close together as logs usually are")
+            done = _searched(replace(ready, rig=near), settings, progress)
         for kind in KINDS:
             if may_differ(kind, rig, done.search, done.chosen):
                 kinds = (*(done.ready.rig.per_log or ()), kind)
