@@ -109,7 +109,7 @@ def _robot(config: Config, rig: Rig) -> None:
     if robot.kind == "can":
         with about("robot"):
             require_known(robot.interface, f"CAN bus {robot.interface}:{robot.channel}")
-            drive_of(config)
+            drive_of(config, rig)
         return
     if robot.kind == "simulated":
         with about("robot.effects"):

@@ -42,6 +42,7 @@ def stage(root: Path) -> None:
         rows = experiment.measure(sides)
         written[name] = {
             "title": experiment.title,
+            "about": experiment.about,
             "rows": rows,
             "curves": experiment.curves(sides),
         }

@@ -11,9 +11,11 @@ from pipeline.posture import WatchedRobot
 from pipeline.schema import Config
 from pipeline.stage import tell, workers
 from spirob.bench import Trial, record
+from spirob.bench.host import HostCurrentLoop, require_fitting
 from spirob.bench.simulated import SimulatedRobot
 from spirob.canbus import CanRobot, open_bus
 from spirob.drives import Drive, find_drive
+from spirob.drives.traffic import require_fast_enough
 from spirob.effects import find_effects
 from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
@@ -27,6 +29,7 @@ from spirob.robot import Robot, Scene
 from spirob.safety import Limits
 
 RAW = Path("data/raw")
+BY_VOLTAGE = "gm6020"  # what an emulated robot has where it takes voltages
 
 
 def record_all(
@@ -82,7 +85,8 @@ def _record(
             about=about,
             prepare=prepare,
             limits=limits,
-            drive=drive_of(config),
+            drive=drive_of(config, rig),
+            loop=loop_of(config, rig, limits),
         )
     finally:
         robot.close()
@@ -104,6 +108,7 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
             gravity=(rig.arm.gravity_x, rig.arm.gravity_y),
             current_bandwidth=rig.drive.bandwidth,
             current_noise=robot.current_noise,
+            by_voltage=rig.host is not None,
         )
         effect = HiddenSettings(
             str(hidden["effect"]), float(hidden["strength"]), hidden.get("build", AS_DESIGNED)
@@ -113,10 +118,28 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
         return SimulatedRobot(Plant(rig, find_effects(robot.effects)), robot.changes)
     bus = open_bus(robot.interface, robot.channel, robot.bitrate, **robot.options)
     silence_ns = round(1e9 * Limits(**robot.safety).silence)
-    return CanRobot(bus, silence_ns=silence_ns, drive=drive_of(config), urgent=True)
+    return CanRobot(bus, silence_ns=silence_ns, drive=drive_of(config, rig), urgent=True)
 
 
-def drive_of(config: Config) -> Drive | None:
-    """What the robot's drives are; None for C620-style ones, as the other robots have."""
-    robot = config.robot
-    return find_drive(robot.drive) if robot.kind == "can" and robot.drive != "c620" else None
+def drive_of(config: Config, rig: Rig) -> Drive | None:
+    """What the robot's drives are; None for C620-style ones.
+
+    Where the host closes the current loop an emulated robot's are GM6020-style.  Raises ConfigError
+    where drive and loop do not fit, or the bus is too slow for them.
+    """
+    robot, drive = config.robot, None
+    if robot.kind == "can":
+        drive = find_drive(robot.drive) if robot.drive != "c620" else None
+        require_fitting(drive, rig.host)
+        if drive and drive.by_voltage:
+            require_fast_enough(drive, robot.bitrate)
+    elif robot.kind == "emulated" and rig.host is not None:
+        drive = find_drive(BY_VOLTAGE)
+    return drive
+
+
+def loop_of(config: Config, rig: Rig, limits: Limits | None = None) -> HostCurrentLoop | None:
+    """What closes the current loop on the host; a simulated robot has it inside."""
+    if config.robot.kind == "simulated":
+        return None
+    return HostCurrentLoop.of(rig, (limits or Limits()).voltage)

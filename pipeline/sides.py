@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.robots import build
+from pipeline.robots import build, drive_of, loop_of
 from pipeline.schema import Config
 from spirob.bench import Trial, record
 from spirob.bench.simulate import simulate
@@ -95,6 +95,8 @@ def robot_side(
             gains=rig.gains,
             rig=rig.name,
             prepare=prepare,
+            drive=drive_of(config, rig),
+            loop=loop_of(config, rig),
             react=play.react() if play.react else None,
         )
     finally:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
+from spirob.bench.host import HostCurrentLoop, require_fitting
 from spirob.bench.reaction import Reaction
 from spirob.bench.trial import Trial
 from spirob.can_protocol import encode_command
@@ -50,14 +51,19 @@ def record(
     limits: Limits | None = None,
     drive: Drive | None = None,
     react: Reaction | None = None,
+    loop: HostCurrentLoop | None = None,
 ) -> Path:
     """Prepare the scene, arm, play the trial and write its log; the finished log's path.
 
     prepare  instead of the robot's own `prepare`, where that needs more than the scene
     limits   of the guard that is put around the robot
     drive    what the robot's drives are where they are not C620-style
+    loop     closes the current loop on the host, of drives that take voltages
     See `TrialLog` for rig, config and about, `play` for the rest.
     """
+    guarded = guard(robot, transmission, limits, drive, loop)
+    if loop:
+        about = {**(about or {}), "host_loop": loop.placed.told()}
     kind = ThreadedLog if isinstance(robot, Timed) else TrialLog
     log = kind(
         path,
@@ -68,7 +74,6 @@ def record(
         about=about,
         drive=drive,
     )
-    guarded = guard(robot, transmission, limits, drive)
     (prepare or robot.prepare)(trial.scene)
     guarded.arm()
     with log:
@@ -85,10 +90,15 @@ def guard(
     transmission: Transmission,
     limits: Limits | None = None,
     drive: Drive | None = None,
+    loop: HostCurrentLoop | None = None,
 ) -> GuardedRobot:
-    """The robot behind limits, in metres at its tendons; not yet armed."""
+    """The robot behind limits, in metres at its tendons; not yet armed.
+
+    Raises ConfigError where the drive takes voltages and there is no loop, or the other way round.
+    """
+    require_fitting(drive, loop)
     scale = (transmission.metre_per_count, transmission.metre_per_second_per_rpm)
-    guarded = GuardedRobot(robot, limits or Limits(), *scale)
+    guarded = GuardedRobot(robot, limits or Limits(), *scale, loop=loop)
     if drive:
         guarded.interpret = Translator(drive)
     return guarded
@@ -117,7 +127,7 @@ def play(
         robot.stop()
         raise
     robot.keep = lambda frames: None
-    robot.exchange(ZERO)
+    robot.finish()
 
 
 def _play(

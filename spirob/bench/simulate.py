@@ -9,10 +9,12 @@ from spirob.bench.reaction import Reaction
 from spirob.bench.trial import Trial
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.control.schedule import Schedule
-from spirob.logs.reader import CHANNELS, FILTER_WINDOW
+from spirob.logs.reader import CHANNELS, FILTER_WINDOW, VOLTAGE
 from spirob.plant import Plant, Response, Session
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.trace import Trace, moving_average
+
+ARM_CURRENT = {"arm_current": "A"}  # i** of (17), beside i*, of a model with its loop on the host
 
 
 def simulate(
@@ -50,7 +52,12 @@ def simulate(
             f"{motor}.reference_rate": schedule.reference_rate[:, m],
             f"{motor}.mode": np.full(schedule.cycles, float(schedule.mode[m])),
         }
-    units = {name: CHANNELS.get(name.split(".")[1], "") for name in signals}
+        if plant.rig.host is not None:
+            signals[f"{motor}.voltage"] = response.voltage[:, m]
+            signals[f"{motor}.arm_current"] = response.arm_current[:, m]
+    units = {
+        name: (CHANNELS | VOLTAGE | ARM_CURRENT).get(name.split(".")[1], "") for name in signals
+    }
     plain = dict(trial.plain)
     meta = {"role": trial.role, "trial": plain, "scene": plain.get("scene") or {}}
     time = np.arange(schedule.cycles, dtype=np.int64) * CYCLE_NS

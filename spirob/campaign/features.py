@@ -27,6 +27,7 @@ def features(document: Mapping[str, Any]) -> dict[str, Any]:
     """Figures of the search, with or without a name at its end.
 
     chosen      effects of the model that the search stands by, whatever the verdict
+    evidence    what says the same as each, what is a rival, and the figures of `certainty`
     stated      probability of the least sure of them; of the first candidate where none is named
     gain        fall of the squared held-out error beside the best model with another effect
     taken       fall of the squared held-out error beside the bare model;  taken_train  of fitted
@@ -52,6 +53,7 @@ def features(document: Mapping[str, Any]) -> dict[str, Any]:
     stated = stated or [c["probability"] for c in document["candidates"][:1]]
     return {
         "chosen": names,
+        "evidence": document["evidence"],
         "stated": min(stated, default=None),
         "gain": 1.0 - (error / min(others)) ** 2 if others and min(others) > 0 else None,
         "taken": _fall(bare["test"]["rmse"], error),

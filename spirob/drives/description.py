@@ -14,11 +14,12 @@
     disarm: ...
 
 `per_ampere`: what the signal is for one ampere of the motor's current; negative where the drive
-counts the other way round, as `sign: -1` is for feedback.
+counts the other way round, as `sign: -1` is for feedback.  `per_volt` stands instead where the
+drive takes a voltage: 1, or -1 where a positive one pays out; the unit, V or mV, is the DBC's.
 """
 
 from math import pi
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -27,6 +28,7 @@ from pydantic import (
     Field,
     StringConstraints,
     ValidationError,
+    model_validator,
 )
 
 from spirob.errors import ConfigError
@@ -36,6 +38,7 @@ Text = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 TURNS = {"turn": 1.0, "rev": 1.0, "rad": 1 / (2 * pi), "deg": 1 / 360, "count": 1 / 8192}
 RPM = {"rpm": 1.0, "rev/s": 60.0, "turn/s": 60.0, "rad/s": 60 / (2 * pi), "deg/s": 1 / 6}
 AMPERES = {"A": 1.0, "mA": 1e-3}
+VOLTS = {"V": 1.0, "mV": 1e-3}
 CELSIUS = {"degC": 1.0, "°C": 1.0, "C": 1.0}
 UNITS = {"angle": TURNS, "speed": RPM, "current": AMPERES, "temperature": CELSIUS}
 
@@ -55,11 +58,18 @@ class Source(Strict):
 
 
 class Command(Strict):
-    """The signal that commands a motor's current."""
+    """The signal that commands a motor's current, or its voltage where `per_volt` is given."""
 
     message: Text
     signal: Text
     per_ampere: Annotated[float, AfterValidator(sized_not_zero)] = 1.0
+    per_volt: Annotated[float, AfterValidator(sized_not_zero)] | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if self.per_volt is not None and "per_ampere" in self.model_fields_set:
+            raise ValueError("per_ampere or per_volt, not both: it is a current or a voltage")
+        return self
 
 
 class Motor(Strict):
@@ -84,6 +94,12 @@ class Motors(Strict):
 
     left: Motor
     right: Motor
+
+    @model_validator(mode="after")
+    def _alike(self) -> Self:
+        if (self.left.command.per_volt is None) != (self.right.command.per_volt is None):
+            raise ValueError("both motors take a current, or both a voltage")
+        return self
 
 
 class Description(Strict):

@@ -17,7 +17,16 @@ from spirob.can_protocol import (
     encode_feedback,
 )
 from spirob.drives.codec import Codec
-from spirob.drives.description import UNITS, Description, Motor, Sent, Source, description_from
+from spirob.drives.description import (
+    UNITS,
+    VOLTS,
+    Description,
+    Motor,
+    Sent,
+    Source,
+    description_from,
+)
+from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.errors import ConfigError
 
 MOTORS = ("left", "right")
@@ -48,7 +57,12 @@ class Drive:
 
     def _check(self, where: str) -> None:
         for name, motor in zip(MOTORS, self.motors, strict=True):
-            self.codec.unit(motor.command.message, motor.command.signal)
+            unit = self.codec.unit(motor.command.message, motor.command.signal)
+            if self.by_voltage and unit not in VOLTS:
+                raise ConfigError(
+                    f"{where}: motors.{name}.command: the DBC file gives '{unit}' for "
+                    f"{motor.command.signal}; a voltage is in {' or '.join(VOLTS)}"
+                )
             for kind, source in sources(motor).items():
                 unit = self.codec.unit(source.message, source.signal)
                 if unit not in UNITS[kind]:
@@ -73,23 +87,38 @@ class Drive:
         """Both, in the order of MOTORS."""
         return self.about.motors.left, self.about.motors.right
 
+    @property
+    def by_voltage(self) -> bool:
+        """Whether a command is a voltage, so that the host closes the current loop."""
+        return self.motors[0].command.per_volt is not None
+
+    def scale(self, motor: Motor) -> float:
+        """What a command's signal is for one ampere, or for one volt of a drive that takes one."""
+        asked = motor.command
+        if asked.per_volt is None:
+            return asked.per_ampere
+        return asked.per_volt / VOLTS[self.codec.unit(asked.message, asked.signal)]
+
+    @property
+    def per_count(self) -> float:
+        """Amperes, or volts, in a count of our command payload."""
+        return VOLT_PER_COUNT if self.by_voltage else AMPERE_PER_COUNT
+
     def frame_id(self, message: str) -> int:
         """The arbitration id of a message."""
         return self.codec.message(message).frame_id
 
     def commands(self, payload: bytes) -> list[tuple[int, bytes]]:
-        """What to send for a command payload of ours: id and data, one for each motor."""
-        out = []
+        """What to send for a command payload of ours: id and data of each message.
+
+        payload  in counts of current, or of voltage where the drive takes one
+        """
+        values: dict[str, dict[str, float]] = {}
         for motor, count in zip(self.motors, command_counts(payload), strict=False):
             asked = motor.command
-            value = count * AMPERE_PER_COUNT * asked.per_ampere
-            out.append(
-                (
-                    self.frame_id(asked.message),
-                    self.codec.encode(asked.message, {asked.signal: value}),
-                )
-            )
-        return out
+            value = count * self.per_count * self.scale(motor)
+            values.setdefault(asked.message, {})[asked.signal] = value
+        return [(self.frame_id(m), self.codec.encode(m, signals)) for m, signals in values.items()]
 
     def sent(self, messages: Sequence[Sent]) -> list[tuple[int, bytes]]:
         """Messages of fixed values, such as those that arm: id and data."""

@@ -16,7 +16,8 @@ from spirob.drives.drive import FULL, Drive, factor, sources
 def translated(drive: Drive, raw: np.ndarray) -> np.ndarray:
     """Records like `raw` (stamp_ns, id, data) with our ids and payloads, in the order received.
 
-    A command of ours stands where the left motor's was sent, a feedback frame where an angle came.
+    A command of ours stands where the left motor's was sent, a feedback frame where an angle came;
+    of a drive in voltage mode it is in counts of voltage.
     """
     places, parts = [], []
     for at, records in (_commands(drive, raw), *(_feedback(drive, raw, m) for m in range(2))):
@@ -45,7 +46,7 @@ def _sent(drive: Drive, raw: np.ndarray, motor: Motor) -> tuple[np.ndarray, np.n
     asked = motor.command
     at = np.flatnonzero(raw["id"] == drive.frame_id(asked.message))
     values = drive.codec.decode_many(asked.message, raw["data"][at])[asked.signal]
-    return at, _counts(values / asked.per_ampere / AMPERE_PER_COUNT, FULL)
+    return at, _counts(values / drive.scale(motor) / drive.per_count, FULL)
 
 
 def _feedback(drive: Drive, raw: np.ndarray, m: int) -> tuple[np.ndarray, np.ndarray]:

@@ -29,11 +29,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--hidden", default="none", help="what the model does not know")
     parser.add_argument("--build", default=AS_DESIGNED, choices=BUILDS, help="how it is built")
     parser.add_argument("--seed", type=int, default=1, help="which machine of its kind")
+    parser.add_argument(
+        "--drive", default="c620", choices=("c620", "gm6020"), help="gm6020 takes voltages"
+    )
     chosen = parser.parse_args(arguments)
     try:
         require_interface(chosen.interface, f"CAN bus {chosen.interface}:{chosen.channel}")
         settings = HiddenSettings(chosen.hidden, build=chosen.build)
-        machine = Machine(EmulatedRig(), settings, chosen.seed)
+        rig = EmulatedRig(by_voltage=chosen.drive == "gm6020")
+        machine = Machine(rig, settings, chosen.seed)
         print("compiling, the first time for half a minute", file=sys.stderr, flush=True)
         machine.cycle((0.0, 0.0))  # compiled before time counts
         with can.Bus(interface=chosen.interface, channel=chosen.channel) as bus:

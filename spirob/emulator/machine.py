@@ -11,6 +11,7 @@ import numpy as np
 
 from spirob.emulator import hidden, truth
 from spirob.emulator.build import built
+from spirob.emulator.latency import BusLatency, written
 from spirob.emulator.physics.compiled import HINGES
 from spirob.emulator.physics.layout import SCRATCH, STATE
 from spirob.emulator.physics.step import run_cycle
@@ -34,6 +35,7 @@ class Machine:
     numbers        the record of its true numbers, hidden effects included
     hidden         what each hidden effect changed
     state          the record of its present state
+    latency        of the voltages that the host sends; None where drives take currents
     """
 
     def __init__(self, rig: EmulatedRig, settings: HiddenSettings, seed: int):
@@ -47,6 +49,7 @@ class Machine:
         self.numbers = truth.machine(rig, self.build, self.dt)
         self.hidden = hidden.apply(settings, self.generator, self.numbers)
         self.state = np.zeros(1, STATE)
+        self.latency = BusLatency(self.generator("bus")) if rig.by_voltage else None
         self.counts = np.zeros((2, 4), dtype=np.int64)
         self._scratch = np.zeros(1, SCRATCH)
         self.start(Scene(), "trial")
@@ -69,6 +72,9 @@ class Machine:
         rotors = self._noise_source.uniform(0.0, 2 * np.pi, size=2)
         self._noise = np.empty((0, 2))
         self._cycle = 0
+        written(self._scratch, [])
+        if self.latency:
+            self.latency.begin(self.generator(f"bus in trial {trial}"))
         self._place(scene)
         self.state = np.zeros(1, STATE)
         self.state["phi"][0] = np.cumsum(self.numbers["rest_angle"][0])
@@ -86,6 +92,7 @@ class Machine:
     def cycle(self, currents: tuple[float, ...]) -> np.ndarray:
         """Hold the commanded currents [A] for 1 ms; returns the counts of the feedback (2, 4).
 
+        In voltage mode they are voltages [V], which act when the bus has brought them.
         Raises HardwareError when the state is lost; the machine must then be started anew.
         """
         if self._cycle == len(self._noise):
@@ -93,6 +100,9 @@ class Machine:
             self._cycle = 0
         noise = self._noise[self._cycle]
         self._cycle += 1
+        if self.latency:
+            written(self._scratch, self.latency.arrivals(currents))
+            currents = (0.0,) * len(MOTORS)
         self._advance(self.numbers, np.asarray(currents, dtype=float), noise=noise)
         return self.counts
 

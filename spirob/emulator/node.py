@@ -3,7 +3,8 @@
 Time is the machine's own and in lockstep with the commands: cycle k runs from k ms to k+1 ms, the
 command carries the stamp of its start, the feedback that of its end, and nothing depends on when
 the computer got round to it.  In a cycle without a command the last one holds, but not for ever:
-drives stop by themselves when nobody speaks to them.
+drives stop by themselves when nobody speaks to them.  C620-style drives take currents; those of a
+machine in voltage mode are GM6020-style and take voltages.
 """
 
 import can
@@ -17,12 +18,14 @@ from spirob.can_protocol import (
     encode_command,
     encode_feedback,
 )
+from spirob.drives.volts import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, decode_volts
 from spirob.emulator.faults import Wire
 from spirob.emulator.machine import Machine
 from spirob.robot import CYCLE_NS, MOTORS
 
 SECOND_NS = 1e9
-HOLD_CYCLES = 100  # that a drive goes on with its last command
+HOLD_CYCLES = 100  # that a drive goes on with its last current
+HOLD_VOLTAGE = 10  # and with its last voltage, which does not know what current it drives
 IDLE = encode_command((0.0,) * len(MOTORS))
 
 
@@ -30,6 +33,7 @@ class DriveNode:
     """Two drives that share one command frame.
 
     now_ns  simulated time since the trial began
+    command_id, feedback_id  what it listens to, and before what it says
     wire    what goes wrong inside the drives
     """
 
@@ -38,6 +42,12 @@ class DriveNode:
         self._bus = bus
         self._wire = wire or Wire()
         self._volts = float(machine.numbers["supply"][0])
+        by_voltage = machine.rig.by_voltage
+        self.command_id = VOLTAGE_ID if by_voltage else COMMAND_ID
+        self.feedback_id = VOLTAGE_FEEDBACK_ID if by_voltage else FEEDBACK_ID
+        self._wire.feedback_id = self.feedback_id
+        self._decode = decode_volts if by_voltage else decode_command
+        self._hold = HOLD_VOLTAGE if by_voltage else HOLD_CYCLES
         self.begin()
 
     def begin(self) -> None:
@@ -52,13 +62,13 @@ class DriveNode:
         """
         self._idle += 1
         while (message := self._bus.recv(timeout=0)) is not None:
-            if message.arbitration_id == COMMAND_ID and not message.is_extended_id:
+            if message.arbitration_id == self.command_id and not message.is_extended_id:
                 self._command, self._idle = bytes(message.data), 0
-        if self._idle > HOLD_CYCLES:
+        if self._idle > self._hold:
             self._command = IDLE
         if self._wire:
             self.machine.numbers["supply"] = self._wire.supply(self._volts)
-        counts = self.machine.cycle(decode_command(self._command, len(MOTORS)))
+        counts = self.machine.cycle(self._decode(self._command, len(MOTORS)))
         self.now_ns += CYCLE_NS
         if not silent:
             self._tell(counts)
@@ -71,7 +81,7 @@ class DriveNode:
             self._bus.send(
                 can.Message(
                     timestamp=self.now_ns / SECOND_NS,
-                    arbitration_id=FEEDBACK_ID + drive,
+                    arbitration_id=self.feedback_id + drive,
                     is_extended_id=False,
                     data=encode_feedback(feedback),
                 )

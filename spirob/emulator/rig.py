@@ -22,6 +22,7 @@ class EmulatedRig:
     current_bandwidth  of the drive's own current loop [Hz]
     current_noise      rms of the current sensor [A]
     steps_per_cycle    integration steps in a 1 ms bus cycle
+    by_voltage         whether the drives take voltages and leave the current loop to the host
     """
 
     gear_ratio: float = M3508_RATIO
@@ -31,6 +32,7 @@ class EmulatedRig:
     current_bandwidth: float = 1000.0
     current_noise: float = 0.005
     steps_per_cycle: int = STEPS_PER_CYCLE
+    by_voltage: bool = False
 
     def __post_init__(self) -> None:
         ranges = {

@@ -8,7 +8,7 @@ from typing import Any
 import can
 import numpy as np
 
-from spirob.can_protocol import COMMAND_ID, CanFrame
+from spirob.can_protocol import CanFrame
 from spirob.emulator.faults import wire_from
 from spirob.emulator.machine import Machine
 from spirob.emulator.node import IDLE, SECOND_NS, DriveNode
@@ -70,7 +70,7 @@ class EmulatedRobot:
         it stands still until it is prepared again.
         """
         self._require_open()
-        sent = CanFrame(self.node.now_ns, COMMAND_ID, bytes(command))
+        sent = CanFrame(self.node.now_ns, self.node.command_id, bytes(command))
         self._wire.cycle(sent.stamp_ns)
         for frame in self._wire.commands([sent]):
             self._bus.send(_message(frame))
@@ -87,6 +87,7 @@ class EmulatedRobot:
         Plain numbers, lists and strings; only scoring may read them.
         """
         machine = self.machine
+        bus = {"bus_latency": machine.latency.mean} if machine.latency else {}
         fields = machine.numbers.dtype.names or ()
         return {
             "seed": machine.seed,
@@ -103,13 +104,14 @@ class EmulatedRobot:
                 for name in fields
                 if not name.startswith("source_")
             },
+            **bus,
         }
 
     def close(self) -> None:
         """Command zero current and release the bus; safe to call twice."""
         if self._open:
             self._open = False
-            self._bus.send(_message(CanFrame(self.node.now_ns, COMMAND_ID, IDLE)))
+            self._bus.send(_message(CanFrame(self.node.now_ns, self.node.command_id, IDLE)))
             self._bus.shutdown()
             self._node_bus.shutdown()
 

@@ -158,6 +158,7 @@ def _drives(numbers, rig, drawn, dt) -> None:
         "sensor_gain": 1.0,
         "sensor_drift_time": 1.0,
         "current_noise": rig.current_noise,
+        "by_voltage": float(rig.by_voltage),
     }
     _assign(numbers, fields)
 

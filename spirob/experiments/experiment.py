@@ -19,6 +19,8 @@ EXPERIMENTS = (
     "single_contact",
     "periodic_contact",
     "active_contact",
+    "host_contact",
+    "host_periodic",
 )
 LIMIT = 5.0  # A, of every command: the paper's saturation
 
@@ -59,6 +61,7 @@ class Experiment(ABC):
     """Base of all experiments; a subclass is a frozen dataclass whose fields are its settings."""
 
     title: ClassVar[str]
+    about: ClassVar[str] = ""  # what the report says of it, in a sentence or two
     motor: ClassVar[int] = 0  # the one that is looked at
 
     @abstractmethod

@@ -18,17 +18,20 @@ class Side:
     current       (T, 2) as the drive reports it [A]; None where there is no motor
     displacement  (T, 2) wound-in length [m];  velocity (T, 2) [m/s]
     command       (T, 2) commanded current [A]
+    arm_current   (T, 2) i** of a model whose loop is on the host [A]; None of all others
     """
 
     current: np.ndarray | None
     displacement: np.ndarray
     velocity: np.ndarray
     command: np.ndarray
+    arm_current: np.ndarray | None = None
 
     @classmethod
     def from_trace(cls, trace: Trace) -> "Side":
         """From a log or a simulated trial; raises MissingChannel, and DataError on a NaN."""
-        names = ("current", "displacement", "velocity", "command")
+        names = ["current", "displacement", "velocity", "command"]
+        names += ["arm_current"] * (f"{MOTORS[0]}.arm_current" in trace.signals)
         trace.require_finite([f"{motor}.{name}" for motor in MOTORS for name in names])
         return cls(
             **{n: np.column_stack([trace[f"{motor}.{n}"] for motor in MOTORS]) for n in names}

@@ -9,6 +9,7 @@ from spirob.can_protocol import (
     FEEDBACK_ID,
     decode_feedback_array,
 )
+from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.errors import MissingChannel
 from spirob.logs.alignment import hold, rows_of, unwrap
 from spirob.logs.transmission import Transmission
@@ -21,10 +22,12 @@ class Cycles:
     where  the file, for messages
     raw    `messages.FRAME` records in the order received
     asked  `messages.COMMAND` records, one a cycle
+    volts  whether command frames are voltages; the commanded current is then the one asked for
     Raises DataError where time runs backwards, MissingChannel where no command frame was sent.
     """
 
-    def __init__(self, where: str, raw: np.ndarray, asked: np.ndarray):
+    def __init__(self, where: str, raw: np.ndarray, asked: np.ndarray, volts: bool = False):
+        self._volts = volts
         self._where, self._raw, self._asked = where, raw, asked
         stamps = asked["stamp_ns"]
         self._rows = rows_of(stamps)
@@ -42,7 +45,8 @@ class Cycles:
             raise MissingChannel(where, f"command frame {COMMAND_ID:#x}", self._present())
         rows = self._rows[match[in_trial]]
         self._sent_held, self.counts["command.missing"], _ = hold(rows, self.count)
-        self._amperes = raw["data"][sent][in_trial].copy().view(">i2") * AMPERE_PER_COUNT
+        per_count = VOLT_PER_COUNT if volts else AMPERE_PER_COUNT
+        self._sent = raw["data"][sent][in_trial].copy().view(">i2") * per_count
 
         # Feedback belongs to the first cycle that starts after the command it followed.
         before = np.cumsum(sent) - 1
@@ -69,12 +73,20 @@ class Cycles:
         }
 
     def asked_of(self, number: int) -> dict[str, np.ndarray]:
-        """What was asked of a motor: the current as sent on the bus, reference, rate and mode."""
+        """What was asked of a motor: the current as sent on the bus, reference, rate and mode.
+
+        Of a motor in voltage mode the voltage is what was sent, and the current, in whole counts,
+        what its loop on the host was asked for.
+        """
         names = ("reference", "reference_rate", "mode")
         columns = {n: self._asked[f"{MOTORS[number]}.{n}"][self._asked_held] for n in names}
-        return {name: values.astype(float) for name, values in columns.items()} | {
-            "command": self._amperes[self._sent_held, number]
-        }
+        found = {name: values.astype(float) for name, values in columns.items()}
+        sent = self._sent[self._sent_held, number]
+        if not self._volts:
+            return found | {"command": sent}
+        current = self._asked[f"{MOTORS[number]}.current"][self._asked_held].astype(float)
+        counted = np.rint(current / AMPERE_PER_COUNT) * AMPERE_PER_COUNT
+        return found | {"command": counted, "voltage": sent}
 
     def _present(self) -> list[str]:
         return [f"{number:#x}" for number in np.unique(self._raw["id"]).tolist()[:20]]

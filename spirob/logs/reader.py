@@ -48,6 +48,7 @@ CHANNELS = {
     "reference_rate": "m/s",
     "mode": "1",
 }
+VOLTAGE = {"voltage": "V"}  # a channel more of motors in voltage mode
 
 
 def read_log(path: Path | str, torn: bool = False) -> Trace:
@@ -74,10 +75,13 @@ def _trace(where: str, content: Content) -> Trace:
     transmission = Transmission.from_mapping(document["transmission"])
     assert isinstance(transmission, Transmission)
     raw, dropped = unpack_frames(content.messages[RAW_TOPIC])
-    if "drive" in document:
-        raw = translated(_drive(content), raw)
+    drive = _drive(content) if "drive" in document else None
+    if drive:
+        raw = translated(drive, raw)
     asked = unpack_commands(content.messages[COMMAND_TOPIC])
-    cycles = Cycles(where, raw, asked)
+    volts = drive is not None and drive.by_voltage
+    channels = CHANNELS | (VOLTAGE if volts else {})
+    cycles = Cycles(where, raw, asked, volts)
     if cycles.count < FILTER_WINDOW:
         raise TooShort(where, cycles.count, FILTER_WINDOW, f"the {FILTER_WINDOW}-sample filter")
     signals: dict[str, np.ndarray] = {}
@@ -85,8 +89,8 @@ def _trace(where: str, content: Content) -> Trace:
     for m, motor in enumerate(MOTORS):
         columns = cycles.feedback(m, transmission) | cycles.asked_of(m)
         columns["current_filtered"] = moving_average(columns["current"], FILTER_WINDOW, where)
-        signals |= {f"{motor}.{name}": np.ascontiguousarray(columns[name]) for name in CHANNELS}
-        units |= {f"{motor}.{name}": unit for name, unit in CHANNELS.items()}
+        signals |= {f"{motor}.{name}": np.ascontiguousarray(columns[name]) for name in channels}
+        units |= {f"{motor}.{name}": unit for name, unit in channels.items()}
         units[f"{motor}.reference"] = REFERENCE_UNITS.get(int(columns["mode"][0]), "")
     trial = document["trial"]
     meta = {

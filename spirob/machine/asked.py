@@ -80,11 +80,11 @@ class AskedEffort:
             effort = effort + own["back_emf"] * motion.v
         for effect in (e for port in READ for e in self.present(port, p)):
             effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
+        effort = late(effort, own["delay"], motion)
         for effect in self.present("sensing.frame", p):
             # the motion in the frame is late: compare with the command of that time
-            aged = self.in_cycles(effect, p, motion)
-            effort = effort + motion.effort - aged
-        return late(effort, own["delay"], motion)
+            effort = effort + motion.effort - self.in_cycles(effect, p, motion)
+        return effort
 
     def own(self, p: np.ndarray) -> dict[str, float]:
         """The rig's own numbers, by name."""

@@ -11,7 +11,7 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import with_delay
+from spirob.machine.alignment import as_usual, with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.differing import KINDS, may_differ
@@ -89,6 +89,11 @@ def diagnose_recordings(
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         done = _searched(ready, settings, progress)
+        if "delay" not in rig.fit and (
+            near := as_usual(ready.rig, done.chosen, max(r.period for r in ready.train))
+        ):
+            progress("once more, with effort and motion as close together as logs usually are")
+            done = _searched(replace(ready, rig=near), settings, progress)
         for kind in KINDS:
             if may_differ(kind, rig, done.search, done.chosen):
                 kinds = (*(done.ready.rig.per_log or ()), kind)
@@ -144,10 +149,10 @@ def _ready(
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
     own, possible, excluded = _library(rig, body, train, held, sizes)
-    rig = with_delay(rig, max(r.period for r in train))
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
+    rig, train, test = with_delay(rig, train, test, rest)
     return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs)
 
 

@@ -54,6 +54,15 @@ def document(
             }
             for e in (found.chosen.effects if named else ())
         ],
+        "evidence": [
+            {
+                "name": name,
+                "equivalents": judgement.equivalents[name],
+                "rivals": judgement.rivals[name],
+                "figures": figures,
+            }
+            for name, figures in judgement.figures.items()
+        ],
         "candidates": _candidates(search, found, judgement),
         "ladder": [*_ladder(search, found), _flexible(search, found, rest)],
         "noise_floor": noise_floor(search.train),

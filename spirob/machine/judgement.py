@@ -13,6 +13,7 @@ import numpy as np
 from spirob.diagnosis.evidence import win_rates
 from spirob.diagnosis.noise import noise_floor
 from spirob.effects import Effect
+from spirob.machine.certainty import figures
 from spirob.machine.equivalence import equivalents
 from spirob.machine.flexible import Ceiling
 from spirob.machine.models import Model
@@ -29,12 +30,13 @@ POOR = 0.2  # of the effort's RMS left after naming: no model to trust, whatever
 
 @dataclass(frozen=True)
 class Judgement:
-    """The verdict, and for each chosen effect its probability, equivalents and rivals."""
+    """The verdict, and for each chosen effect its probability, equivalents, rivals and figures."""
 
     kind: str
     probability: dict[str, float]
     equivalents: dict[str, list[str]]
     rivals: dict[str, list[str]]
+    figures: dict[str, dict[str, float]]
     sentence: str
     explanation: str
     next_experiment: str
@@ -48,14 +50,16 @@ def judge(
     warnings  reasons not to trust a name: a number at its bound, an effort that ignores the motion
     """
     chosen, least = found.chosen, search.worth.least
-    same, rivals, probability = {}, {}, {}
+    same, rivals, probability, shown = {}, {}, {}, {}
     for effect in chosen.effects:
         others = found.rivals[effect.name()]
         same[effect.name()], rivals[effect.name()] = equivalents(chosen, others, least)
         contested = [
             m for m in others if next(iter(m.names - chosen.names)) in rivals[effect.name()]
         ]
-        probability[effect.name()] = _probability(search, chosen, effect, contested)
+        wins = _probability(search, chosen, effect, contested)
+        probability[effect.name()] = wins
+        shown[effect.name()] = figures(search, found, rest, effect, wins, len(warnings))
     kind = _kind(search, found, bare, rest, rivals, bool(warnings))
     before = found.rungs[0]
     words = Words(search, before, chosen, bare, rest, search.train.effort)
@@ -66,7 +70,7 @@ def judge(
             "trials, but not on the held-out ones, and is not named."
         )
     following = experiment(search, kind, chosen, rivals, found)
-    return Judgement(kind, probability, same, rivals, sentence, explanation, following)
+    return Judgement(kind, probability, same, rivals, shown, sentence, explanation, following)
 
 
 def _kind(

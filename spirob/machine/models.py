@@ -19,6 +19,7 @@ ITERATIONS = 40  # of a fit at most: one that has not arrived is taken for a poo
 # of differences, in scaled numbers: an inverse model is smooth, and the order of a ripple over many
 # turns needs a fine one
 STEP = 1e-3
+DELAY = "rig.delay"
 ROUGH = 0.02  # where blows come earlier or later by a number, and the residual is not smooth
 
 
@@ -90,10 +91,23 @@ class Models:
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = 10.0 * self.size  # repairs have taken the outliers; plain least squares inside
-        step = ROUGH if any(shares_inertia(e) for e in effects) else STEP
-        found = fit(
-            self.train, names, begin, robust, ITERATIONS, steps=(step,), exact=False, smooth=True
-        )
+        rough = any(shares_inertia(e) for e in effects)
+        # a bounce is one moment: where the delay may be far off, it lies in a valley of its own
+        starts = [begin, begin | {DELAY: 0.0}] if rough and begin.get(DELAY) else [begin]
+        fits = [
+            fit(
+                self.train,
+                names,
+                start,
+                robust,
+                ITERATIONS,
+                steps=(ROUGH if rough else STEP,),
+                exact=False,
+                smooth=True,
+            )
+            for start in starts
+        ]
+        found = min(fits, key=lambda made: made.cost)
         left = left_out(found.jacobian, found.residual, self.folds, *room(table, found))
         held = self.heldout(found.changes)
         made = Model(

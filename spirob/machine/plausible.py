@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from spirob.identify.identifiability import Identifiability
+from spirob.machine.alignment import usual
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Model
@@ -26,6 +27,10 @@ WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
 FAR = 20.0  # between a number and its nominal one
 PREFIX = 1e3  # between a unit and its next prefix
+UNUSUAL = (
+    " That is more than cycles and clocks explain: a filter or a bus on the way to the log, or a "
+    "lag or latency of the machine itself, which only `known: {delay: ...}` can tell apart."
+)
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 
 
@@ -47,6 +52,7 @@ def oddities(search: Search, chosen: Model, gate: Identifiability, rig: RigFile)
         said.append(
             f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms{more} in the logs; "
             "aligned."
+            + (UNUSUAL if abs(delay.value) > usual(search.train.recordings[0].period) else "")
         )
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")

@@ -224,7 +224,10 @@ class Search:
 
     def _plain(self, model: Model) -> bool:
         """Whether a model says something that no simpler words would."""
-        return not same_wave(model, self.train.sizes) and not only_aligns(model, self.train.rig)
+        period = max(r.period for r in self.train.recordings)
+        return not same_wave(model, self.train.sizes) and not only_aligns(
+            model, self.train.rig, period
+        )
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse."""

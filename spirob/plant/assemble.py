@@ -10,12 +10,12 @@ import textwrap
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from spirob.control import law
+from spirob.control import host_loop, law
 from spirob.effects import Effect
 from spirob.effects.individual import SUFFIX, differences
 from spirob.errors import EffectError
 from spirob.generated import load
-from spirob.plant import chain, electrics, loop, outline, tendon, weight, winch
+from spirob.plant import chain, electrics, held, loop, outline, tendon, weight, winch
 from spirob.ports import PORTS
 
 COMPONENTS: tuple[Callable[..., object], ...] = (
@@ -36,6 +36,7 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     winch.demanded_tension,
     winch.one_sided_tensions,
 )
+ON_THE_HOST: tuple[Callable[..., object], ...] = (host_loop.host_voltage, held.held_current)
 LOCALS = {  # signal -> expression in the loop, valid at every port that may read it
     "time": "time",
     "motor.rest_speed": "p[P_motor_rest_speed]",
@@ -77,13 +78,16 @@ mj_step1, mj_step2, mj_solveM = _native["mj_step1"], _native["mj_step2"], _nativ
 '''
 
 
-def assemble(effects: Sequence[type[Effect]], names: Sequence[str]) -> Callable[..., int]:
+def assemble(
+    effects: Sequence[type[Effect]], names: Sequence[str], host: bool = False
+) -> Callable[..., int]:
     """The compiled loop for these effects; `names` orders the parameter vector `owner.field`.
 
+    host  whether the current loop is closed on the host
     Effects at a port that runs once are not in the loop but in the body that it moves.
     """
     effects = [e for e in effects if PORTS[e.port].every != "once"]
-    return load(generate(effects, names), "loop").run  # type: ignore[no-any-return]
+    return load(generate(effects, names, host), "loop").run  # type: ignore[no-any-return]
 
 
 def memory_rows(effects: Sequence[type[Effect]]) -> list[tuple[type[Effect], str]]:
@@ -91,16 +95,17 @@ def memory_rows(effects: Sequence[type[Effect]]) -> list[tuple[type[Effect], str
     return [(effect, state) for effect in effects for state in effect.state]
 
 
-def generate(effects: Sequence[type[Effect]], names: Sequence[str]) -> str:
+def generate(effects: Sequence[type[Effect]], names: Sequence[str], host: bool = False) -> str:
     """Source of the loop with every port filled in."""
     parts = [HEADER]
-    parts += [_function(f, f.__name__) for f in COMPONENTS]
+    parts += [_function(f, f.__name__) for f in (*COMPONENTS, *(ON_THE_HOST if host else ()))]
     parts += [_function(e.kernel, f"kernel_{e.name()}") for e in effects]
     rows = {(e.name(), s): k for k, (e, s) in enumerate(memory_rows(effects))}
     body = inspect.getsource(loop.run)
     _check_places(effects, {found[3] for found in MARK.finditer(body)})
     seen: Counter[str] = Counter()
     body = MARK.sub(lambda found: _fill(found, effects, names, rows, seen), body)
+    body = re.sub(r"\bHOST_LOOP\b", str(host), body)
     body = re.sub(r"\bREADS_(\w+?)_(\w+)\b", lambda f: _is_read(effects, f), body)
     body = re.sub(r"\bP_(\w+?)_(\w+)\b", lambda f: str(names.index(f"{f[1]}.{f[2]}")), body)
     return "\n\n".join([*parts, "@njit(cache=True, nogil=True)\n" + body])

@@ -4,7 +4,8 @@
 A comment `# @ port name -> variable` is replaced by one statement for each effect at that port;
 `repeat` applies them to another signal, `probe` asks them at another speed.  `READS_...` is whether
 an effect reads a signal.
-`P_...` are positions in the parameter vector, `COUNT_...` sizes.  What the loop does in cycle k:
+`P_...` are positions in the parameter vector, `HOST_LOOP` is whether the host closes the current
+loop, by voltages that it holds for a cycle, or the drive.  What the loop does in cycle k:
 
     j_a  feedback law -> i_cmd;  drive and R-L circuit -> i*            (control.law, electrics)
     j_b  i* -> torque at the drum                                       (here)
@@ -93,6 +94,11 @@ def run(
     first_angle = state[18]  # of the rotor when the trial began [rad]
     hung = state[19]  # mass on a line of its own beside each tendon [kg]
     reading_zero = state[20]  # reading error where the trial began [m]: lengths count from there
+    if HOST_LOOP:
+        # voltages of this cycle and the two before [V], integral [V] and error [A] of (13)
+        volts, host_integral, host_error = state[21:24], state[24], state[25]
+        whole = int(gains[15])  # cycles from a reading until its voltage acts
+        switch = (gains[15] - whole) * cycle_time  # and the rest, into a cycle [s]
     mobility = np.zeros((motors, motors))  # A = J M⁻¹ Jᵀ [1/kg]
     weight = np.zeros(motors)  # m + h b [kg]
     demand = np.zeros(motors)
@@ -167,6 +173,27 @@ def run(
             # @ port command.current -> wanted
             command[m] = wanted
             out[cycle, m, 7] = wanted
+            if HOST_LOOP:
+                if begun[0] == 0.0:
+                    host_error[m] = wanted - sensed_current
+                volts[2, m], volts[1, m] = volts[1, m], volts[0, m]
+                volts[0, m], host_integral[m], host_error[m] = host_voltage(
+                    wanted,
+                    last_command[m],
+                    sensed_current,
+                    host_error[m],
+                    gear * sensed_velocity / nominal_radius,
+                    host_integral[m],
+                    cycle_time,
+                    gains[8],
+                    gains[9],
+                    gains[10],
+                    gains[11],
+                    gains[12],
+                    gains[13],
+                    gains[14],
+                )
+                out[cycle, m, 8] = volts[0, m]
         for i in range(hinges):
             angles[cycle, i] = qpos[i]
         if cycle == cycles:
@@ -211,23 +238,37 @@ def run(
                 # @ port motor.resistance -> resistance
                 disturbance = 0.0
                 # @ port motor.voltage -> disturbance
-                current[m], integral[m], mean_current[m] = drive_current(
-                    current[m],
-                    integral[m],
-                    command[m],
-                    (command[m] - last_command[m]) / cycle_time,
-                    misread[m],
-                    p[P_motor_emf_constant] * rotor_speed,
-                    disturbance,
-                    drive_steps,
-                    step / drive_steps,
-                    resistance,
-                    p[P_motor_inductance],
-                    gain_p,
-                    gain_i,
-                    p[P_drive_emf_compensation],
-                    supply,
-                )
+                if HOST_LOOP:
+                    current[m], mean_current[m] = held_current(
+                        current[m],
+                        volts[whole + 1, m],
+                        volts[whole, m],
+                        min(max(switch - substep * step, 0.0), step),
+                        step,
+                        p[P_motor_emf_constant] * rotor_speed,
+                        disturbance,
+                        resistance,
+                        p[P_motor_inductance],
+                        supply,
+                    )
+                else:
+                    current[m], integral[m], mean_current[m] = drive_current(
+                        current[m],
+                        integral[m],
+                        command[m],
+                        (command[m] - last_command[m]) / cycle_time,
+                        misread[m],
+                        p[P_motor_emf_constant] * rotor_speed,
+                        disturbance,
+                        drive_steps,
+                        step / drive_steps,
+                        resistance,
+                        p[P_motor_inductance],
+                        gain_p,
+                        gain_i,
+                        p[P_drive_emf_compensation],
+                        supply,
+                    )
                 drive_torque = p[P_motor_torque_constant] * mean_current[m]
                 # @ port motor.drive_torque -> drive_torque
                 # torque at this speed and just above it: its slope is solved implicitly

@@ -29,7 +29,7 @@ from spirob.robot import CYCLE_NS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
-STATE_ROWS = 21  # see `loop.run`
+STATE_ROWS = 26  # see `loop.run`; the last five of a loop on the host
 # rows of it that a trial begins with
 DISPLACEMENT, RATE, TURNED, SHORTENING, BEGUN, FIRST_ANGLE, HUNG = 3, 4, 5, 7, 15, 18, 19
 SETTLING = 1000  # cycles in which the arm comes to rest under currents, half of them to raise these
@@ -44,6 +44,7 @@ COLUMNS = (
     "shortening_rate",
     "tension",
     "command",
+    "voltage",
 )
 
 
@@ -56,6 +57,7 @@ class Response:
     displacement     wound-in length as the encoder reports it [m];  velocity  its rate [m/s]
     shortening       Δl of the tendon [m];  shortening_rate [m/s]
     tension          [N];  command  commanded current [A]
+    voltage          that the host sends [V]; zero where the drive closes the current loop
     angles           (T, N) hinge angles [rad]
     """
 
@@ -67,6 +69,7 @@ class Response:
     shortening_rate: np.ndarray
     tension: np.ndarray
     command: np.ndarray
+    voltage: np.ndarray
     angles: np.ndarray
 
 
@@ -84,7 +87,7 @@ class Plant:
         own = {f"{e.name()}.{f}": a for e in effects for f, a in differences(e).items()}
         self.table = Table(owners).joined(own).behind(rig.winch.gear_ratio)
         self.geometry = spiral_arm(rig.units)
-        self._run = assemble(self.effects, self.table.names)
+        self._run = assemble(self.effects, self.table.names, rig.host is not None)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])
         self._scatter: bytes = b""
 
@@ -142,7 +145,16 @@ class Plant:
     def _gains(self) -> np.ndarray:
         g = self.rig.gains
         law = [g.velocity, g.integral, g.displacement, g.force, g.newton_per_ampere, g.drag]
-        return np.array([*law, 0.0, self.rig.winch.radius])
+        return np.array([*law, 0.0, self.rig.winch.radius, *self._host()])
+
+    def _host(self) -> tuple[float, ...]:
+        """What the host believes of the winding, its gains, limit [V] and latency [cycles]."""
+        host, placed, motor = self.rig.host, self.rig.placed(), self.rig.motor
+        if host is None or placed is None:
+            return ()
+        emf = self.rig.drive.emf_compensation * motor.emf_constant
+        believed = motor.resistance, motor.inductance, emf
+        return *believed, *placed.gains, self.rig.drive.voltage_limit, host.latency / CYCLE
 
     def _arm(self, p: np.ndarray) -> Arm:
         names = Arm.parameters()

@@ -20,6 +20,8 @@ AXES = {
     "filtered current over force": "force [N]",
     "angle response": "place of the hit [% of length]",
     "current peak": "place of the hit [% of length]",
+    "current after a hit": "time, the hit at 0.05 [s]",
+    "i** of the models, current of the robot": "time, the hit at 0.05 [s]",
     "stiffness along the arm": "place [% of length]",
     "inertia along the arm": "place [% of length]",
     "give along the arm": "place [% of length]",

@@ -1,23 +1,26 @@
-"""A command brought within the limits on current and slew, in the drive's own counts."""
+"""A command brought within the limits on its size and slew, in the drive's own counts."""
 
 from spirob.can_protocol import AMPERE_PER_COUNT, command_counts, command_payload
+from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.safety.limits import Limits
 
-FRAME_CURRENTS = 4  # a command frame has room for four drives
+FRAME_PLACES = 4  # a command frame has room for four drives
 
 
 class CommandLimiter:
     """Keeps what was sent last; a command within the limits passes unchanged, to the bit.
 
+    most, slew  [A], [A/s] of currents, or [V], [V/s] of voltages;  per_count  their unit in a count
     Drives that do not belong to the robot get zero.  Going to zero as a stop is not limited: that
     does not pass through here.
     """
 
-    def __init__(self, limits: Limits) -> None:
-        self._high = int(limits.current / AMPERE_PER_COUNT + 1e-9)
-        self._step = max(1, int(limits.slew * CYCLE_NS * 1e-9 / AMPERE_PER_COUNT + 1e-9))
-        self.sent = (0,) * FRAME_CURRENTS
+    def __init__(self, most: float, slew: float, per_count: float) -> None:
+        self._high = int(most / per_count + 1e-9)
+        self._step = max(1, int(slew * CYCLE_NS * 1e-9 / per_count + 1e-9))
+        self._per_count = per_count
+        self.sent = (0,) * FRAME_PLACES
 
     def __call__(self, command: bytes) -> bytes:
         """The payload to send; raises DataError where the command is none."""
@@ -30,10 +33,20 @@ class CommandLimiter:
         self.sent = allowed
         return command if allowed == asked else command_payload(allowed)
 
-    def amperes(self, motor: int) -> float:
-        """What was last sent to a motor [A]."""
-        return self.sent[motor] * AMPERE_PER_COUNT
+    def value(self, motor: int) -> float:
+        """What was last sent to a motor [A], or [V] of voltages."""
+        return self.sent[motor] * self._per_count
 
     def stop(self) -> None:
         """Zero was sent."""
-        self.sent = (0,) * FRAME_CURRENTS
+        self.sent = (0,) * FRAME_PLACES
+
+
+def of_currents(limits: Limits) -> CommandLimiter:
+    """The limits of commanded currents."""
+    return CommandLimiter(limits.current, limits.slew, AMPERE_PER_COUNT)
+
+
+def of_voltages(limits: Limits) -> CommandLimiter:
+    """The limits of commanded voltages."""
+    return CommandLimiter(limits.voltage, limits.voltage_slew, VOLT_PER_COUNT)

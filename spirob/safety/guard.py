@@ -1,4 +1,8 @@
-"""The robot that a controller drives: within limits, armed by hand, zero current first."""
+"""The robot that a controller drives: within limits, armed by hand, zero current first.
+
+Where the drives take voltages, the loop that makes them of currents stands between two limits: of
+the currents that are asked for, and of the voltages that go out.  Zero is then zero volts.
+"""
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -7,7 +11,7 @@ from typing import Protocol, runtime_checkable
 from spirob.can_protocol import FEEDBACK_ID, CanFrame, encode_command
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
-from spirob.safety.command import CommandLimiter
+from spirob.safety.command import of_currents, of_voltages
 from spirob.safety.limits import Limits
 from spirob.safety.motor import MotorState
 from spirob.safety.stop import Stopped
@@ -24,6 +28,16 @@ class Armable(Protocol):
         """Let currents flow from now on; raises HardwareError where the operator does not agree."""
 
 
+class CurrentLoop(Protocol):
+    """Closes the current loop on the host; `spirob.bench.host` has the one of the paper."""
+
+    def begin(self) -> None:
+        """Forget the trial before."""
+
+    def __call__(self, currents: Sequence[float], states: Sequence[MotorState]) -> bytes:
+        """The payload of voltages for the currents [A] that are asked for, by what was read."""
+
+
 class GuardedRobot:
     """A `Robot` around another: no command reaches the drives but through its limits.
 
@@ -33,6 +47,7 @@ class GuardedRobot:
     transmission scale   metres a count of rotor angle, m/s a rpm, for travel and speed
     keep   takes in the frames of every cycle, also of the one that ended in a stop
     interpret   frames of other drives as C620-style ones, the first standing for the command
+    loop   of drives that take voltages: makes them of the currents that are asked for
     states   what each motor last said, by position in MOTORS
     """
 
@@ -43,15 +58,19 @@ class GuardedRobot:
         metre_per_count: float,
         speed_per_rpm: float,
         keep: Callable[[Sequence[CanFrame]], None] = lambda frames: None,
+        loop: CurrentLoop | None = None,
     ):
         self.interpret: Callable[[Sequence[CanFrame]], Sequence[CanFrame]] = lambda frames: frames
         self._robot, self._limits, self.keep = robot, limits, keep
         self._scale = (metre_per_count, speed_per_rpm)
+        self._loop, self._ending = loop, False
         self.armed = False
         self._reset()
 
     def _reset(self) -> None:
-        self._limiter = CommandLimiter(self._limits)
+        self._limiter, self._volts = of_currents(self._limits), of_voltages(self._limits)
+        if self._loop:
+            self._loop.begin()
         self.states = [MotorState() for _ in MOTORS]
         self._watched: list[Watched] | None = None
         self._stopped = False
@@ -83,17 +102,34 @@ class GuardedRobot:
             self.stop()
             raise
 
+    def finish(self) -> list[CanFrame]:
+        """One cycle of zero at the end of a trial: no current asked for, and no voltage."""
+        self._ending = True
+        try:
+            return self.exchange(ZERO)
+        finally:
+            self._ending = False
+
     def _exchange(self, command: bytes) -> list[CanFrame]:
         if not self.armed and any(command):
             raise HardwareError("a current was asked for, but the robot is not armed")
         allowed = self._limiter(command)
         self._stopped = False
-        frames = self._robot.exchange(allowed)
+        frames = self._robot.exchange(self._voltages() if self._loop else allowed)
         reason = self._watch(frames)
         if reason:
             raise Stopped(reason, frames)
         self.keep(frames)
         return frames
+
+    def _voltages(self) -> bytes:
+        """What goes out for the currents that passed; none before arming, nor to motors unheard."""
+        heard = self.armed and all(state.answered for state in self.states)
+        if self._loop is None or not heard or self._ending:
+            self._volts.stop()
+            return ZERO
+        asked = [self._limiter.value(m) for m in range(len(MOTORS))]
+        return self._volts(self._loop(asked, self.states))
 
     def stop(self, frames: Sequence[CanFrame] = ()) -> None:
         """Send zero current at once and disarm, then keep `frames`; never raises an Exception.
@@ -105,6 +141,9 @@ class GuardedRobot:
             return
         self._stopped = True
         self._limiter.stop()
+        self._volts.stop()
+        if self._loop:
+            self._loop.begin()
         kept = list(frames)  # first those that arrived before the stop
         with suppress(Exception):  # the first error is the one to tell
             kept += self._robot.exchange(ZERO)
@@ -120,9 +159,10 @@ class GuardedRobot:
     def _watch(self, frames: Sequence[CanFrame]) -> str | None:
         now = frames[0].stamp_ns
         if self._watched is None:
-            self._watched = [Watched(state, now) for state in self.states]
+            by_voltage = self._loop is not None
+            self._watched = [Watched(state, now, by_voltage) for state in self.states]
         for m, motor in enumerate(self._watched):
-            motor.command(self._limiter.amperes(m))
+            motor.command(self._limiter.value(m))
         heard = set()
         for frame in self.interpret(frames):
             m = frame.arbitration_id - FEEDBACK_ID - 1

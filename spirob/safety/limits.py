@@ -6,7 +6,8 @@ from spirob.parameter import Numbers, bounded
 class Limits(Numbers):
     """Wide defaults, which the drive itself nearly keeps; a real robot's configuration has its own.
 
-    Commands beyond `current` and `slew` are brought back to them; anything else stops the trial.
+    Commands beyond `current` and `slew`, and voltages beyond theirs, are brought back to them;
+    anything else stops the trial.
     `speed` times `silence` should stay below half a rotor turn, so that lost frames cannot hide
     a whole one.
     """
@@ -15,6 +16,8 @@ class Limits(Numbers):
 
     current: float = bounded(20.0, 0.01, 20.0, "A", "i_max", "size of a commanded current")
     slew: float = bounded(4e4, 1.0, 1e6, "A/s", "s_max", "rate of a commanded current")
+    voltage: float = bounded(24.0, 0.1, 24.0, "V", "u_max", "size of a commanded voltage")
+    voltage_slew: float = bounded(4.8e4, 1.0, 1e6, "V/s", "u̇_max", "rate of a commanded voltage")
     travel: float = bounded(1.0, 0.001, 10.0, "m", "x_max", "wound-in length since the start")
     speed: float = bounded(5.0, 0.001, 100.0, "m/s", "v_max", "speed of a tendon")
     temperature: float = bounded(100.0, 30.0, 150.0, "degC", "T_max", "winding, as reported")

@@ -20,6 +20,7 @@ MOVED = 0.2  # A: a command that changed by this much must show in the feedback
 class Watched:
     """One motor as the reasons see it.
 
+    by_voltage   whether the drive is told a voltage, so that nothing but the host holds its current
     sent     latest command [A];  lowest, highest  of the commands since the feedback last changed
     unlike   since when command and reported current have been apart [ns], or None
     flicker  noise of its current reading at rest
@@ -28,6 +29,7 @@ class Watched:
 
     state: MotorState
     since_ns: int
+    by_voltage: bool = False
     sent: float = 0.0
     lowest: float = 0.0
     highest: float = 0.0
@@ -106,6 +108,14 @@ def following(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     return f"current is {error:+.2f} A from the command for {1e3 * lasted:.0f} ms"
 
 
+def overcurrent(motor: Watched, limits: Limits, now_ns: int) -> str | None:
+    """A motor under a voltage carries more than may be asked for, and more than it may be apart."""
+    current, more = motor.state.current, limits.following
+    if not motor.by_voltage or abs(current) <= limits.current + more:
+        return None
+    return f"current is {current:+.2f} A, limit {limits.current:g} A and {more:g} A more"
+
+
 def frozen(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     """Feedback comes, but always the same, although the command changes."""
     lasted = (now_ns - motor.state.changed_ns) * 1e-9
@@ -125,7 +135,16 @@ def lifeless(motor: Watched, limits: Limits, now_ns: int) -> str | None:
 
 
 AT_ONCE: tuple[Reason, ...] = (silence,)
-LASTING: tuple[Reason, ...] = (travel, speed, temperature, encoder, following, frozen, lifeless)
+LASTING: tuple[Reason, ...] = (
+    travel,
+    speed,
+    temperature,
+    encoder,
+    overcurrent,
+    following,
+    frozen,
+    lifeless,
+)
 
 
 def reason_to_stop(motor: Watched, limits: Limits, now_ns: int, heard: bool) -> str | None:

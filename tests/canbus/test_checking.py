@@ -12,6 +12,7 @@ from spirob.canbus.checking import check
 from spirob.canbus.listening import listen
 from spirob.cli.main import main
 from spirob.drives import find_drive
+from spirob.emulator import EmulatedRobot
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.service import serve
@@ -46,6 +47,17 @@ def test_a_good_bus_has_no_faults_but_those_of_this_computer():
     assert found.delay["left"][0] == pytest.approx(0.9e-3)
     assert not [f for f in found.faults if "motor" in f]
     assert not found.skipped
+
+
+def test_a_drive_in_voltage_mode_is_checked_at_zero_volts():
+    quiet = Quiet()
+    quiet.robot = EmulatedRobot(EmulatedRig(by_voltage=True), HiddenSettings("none"), 1)
+    found = check(quiet, 0.3, find_drive("gm6020"))
+    assert found.lost == {"left": 0.0, "right": 0.0}
+    assert not quiet.robot.machine.state["volts"].any()
+    quiet.robot.close()
+    said = ("can", "check", "--interface", "virtual", "--drive", "gm6020", "--bitrate", "250000")
+    assert main(list(said)) == 2
 
 
 def test_lost_frames_are_counted_and_named():

@@ -2,16 +2,22 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from jinja2 import Environment, StrictUndefined
 
 from spirob.cli.reference import features
 from spirob.cli.reference.ports import renewed
 from spirob.perceive.features import FEATURES
-from tests.docs.blocks import follow
+from tests.docs.blocks import BLOCK, follow
 
 DOCS = Path(__file__).parents[2] / "docs"
-OWN = ("from_python", "tutorial", "new_effect", "conventions", "reference")
+ROOT = DOCS.parent
+STATED = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+PAGES = [*STATED, *sorted((DOCS / "lab").glob("*.md")), ROOT / "CHANGELOG.md"]
+NAMED = re.compile(r"`((?:spirob|pipeline|tests|conf|docs)/[\w./]+)`")  # of files and folders
+SHORT = {"diagnosis": 1200, "any_rig": 1200}  # words
 
 
 @pytest.mark.parametrize(
@@ -35,8 +41,8 @@ def test_the_ports_of_the_conventions_are_those_of_the_program():
     assert renewed(text.replace("N·m", "Nm")) != text.replace("N·m", "Nm")
 
 
-def test_the_features_of_the_experiments_are_those_of_the_program():
-    text = (DOCS / "experiments.md").read_text(encoding="utf-8")
+def test_the_features_of_a_wrap_are_those_of_the_program():
+    text = (DOCS / "size.md").read_text(encoding="utf-8")
     assert features.renewed(text) == text
     for name, one in FEATURES.items():
         assert text.count(f"| {one.kind} | `{name}` | {one.unit} | ") == 1
@@ -44,9 +50,52 @@ def test_the_features_of_the_experiments_are_those_of_the_program():
     assert features.renewed(gone) != gone
 
 
-@pytest.mark.parametrize("page", OWN)
-def test_links_lead_to_files(page):
-    text = (DOCS / f"{page}.md").read_text(encoding="utf-8")
-    links = re.findall(r"\]\(([^)#]+)\)", text)
+def anchors(page):
+    """Of its headings, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head).strip().lower().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_to_files_and_headings(page):
+    links = re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
     assert links
-    assert [link for link in links if not (DOCS / link).exists()] == []
+    for link in links:
+        file, _, heading = link.partition("#")
+        if file.startswith("http"):
+            continue
+        target = (page.parent / file) if file else page
+        assert target.exists(), link
+        assert not heading or heading in anchors(target), link
+
+
+@pytest.mark.parametrize("page", STATED, ids=lambda page: page.name)
+def test_files_that_a_page_names_exist(page):
+    named = set(NAMED.findall(page.read_text(encoding="utf-8")))
+    made_up = {name for name in named if "NAME" in name or name.startswith("data/")}
+    assert [name for name in sorted(named - made_up) if not (ROOT / name).exists()] == []
+
+
+@pytest.mark.parametrize("page", SHORT)
+def test_a_page_that_is_read_whole_is_short(page):
+    assert len((DOCS / f"{page}.md").read_text(encoding="utf-8").split()) <= SHORT[page]
+
+
+def test_every_page_is_found_from_the_first():
+    first = (DOCS / "README.md").read_text(encoding="utf-8")
+    pages = [*DOCS.glob("*.md"), *DOCS.glob("lab/*.md")]
+    lab = (DOCS / "lab" / "README.md").read_text(encoding="utf-8")
+    found = re.findall(r"\]\((?:lab/)?([^)#]+)\)", first + lab)
+    assert {page.name for page in pages} - {"README.md"} <= set(found)
+
+
+def test_the_section_of_the_page_renders(tmp_path):
+    blocks = BLOCK.findall((DOCS / "extending.md").read_text(encoding="utf-8"))
+    (_, script, code), (_, file, template) = blocks
+    names = {"__name__": "spirob.report.sections." + script.removesuffix(".py")}
+    exec(compile(code, script, "exec"), names)
+    section = names["TrialList"]()
+    assert (section.name, section.template) == ("trial_list", file)
+    data = SimpleNamespace(compare={"trials": [{"name": "deep bend"}]})
+    page = Environment(undefined=StrictUndefined).from_string(template)
+    assert "<li>deep bend</li>" in page.render(section.get_context(data))

@@ -15,6 +15,7 @@ from spirob.errors import ConfigError, DataError, SpirobError
 FILES = {
     "c620": resources.files("spirob").joinpath("c620.dbc").read_text(),
     "odrive": resources.files("spirob.drives").joinpath("odrive.dbc").read_text(),
+    "gm6020": resources.files("spirob.drives").joinpath("gm6020.dbc").read_text(),
     "odd": """VERSION ""
 
 BS_:

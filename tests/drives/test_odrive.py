@@ -131,5 +131,5 @@ def test_a_drive_of_your_own_is_found_by_its_file(tmp_path):
         find_drive(str(tmp_path / "mine.yaml"))
     (tmp_path / "mine.dbc").write_text(DRIVE.dbc_text)
     assert find_drive(str(tmp_path / "mine.yaml")).frame_id("Axis1_Get_Iq") == 52
-    with pytest.raises(ConfigError, match="no drive 'servo'; known: c620, odrive"):
+    with pytest.raises(ConfigError, match="no drive 'servo'; known: c620, gm6020, odrive"):
         find_drive("servo")

@@ -11,7 +11,7 @@ from spirob.effects.replay import run
 from spirob.plant.check import check_in_model
 from tests.effects.effects import EFFECTS, whole
 
-# the issue's list; an effect that goes missing must not take its tests with it
+# the library's list; an effect that goes missing must not take its tests with it
 LIBRARY = """
     coulomb_friction stribeck_friction presliding_friction quadratic_drag
     asymmetric_viscous_friction load_dependent_friction direction_dependent_efficiency cogging

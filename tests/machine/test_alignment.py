@@ -1,10 +1,12 @@
 """No log is aligned to better than a sample, and a smoothed model is no lag."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.alignment import only_aligns, with_delay
+from spirob.machine.alignment import FARTHEST, inside, only_aligns, usual, with_delay
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
 from spirob.machine.recording import prepare
@@ -14,6 +16,7 @@ from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 W = 2 * np.pi * 0.7
+TRUE = {"rig.inertia": 0.03, "rig.viscous": 0.1}
 
 
 def models(lag, effects=(), period=2e-3):
@@ -25,14 +28,15 @@ def models(lag, effects=(), period=2e-3):
         v = W * np.cos(W * t) + 1.11 * W * np.cos(3.7 * W * t)
         return 0.1 * v - 0.03 * W**2 * (np.sin(W * t) + 4.107 * np.sin(3.7 * W * t))
 
-    rig = with_delay(RigFile.model_validate(description(filter={"cutoff": 40.0})), period)
+    rig = RigFile.model_validate(description(filter={"cutoff": 40.0}))
     log = prepare("log", {"t": t, "q": q, "u": effort(t - lag)}, rig)
+    rig, (log,), _ = with_delay(rig, [log], [], 0.02)
     chosen = [all_effects()[name] for name in effects]
     problem = InverseProblem(rig, None, [log], chosen, SIZES, 0.02)
     return Models(problem, problem, [f"rig.{n}" for n in rig.fit]), rig
 
 
-@pytest.mark.parametrize("lag", [-2e-3, 0.0, 1.3e-3])
+@pytest.mark.parametrize("lag", [-50e-3, -12e-3, -2e-3, 0.0, 1.3e-3, 9e-3, 33.3e-3, 57e-3])
 def test_the_delay_of_a_log_is_found(lag):
     made, _ = models(lag)
     changes = made.fitted((), {}).fit.changes
@@ -40,14 +44,63 @@ def test_the_delay_of_a_log_is_found(lag):
     assert changes["rig.inertia"] == pytest.approx(0.03, rel=0.01)
 
 
+@pytest.mark.parametrize("lag", [0.0, 5e-3, 40e-3])
+def test_bounds_of_a_delay_reach_as_far_as_logs_lie_apart(lag):
+    made, rig = models(lag)
+    delay, most = rig.fit["delay"], usual(2e-3)
+    assert delay.low == -most
+    assert delay.high == pytest.approx(most if lag < most else lag + most, abs=most / 2)
+    assert not made.fitted((), {}).fit.estimates["rig.delay"].at_bound
+
+
 def test_a_delay_that_is_given_is_not_fitted():
     rig = RigFile.model_validate(description(known={"delay": 0.0}))
-    assert with_delay(rig, 1e-3) is rig
+    assert with_delay(rig, [log_of(rig)], [], 0.02)[0] is rig
 
 
-def test_a_lag_counts_from_where_alignment_ends():
-    effects = (all_effects()["current_lag"],)
-    made, rig = models(0.012, ["current_lag"])
-    assert not only_aligns(made.fitted(effects, {"current_lag.time": 0.01}), rig)
-    made, rig = models(0.001, ["current_lag"])
-    assert only_aligns(made.fitted(effects, {"current_lag.time": 0.001}), rig)
+def test_rows_without_a_partner_are_not_compared():
+    rig = RigFile.model_validate(description(known={"delay": -0.04}))
+    log = log_of(rig)
+    _, (cut,), _ = with_delay(rig, [log], [], 0.02)
+    ends = round(0.04 / log.period)
+    before, after = log.pieces[0].use, cut.pieces[0].use
+    assert not after[:ends].any()
+    assert not after[-ends:].any()
+    np.testing.assert_array_equal(after[ends:-ends], before[ends:-ends])
+
+
+def test_a_piece_that_a_delay_leaves_nothing_of_is_no_piece():
+    log = log_of(RigFile.model_validate(description()))
+    assert inside(log, FARTHEST).pieces
+    assert not inside(log, 4.0).pieces
+
+
+def log_of(rig):
+    t = np.arange(0, 8, 2e-3)
+    return prepare("log", {"t": t, "q": np.sin(W * t), "u": np.cos(W * t)}, rig)
+
+
+@pytest.mark.parametrize(
+    ("age", "delay", "no_more"),
+    [(0.010, 0.0, False), (0.010, -0.005, True), (0.001, 0.0, True), (0.030, -0.045, True)],
+)
+def test_a_lag_counts_from_where_alignment_ends(age, delay, no_more):
+    _, rig = models(0.040)
+    changes = {"current_lag.time": age, "rig.delay": delay}
+    lagging = SimpleNamespace(
+        effects=(all_effects()["current_lag"],), fit=SimpleNamespace(changes=changes)
+    )
+    assert only_aligns(lagging, rig, 2e-3) == no_more
+
+
+@pytest.mark.parametrize("delay", [-0.04, 0.0, 0.025])
+@pytest.mark.parametrize("latency", [0.003, 0.007])
+def test_a_latency_adds_to_the_delay_of_a_log(latency, delay):
+    """A frame that is old when it arrives, and a channel that is logged late: both only shift."""
+    made, _ = models(delay - latency, ["feedback_latency"], period=1e-3)
+    given = {"rig.delay": delay, "feedback_latency.latency": latency}
+    both = made.train(TRUE | given)
+    one = made.train(TRUE | {"rig.delay": delay - latency})
+    size = made.size
+    assert np.sqrt(np.mean(both**2)) < 2e-3 * size
+    assert np.sqrt(np.mean((both - one) ** 2)) < 2e-3 * size

@@ -72,6 +72,9 @@ def configured(project):
         ("perceive.repeats=0", "perceive.repeats"),
         ("rig.name=x y z=", "rig.name"),
         ("+rig.units=0", "units"),
+        ("+rig.drive.loop=bus", "rig: drive.loop is drive or host, not 'bus'"),
+        ("+rig.drive={loop: host, host: {bandwidth: 200}}", "the largest bandwidth is 110.3 Hz"),
+        ("+rig.drive={loop: host, host: {proportional: 2}}", "that are stable: K_p = 0."),
         # what later stages would refuse, after the robot has played for a minute
         ("robot.hidden.effect=coging", "robot.hidden.effect: no hidden effect 'coging'; known: "),
         ("robot.hidden.effect=cogging:50", "robot.hidden.effect: hidden effect: strength = 50"),
@@ -122,6 +125,12 @@ def test_a_file_of_an_effect_that_fails_is_a_sentence(project, monkeypatch, key,
         (["robot=simulated", "+robot.changes.motor=1"], "robot.changes: no parameter 'motor'"),
         (["robot=can", "robot.interface=smoke"], "no interface 'smoke'"),
         (["robot=can", "robot.drive=nothing"], "no drive 'nothing'"),
+        (["robot=can", "rig=spirob_direct_host"], "drive 'c620' has no voltage mode"),
+        (["robot=can", "robot.drive=gm6020"], "'gm6020' takes voltages"),
+        (
+            ["robot=can", "rig=spirob_direct_host", "robot.drive=gm6020", "robot.bitrate=250000"],
+            "a bus of 250 kbit/s is slower than the loop",
+        ),
         (["identify.filter.kind=moving_average", "identify.filter.window=9000"], "needs at least"),
     ],
 )

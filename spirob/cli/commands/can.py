@@ -19,7 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         one.add_argument("--channel", default="can0", help="such as can0 or PCAN_USBBUS1")
         one.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s")
         one.add_argument("--seconds", type=float, default=2.0, help="how long to listen or play")
-    check.add_argument("--drive", default="c620", help="c620, odrive, or a description of your own")
+    check.add_argument(
+        "--drive", default="c620", help="c620, odrive, gm6020, or a description of your own"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -50,7 +52,7 @@ def _scan(arguments: argparse.Namespace) -> int:
         return 0
     bus = open_bus(arguments.interface, arguments.channel, arguments.bitrate)
     try:
-        heard = listen(bus, arguments.seconds, [find_drive("odrive")])
+        heard = listen(bus, arguments.seconds, [find_drive("odrive"), find_drive("gm6020")])
     finally:
         bus.shutdown()
     for one in heard:
@@ -68,17 +70,22 @@ def _check(arguments: argparse.Namespace) -> int:
     from spirob.canbus import CanRobot, open_bus
     from spirob.canbus.checking import check
     from spirob.drives import find_drive
+    from spirob.drives.traffic import require_fast_enough
     from spirob.errors import ConfigError
 
     if arguments.interface is None:
         raise ConfigError("`spirob can check` needs --interface; `spirob can scan` lists them")
     drive = None if arguments.drive == "c620" else find_drive(arguments.drive)
+    if drive and drive.by_voltage:
+        require_fast_enough(drive, arguments.bitrate)
     bus = open_bus(arguments.interface, arguments.channel, arguments.bitrate)
     robot = CanRobot(bus, silence_ns=500_000_000, drive=drive, urgent=True)
     try:
         found = check(robot, arguments.seconds, drive)
     finally:
         robot.close()
+    if drive and drive.by_voltage:
+        print(f"{drive.about.name} takes voltages: zero volts were sent, the host closes the loop")
     for motor, rate in found.rate.items():
         print(
             f"{motor}: {rate:.1f} feedback frames/s, {100 * found.lost[motor]:.2f} % lost; "

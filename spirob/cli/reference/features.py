@@ -1,6 +1,6 @@
 """The features of a wrap as a table, which `python -m spirob.cli.reference.features` renews.
 
-It stands in docs/experiments.md between two comments, and a test holds it against `FEATURES`.
+It stands in docs/size.md between two comments, and a test holds it against `FEATURES`.
 """
 
 import re
@@ -9,7 +9,7 @@ from pathlib import Path
 from spirob.cli.reference.renewal import renew
 from spirob.perceive.features import FEATURES
 
-PAGE = Path("docs/experiments.md")
+PAGE = Path("docs/size.md")
 PLACE = re.compile(r"(<!-- features:[^>]*-->\n).*?(<!-- end of features -->)", re.DOTALL)
 
 

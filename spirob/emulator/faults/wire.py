@@ -23,6 +23,7 @@ class Wire:
 
     def __init__(self, placed: Sequence[Placed] = ()):
         self._placed = list(placed)
+        self.feedback_id = FEEDBACK_ID  # before that of the first drive
         self._courses: list[dict[str, Course]] = []
 
     def __bool__(self) -> bool:
@@ -54,8 +55,9 @@ class Wire:
         out = list(frames)
         for placed, courses in zip(self._placed, self._courses, strict=True):
             if "feedback" in placed.directions:
-                mine = [f for f in out if f.arbitration_id - FEEDBACK_ID - 1 in placed.motors]
-                others = [f for f in out if f.arbitration_id - FEEDBACK_ID - 1 not in placed.motors]
+                first = self.feedback_id + 1
+                mine = [f for f in out if f.arbitration_id - first in placed.motors]
+                others = [f for f in out if f.arbitration_id - first not in placed.motors]
                 out = others + placed.fault.passed(mine, courses["feedback"])
         return sorted(out, key=lambda frame: frame.stamp_ns)
 

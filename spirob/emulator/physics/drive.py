@@ -9,13 +9,15 @@ aims at is the command less a dead band with a soft knee, i = c - δ tanh(c/δ),
 
     C ϑ̇ = R i² - ϑ/R_th (1 + (aϑ)³)      R = R₀ (1 + α_R ϑ)      ϑ above the room
 
-What heat does to the magnets stands in magnets.py; a is the heat that radiation carries off.
+What heat does to the magnets stands in magnets.py; a is the heat that radiation carries off.  A
+drive that is told a voltage has no loop of its own (winding.py).
 """
 
 import numpy as np
 
 from spirob.emulator.physics.compiled import SIDES, compiled
 from spirob.emulator.physics.magnets import torque_constant
+from spirob.emulator.physics.winding import hold, take
 
 NUMBERS = {
     "resistance": (SIDES,),  # R₀ [Ω]
@@ -73,18 +75,22 @@ def drive(p, s, w, h):
         nominal = p.torque_constant[m] * s.rotor_speed[m]
         cut = 2.0 * np.pi * p.bandwidth
         total = 0.0
-        for _ in range(count):
-            error = w.target[m] - sensed(p, s, m)
-            wanted = cut * p.inductance[m] * error + s.integral[m] + nominal
-            voltage = min(max(wanted, -p.supply), p.supply)
-            if wanted == voltage or (wanted - voltage) * error < 0.0:
-                s.integral[m] += cut * p.resistance[m] * error * dt
-            settled = (voltage - back_emf) / resistance
-            total += 0.5 * s.current[m]
-            s.current[m] = settled + (s.current[m] - settled) * decay
-            total += 0.5 * s.current[m]
-        w.mean_current[m] = total / count
+        if p.by_voltage > 0.0:
+            w.mean_current[m] = hold(p, s, w, m, resistance, back_emf, h)
+        else:
+            for _ in range(count):
+                error = w.target[m] - sensed(p, s, m)
+                wanted = cut * p.inductance[m] * error + s.integral[m] + nominal
+                voltage = min(max(wanted, -p.supply), p.supply)
+                if wanted == voltage or (wanted - voltage) * error < 0.0:
+                    s.integral[m] += cut * p.resistance[m] * error * dt
+                settled = (voltage - back_emf) / resistance
+                total += 0.5 * s.current[m]
+                s.current[m] = settled + (s.current[m] - settled) * decay
+                total += 0.5 * s.current[m]
+            w.mean_current[m] = total / count
         lost = s.warmth[m] / p.heat_resistance[m]
         if p.heat_escape > 0.0:
             lost *= 1.0 + (p.heat_escape * s.warmth[m]) ** 3
         s.warmth[m] += h * (resistance * w.mean_current[m] ** 2 - lost) / p.heat_capacity[m]
+    take(w, h)

@@ -26,10 +26,11 @@ from spirob.emulator.physics import (
     turns,
     whole,
     winch,
+    winding,
 )
 
 ARM = (body, chain, contact, turns, whole, guides, tendon, line)
-DRIVES = (drive, magnets, motor, friction, gear, winch, load, sensing)
+DRIVES = (drive, winding, magnets, motor, friction, gear, winch, load, sensing)
 PARTS = (*ARM, *DRIVES)
 
 

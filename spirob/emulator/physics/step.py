@@ -95,6 +95,8 @@ def step(p, s, w, h):
 def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
     """Hold the commanded currents [A] for `steps` steps of h [s], then write the feedback.
 
+    A machine in voltage mode takes the voltages that come in the cycle instead (`winding`).
+
     numbers, state, scratch  arrays of one record each
     noise    (2,) one standard normal number for each current sensor
     counts   (2, 4) int64, angle, speed, current and temperature of each drive
@@ -109,7 +111,9 @@ def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
         routing(p, s, w, h)
         contact(p, s, w, h)
     often = max(int(EVERY / h), 1)
+    w.taken = 0.0
     for k in range(steps):
+        w.elapsed = k * h
         if k % often == 0:
             look_round(p, s, w)
         if not step(p, s, w, h):

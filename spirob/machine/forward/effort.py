@@ -18,11 +18,11 @@ def drive_reading(asked: AskedEffort, p: np.ndarray) -> np.ndarray:
     errors of the sensor itself are undone in the loop, as a controller meets them too.  Of a lag
     slow changes are restored: a fast one is noise by the time that it is reported.
     """
-    measured = asked.motion.effort
-    delay = float(p[asked.table.position("rig.delay")])
-    wanted = late(measured, -delay, asked.motion)
+    measured = wanted = asked.motion.effort
     for effect in asked.present("sensing.frame", p):
         wanted = wanted - measured + asked.in_cycles(effect, p, asked.motion)
+    delay = float(p[asked.table.position("rig.delay")])
+    wanted = late(wanted, -delay, asked.motion)
     found = wanted
     if asked.present("sensing.report", p):
         for _ in range(PASSES):

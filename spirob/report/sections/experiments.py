@@ -31,6 +31,7 @@ def _experiment(name: str, one: dict[str, Any]) -> dict[str, Any]:
     first = [r for r in one["rows"] if r["aim"] or r["paper"] is not None]
     return {
         "title": one["title"],
+        "about": one.get("about", ""),
         "rows": [_row(r) for r in first],
         "others": [_row(r) for r in one["rows"] if r not in first],
         "plots": overlays(name, one["curves"]),

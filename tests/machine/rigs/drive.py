@@ -33,7 +33,7 @@ def saturating(seed: int) -> Case:
 
 
 def smoothed(seed: int) -> Case:
-    """A drive that reports its current through two stages of smoothing."""
+    """A drive that reports its current through two stages of smoothing, logged without a delay."""
     rng = np.random.default_rng(seed)
     inertia, viscous, delay = rng.uniform(0.02, 0.05), 0.1, rng.uniform(0.01, 0.03)
 
@@ -48,7 +48,9 @@ def smoothed(seed: int) -> Case:
         return {**made, "u": seen}
 
     trials = trials_of(make, rng, 0.004)
-    return Case(description(), trials[:2], trials[2], {"named"}, [{"current_lag"}])
+    return Case(
+        description(known={"delay": 0.0}), trials[:2], trials[2], {"named"}, [{"current_lag"}]
+    )
 
 
 def late(seed: int) -> Case:

@@ -1,0 +1,151 @@
+"""Single contact with the current loop on the host: voltages over the bus, readings a cycle old.
+
+The same shots as in `single_contact`.  A motor that is pushed turns, and its back-EMF moves the
+current until the loop has answered.  Fed forward as in (12), by a reading that is τ old, it is
+taken away again all but k_e(ω(t) - ω(t - τ)); without that term feedback alone is against it.
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, difference
+from spirob.experiments.experiment import Play, Sides, curve, row
+from spirob.experiments.host_loop import GainSet, gain_sets
+from spirob.experiments.response import smooth
+from spirob.experiments.side import Side
+from spirob.experiments.single_contact import (
+    PEAK,
+    READ,
+    SMOOTHING,
+    SingleContact,
+    rank_agreement,
+    responses,
+    visible,
+)
+
+ORDER = 0.9  # least rank agreement
+APART = 0.3  # most by which a peak of the model may be off
+SMALL = 5.0  # counts; smaller peaks are not compared in size
+MODELS = ("base", "named")
+Found = dict[str, list[dict[str, float]]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HostContact(SingleContact):
+    """As SingleContact, but for: bandwidths [Hz] at which the gains of the loop are placed,
+    shares of the back-EMF that it feeds forward, latency from a reading to its voltage [s].
+    """
+
+    title: ClassVar[str] = "Single contact, no gearbox, current loop on the host"
+    about: ClassVar[str] = (
+        "A loop in the drive answers a push within a fraction of a millisecond and hides it; one "
+        "on the host hears of it a cycle late and answers slowly, so that the back-EMF of the "
+        "pushed motor stands in its current. Whatever of that back-EMF the host feeds forward, "
+        "as the paper's (12) does, it takes away again, but for what came within the latency."
+    )
+    bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
+    shares: tuple[float, ...] = (1.0, 0.0)
+    latency: float = 0.001
+
+    @property
+    def sets(self) -> list[GainSet]:
+        """Every set of gains."""
+        return gain_sets(self.bandwidths, self.shares, self.latency)
+
+    def plays(self) -> list[Play]:
+        out = []
+        for one in self.sets:
+            for place in (None, *self.places):
+                name = self._play(one, place)
+                out.append(Play(name, self._trial(name, place), one.rig()))
+        return out
+
+    def _play(self, one: GainSet, place: float | None) -> str:
+        return f"host_ball_{one.key}_{'free' if place is None else f'{100 * place:.0f}'}"
+
+    def _found(self, sides: Sides, one: GainSet) -> Found:
+        """Side -> responses at every place."""
+        free = sides[self._play(one, None)]
+        hits = [sides[self._play(one, place)] for place in self.places]
+        return {s: [responses(hit[s], free[s], self.hit) for hit in hits] for s in free}
+
+    def measure(self, sides: Sides) -> list[dict[str, Any]]:
+        rows = [GainSet(b, 1.0, self.latency).margin() for b in self.bandwidths]
+        for one in self.sets:
+            found = self._found(sides, one)
+            for key, what in READ:
+                for k, place in enumerate(self.places):
+                    told = {s: r[k] for s, r in found.items() if key in r[k]}
+                    rows.append(self._row(f"{what}, {one.words}, at {place:.0%}", key, told))
+            if "robot" in found:
+                rows += [self._order(one, found), self._size(one, found)]
+        return rows
+
+    def _order(self, one: GainSet, found: Found) -> dict[str, Any]:
+        """Rank of the current's peak over the places where the robot shows it."""
+        what = f"rank agreement of current peak, {one.words}"
+        robot = found["robot"]
+        shown = [k for k, r in enumerate(robot) if visible(r["peak"], r["peak error"])]
+        note = "robot: against the distance from the base, models: against the robot"
+        if len(shown) < len(self.places):
+            at = ", ".join(f"{self.places[k]:.0%}" for k in shown) or "none"
+            return row(what, "1", {}, note=f"no order: visible on the robot at {at}")
+        peaks = {s: [r["peak"] for r in rows] for s, rows in found.items() if "peak" in rows[0]}
+        agree = {m: rank_agreement(peaks[m], peaks["robot"]) for m in MODELS if m in peaks}
+        agree["robot"] = rank_agreement(peaks["robot"], list(self.places))
+        met = bool(min(agree["robot"], agree.get("named", np.nan)) >= ORDER)
+        aim = f"at least {ORDER} each"
+        return row(what, "1", agree, paper="rises to the tip", aim=aim, met=met, note=note)
+
+    def _size(self, one: GainSet, found: Found) -> dict[str, Any]:
+        """How far the models' peaks are off where the robot's is no noise, at the worst place."""
+        robot = found["robot"]
+        told = [
+            k
+            for k, r in enumerate(robot)
+            if visible(r["peak"], r["peak error"]) and r["peak"] > SMALL
+        ]
+        off = {
+            m: max(abs(found[m][k]["peak"] / robot[k]["peak"] - 1.0) for k in told)
+            for m in MODELS
+            if m in found and told
+        }
+        met = bool(off["named"] <= APART) if "named" in off else None
+        at = ", ".join(f"{self.places[k]:.0%}" for k in told) or "none"
+        what = f"current peak off the robot's, {one.words}"
+        note = f"worst of the places where the robot shows more than {SMALL:g} counts: {at}"
+        return row(what, "1", off, aim=f"at most {APART}", met=met, note=note)
+
+    def curves(self, sides: Sides) -> list[dict[str, Any]]:
+        out, at = [], 100 * np.array(self.places)
+        for one in self.sets:
+            for s, found in self._found(sides, one).items():
+                if "peak" in found[0]:
+                    peaks = np.array([r["peak"] for r in found])
+                    out.append(curve(one.words, "current peak", "counts", s, at, peaks, 1))
+        slowest = GainSet(self.bandwidths[0], self.shares[-1], self.latency)
+        for place in self.places[:: max(1, len(self.places) // 3)]:
+            play = f"{slowest.words}, at {place:.0%}"
+            hit, free = (sides[self._play(slowest, p)] for p in (place, None))
+            for s in hit:
+                if hit[s].current is not None:
+                    out += self._in_time(play, s, hit[s], free[s])
+        return out
+
+    def _in_time(self, play: str, s: str, hit: Side, free: Side) -> list[dict[str, Any]]:
+        """The measured current, and beside it i** of the models with the robot's current again."""
+        first = round(1e3 * self.hit) - 50
+        span = slice(first, first + round(1e3 * PEAK) + 50)
+        time = np.arange(span.stop - span.start) * 1e-3
+        current = smooth(difference(hit, free, "current"), SMOOTHING)[span]
+        reconstructed = current
+        if hit.arm_current is not None and free.arm_current is not None:
+            apart = COUNTS_PER_AMPERE * (hit.arm_current - free.arm_current)[:, self.motor]
+            reconstructed = smooth(apart, SMOOTHING)[span]
+        named = "i** of the models, current of the robot"
+        return [
+            curve(play, "current after a hit", "counts", s, time, current, 3),
+            curve(play, named, "counts", s, time, reconstructed, 3),
+        ]

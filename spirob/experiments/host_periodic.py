@@ -1,0 +1,120 @@
+"""Periodic contact with the current loop on the host: the wheel of `periodic_contact`.
+
+The apparent period is told by two rules: the strongest line of the spectrum, of a count at least,
+and the mean interval between peaks that stand out of what the current does without a contact.
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.signal import find_peaks
+
+from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
+from spirob.experiments.experiment import Play, Sides, curve, row, within
+from spirob.experiments.host_loop import GainSet, gain_sets
+from spirob.experiments.periodic_contact import PAPER, PeriodicContact, seen
+from spirob.experiments.response import PERIOD, smooth
+from spirob.experiments.side import Side
+
+SMOOTHING = 11  # samples
+APART = 0.02  # s, least between two peaks
+ALIKE = 0.1  # most by which an apparent period of the model may be off
+SIGNALS = ("current", "filtered")
+
+
+def highest(values: np.ndarray) -> float:
+    """By how much the highest peak of a signal rises from its surroundings; 0 without any."""
+    _, about = find_peaks(values, prominence=0.0)
+    return float(np.max(about["prominences"], initial=0.0))
+
+
+def peak_interval(values: np.ndarray, least: float) -> float:
+    """Mean interval [s] between peaks of a signal that rise by `least` from their surroundings.
+
+    NaN where there are not two.
+    """
+    peaks, _ = find_peaks(values, prominence=least, distance=round(APART / PERIOD))
+    return float(np.mean(np.diff(peaks)) * PERIOD) if len(peaks) > 1 else float("nan")
+
+
+@dataclass(frozen=True, kw_only=True)
+class HostPeriodic(PeriodicContact):
+    """As PeriodicContact, but for: bandwidths [Hz] at which the gains of the loop are placed,
+    shares of the back-EMF that it feeds forward, latency from a reading to its voltage [s].
+    """
+
+    title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
+    about: ClassVar[str] = (
+        "The current follows the arm's own swing between hits of the wheel, for a slow loop on the "
+        "host lets the back-EMF through. What (12) feeds forward hides it here as well."
+    )
+    bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
+    shares: tuple[float, ...] = (1.0, 0.0)
+    latency: float = 0.001
+
+    @property
+    def sets(self) -> list[GainSet]:
+        """Every set of gains."""
+        return gain_sets(self.bandwidths, self.shares, self.latency)
+
+    def plays(self) -> list[Play]:
+        out = []
+        for one in self.sets:
+            for place in (None, *self.places):
+                name = self._play(one, place)
+                out.append(Play(name, self._trial(name, place), one.rig()))
+        return out
+
+    def _play(self, one: GainSet, place: float | None) -> str:
+        return f"host_{one.key}_{self._name(place)}"
+
+    def measure(self, sides: Sides) -> list[dict[str, Any]]:
+        rows = []
+        for one in self.sets:
+            # the same rule as with the loop in the drive, on the plays of this set
+            own = {self._name(p): sides[self._play(one, p)] for p in (None, *self.places)}
+            for k, place in enumerate(self.places):
+                for signal in SIGNALS:
+                    rows += self._told(own, one, k, place, signal)
+        return rows
+
+    def _told(
+        self, own: Sides, one: GainSet, k: int, place: float, signal: str
+    ) -> list[dict[str, Any]]:
+        periods, sizes, lines = self._lines(own, place, signal)
+        hits, free = own[self._name(place)], own[self._name(None)]
+        gaps = {s: self._gap(hits[s], free[s], signal) for s in periods}
+        hidden = [s for s, period in periods.items() if np.isnan(period)]
+        note = f"not visible, no line of one count: {', '.join(hidden)}" if hidden else ""
+        at = f"{signal}, {one.words}, at {place:.0%}"
+        paper = PAPER[k] if signal == "filtered" and len(self.places) == len(PAPER) else None
+        tip = k == len(self.places) - 1 and signal == "current"
+        met = within(periods.get("named"), periods.get("robot"), ALIKE) if tip else None
+        aim = f"within {ALIKE:.0%}" if tip and met is not None else None
+        return [
+            row(f"apparent period of {at}", "s", periods, paper=paper, aim=aim, met=met, note=note),
+            row(f"interval between peaks of {at}", "s", gaps),
+            row(f"swing of {at}", "counts", sizes),
+            row(f"line at 1/T of {at}", "counts", lines),
+        ]
+
+    def _gap(self, hit: Side, free: Side, signal: str) -> float:
+        values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
+        alone = smooth(COUNTS_PER_AMPERE * free.driven(signal, self.motor), SMOOTHING)
+        noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
+        return peak_interval(values, max(1.0, noise))
+
+    def curves(self, sides: Sides) -> list[dict[str, Any]]:
+        out = []
+        one = GainSet(self.bandwidths[0], self.shares[-1], self.latency)
+        free = sides[self._play(one, None)]
+        for place in self.places:
+            for s, hit in sides[self._play(one, place)].items():
+                if hit.current is None:
+                    continue
+                values = smooth(seen(hit, free[s], "current", self.begins), SMOOTHING)
+                time = np.arange(len(values)) * 1e-3
+                play = f"{one.words}, at {place:.0%}"
+                out.append(curve(play, "current", "counts", s, time, values, 10))
+        return out

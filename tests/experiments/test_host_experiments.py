@@ -1,0 +1,115 @@
+"""The passive experiments with the loop on the host: rules on signals whose answer is known."""
+
+import numpy as np
+import pytest
+
+from spirob.bench import Trial
+from spirob.bench.simulate import simulate
+from spirob.experiments import Side
+from spirob.experiments.host_contact import HostContact
+from spirob.experiments.host_loop import GainSet
+from spirob.experiments.host_periodic import HostPeriodic, highest, peak_interval
+from spirob.plant import Plant, Rig
+
+COUNT = 20 / 16384
+
+
+def test_a_set_of_gains_is_a_rig():
+    rig = Rig.from_mapping(GainSet(10.0, 0.0, 0.8e-3).rig())
+    assert (rig.host.bandwidth, rig.host.latency) == (10.0, 0.8e-3)
+    assert rig.drive.emf_compensation == 0.0
+    assert rig.winch.gear_ratio == 1.0
+    assert GainSet(10.0, 1.0, 1e-3).margin()["base"] == pytest.approx(17.5, rel=1e-3)
+
+
+def test_peaks_that_stand_out_are_a_period_and_noise_is_none():
+    rng = np.random.default_rng(3)
+    t = np.arange(4000) * 1e-3
+    noise = rng.normal(size=4000)
+    pulses = 40 * np.exp(-(((t % 0.35) - 0.1) ** 2) / 2e-4)
+    assert peak_interval(pulses + noise, 2 * highest(noise)) == pytest.approx(0.35, abs=2e-3)
+    assert np.isnan(peak_interval(rng.normal(size=4000), 2 * highest(noise)))
+    assert highest(np.zeros(100)) == 0.0
+
+
+def answers(experiment, robot, model):
+    """Sides whose left current rises by so many counts after the hit, place by place."""
+    sides = {}
+    for play in experiment.plays():
+        tail = play.name.rpartition("_")[2]
+        k = [f"{100 * p:.0f}" for p in experiment.places].index(tail) if tail.isdigit() else None
+        sides[play.name] = {
+            s: pulse(0.0 if k is None else sizes[k])
+            for s, sizes in (("robot", robot), ("base", model), ("named", model))
+        }
+    return sides
+
+
+def pulse(counts):
+    """A pulse of 0.1 s in the current after a hit at 0.5 s."""
+    current = np.full((1200, 2), 0.8)
+    current[520:620] += counts * COUNT
+    still = np.zeros((1200, 2))
+    return Side(current, still, still, np.full((1200, 2), 0.8))
+
+
+def rows_of(robot, model):
+    experiment = HostContact(bandwidths=(10.0,), shares=(0.0,))
+    return {r["what"]: r for r in experiment.measure(answers(experiment, robot, model))}
+
+
+RISING = [6, 8, 12, 25, 60, 170]
+
+
+def test_order_and_size_of_the_peaks():
+    rows = rows_of(RISING, [1.2 * c for c in RISING])
+    order = rows["rank agreement of current peak, 10 Hz without back-EMF"]
+    assert (order["robot"], order["named"], order["met"]) == (1.0, 1.0, True)
+    size = rows["current peak off the robot's, 10 Hz without back-EMF"]
+    assert size["named"] == pytest.approx(0.2, abs=1e-3)
+    assert size["met"]
+    rows = rows_of(RISING, RISING[::-1])
+    assert rows["rank agreement of current peak, 10 Hz without back-EMF"]["met"] is False
+    assert rows["current peak off the robot's, 10 Hz without back-EMF"]["met"] is False
+
+
+def test_what_is_below_a_count_has_no_order():
+    rows = rows_of([0.4, 8, 12, 25, 60, 170], RISING)
+    told = rows["rank agreement of current peak, 10 Hz without back-EMF"]
+    assert told["met"] is None
+    assert told["note"] == "no order: visible on the robot at 35%, 50%, 65%, 80%, 95%"
+
+
+def test_a_push_moves_the_current_of_a_loop_on_the_host_and_both_currents_are_told():
+    experiment = HostContact(bandwidths=(5.0,), shares=(1.0, 0.0), places=(0.95,))
+    peaks = {}
+    for one in experiment.sets:
+        plant = Plant(Rig.from_mapping(one.rig()))
+        sides = {}
+        for place in (None, 0.95):
+            trial = Trial.from_plain(experiment._trial("t", place))
+            trace = simulate(plant, trial, {})
+            assert {"left.voltage", "left.arm_current"} <= set(trace.signals)
+            sides[experiment._play(one, place)] = {"base": Side.from_trace(trace)}
+        assert sides[experiment._play(one, 0.95)]["base"].arm_current is not None
+        peaks[one.share] = experiment._found(sides, one)["base"][0]["peak"]
+    # what (12) feeds forward takes most of it away again, but not what came within the latency
+    assert peaks[0.0] > 3 * peaks[1.0] > 3.0
+
+
+def test_the_wheel_has_a_row_for_every_rule_and_set():
+    experiment = HostPeriodic(bandwidths=(5.0, 20.0), shares=(0.0,), places=(0.25, 0.55, 0.85))
+    t = np.arange(4500) * 1e-3
+    still = np.zeros((4500, 2))
+    sides = {}
+    for play in experiment.plays():
+        swing = 0.0 if "free" in play.name else 20 * COUNT
+        current = np.repeat((0.8 + swing * np.sin(2 * np.pi * t / 0.4))[:, None], 2, axis=1)
+        sides[play.name] = {s: Side(current, still, still, still) for s in ("robot", "named")}
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    for bandwidth in (5, 20):
+        at = f"current, {bandwidth} Hz without back-EMF, at 85%"
+        assert rows[f"apparent period of {at}"]["robot"] == pytest.approx(0.4, rel=0.01)
+        assert rows[f"apparent period of {at}"]["met"]
+        assert rows[f"interval between peaks of {at}"]["named"] == pytest.approx(0.4, rel=0.01)
+    assert rows["apparent period of filtered, 5 Hz without back-EMF, at 25%"]["paper"] == 0.4
