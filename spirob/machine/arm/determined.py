@@ -39,7 +39,7 @@ def determined(
     every = np.sort(np.concatenate([a[use] for a, use in zip(apart, used, strict=True)]))
     limit = max(limit, float(every[min(len(every), round(1e3 * LEAST)) - 1]))
     kept = [use & (a <= limit) for a, use in zip(apart, used, strict=True)]
-    counts = [np.count_nonzero(use) for use in kept]
+    counts = [int(np.count_nonzero(use)) for use in kept]
     trials = [
         replace(trial, use=use)
         for trial, use, count in zip(residual.trials, kept, counts, strict=True)
