@@ -114,9 +114,11 @@ def test_features_are_those_of_the_model_that_the_search_stands_by():
         "noise_floor": 0.5,
         "left": {"share": 0.2},
         "repairs": ["one"],
+        "evidence": [{"name": "a", "figures": {"wins": 0.97}}],
     }
     found = features(document)
     assert found["chosen"] == ["a"]
+    assert found["evidence"] == document["evidence"]
     assert found["stated"] == 0.97
     assert found["taken"] == 0.75
     assert found["gain"] == pytest.approx(1 - (2.0 / 2.1) ** 2)
