@@ -18,7 +18,7 @@ from spirob.machine.differing import KINDS, may_differ
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import judge
+from spirob.machine.judgement import judge, likely, weigh
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
 from spirob.machine.models import Model, label
@@ -209,12 +209,16 @@ def _finish(done: _Searched) -> Diagnosis:
     rest = _ceiling(search, found.chosen)
     while (lesser := search.without_imitations(found, rest.share)) is not None:
         found, rest = lesser, _ceiling(search, lesser.chosen)
+    weighed = weigh(search, found, rest)
+    if 0 < len(kept := likely(weighed)) < len(weighed):
+        found = search.narrowed(found, kept)
+        rest = _ceiling(search, found.chosen)
     bare, chosen = found.rungs[0], found.chosen
     low = rest
     if chosen is not bare:
         search.progress(f"what follows from the motion beside {label(bare.effects)}")
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
-    judgement = judge(search, found, low, rest, doubts(search, found, rest))
+    judgement = judge(search, found, low, rest, doubts(search, found, rest), weighed)
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)

@@ -47,9 +47,9 @@ def document(
             {
                 "name": e.name(),
                 "title": e.title,
-                "probability": judgement.probability[e.name()],
-                "equivalents": judgement.equivalents[e.name()],
-                "rivals": judgement.rivals[e.name()],
+                "probability": judgement.weighed[e.name()].probability,
+                "equivalents": judgement.weighed[e.name()].equivalents,
+                "rivals": judgement.weighed[e.name()].rivals,
                 "parameters": _numbers(found.chosen, e.name()),
             }
             for e in (found.chosen.effects if named else ())
@@ -57,11 +57,12 @@ def document(
         "evidence": [
             {
                 "name": name,
-                "equivalents": judgement.equivalents[name],
-                "rivals": judgement.rivals[name],
-                "figures": figures,
+                "probability": one.probability,
+                "equivalents": one.equivalents,
+                "rivals": one.rivals,
+                "figures": one.figures,
             }
-            for name, figures in judgement.figures.items()
+            for name, one in judgement.weighed.items()
         ],
         "candidates": _candidates(search, found, judgement),
         "ladder": [*_ladder(search, found), _flexible(search, found, rest)],
@@ -105,10 +106,11 @@ def _candidates(search: Search, found: Found, judgement: Judgement) -> list[dict
         models = [found.chosen] if name in found.chosen.names else models
         best = min(models, key=lambda m: m.mean_square) if models else None
         single = search.models.tried.get(frozenset({name}))
-        probability = judgement.probability.get(name, 0.0)
-        for chosen, rivals in judgement.rivals.items():
-            if name in rivals:
-                probability = max(probability, (1 - judgement.probability[chosen]) / len(rivals))
+        own = judgement.weighed.get(name)
+        probability = own.probability if own else 0.0
+        for one in judgement.weighed.values():
+            if name in one.rivals:
+                probability = max(probability, (1 - one.probability) / len(one.rivals))
         gain = 1.0 - offer.error / found.rungs[0].mean_square
         entries.append(
             {

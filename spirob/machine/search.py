@@ -126,6 +126,14 @@ class Search:
             return None
         return self._found(self._pruned(lesser), found.offers)
 
+    def narrowed(self, found: Found, names: Sequence[str]) -> Found:
+        """The same with some of the chosen effects alone; their rivals stay what they were."""
+        chosen = found.chosen
+        effects = tuple(e for e in chosen.effects if e.name() in names)
+        model = self.models.fitted(effects, chosen.fit.changes)
+        rivals = {name: found.rivals[name] for name in names}
+        return Found(self._rungs(model), found.offers, rivals, found.vetoed)
+
     def _found(self, chosen: Model, offers: list[Offer]) -> Found:
         found = Found(self._rungs(chosen), offers)
         found.rivals = {e.name(): self._rivals(chosen, e) for e in chosen.effects}

@@ -71,12 +71,12 @@ class Words:
         )
 
     def _unknown(self, same: dict[str, list[str]], rivals: dict[str, list[str]]) -> tuple[str, str]:
-        partly = ", ".join(e.title for e in self.after.effects)
-        more = (
-            f" {partly} would explain a part of it, but more is left than it takes."
-            if partly
-            else ""
-        )
+        if self.after.effects and self._follows < SOME:
+            partly = " and ".join(e.title for e in self.after.effects)
+            return (
+                f"Something is missing, and no name for it is likely enough; nearest: {partly}.",
+                f"{self._fall()} {self._left()}",
+            )
         if self._follows < SOME:
             return (
                 "Something is missing that the library does not hold: it follows from no signal "
@@ -84,14 +84,14 @@ class Words:
                 f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS "
                 "on data left out, far more than the sensors' noise, and neither position, speed, "
                 "acceleration nor time explain it: blows, chatter or a memory would look so, and "
-                f"so would logs that do not belong together.{more}",
+                "so would logs that do not belong together.",
             )
         return (
             f"Something is missing that the library does not hold: it depends "
             f"{depends_on(self.rest)}.",
             f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS on "
             f"data left out. A flexible model of the motion explains {self._follows:.0%} of that "
-            f"squared error there; no effect of the library has its shape.{more}",
+            f"squared error there; no effect of the library has its shape.",
         )
 
     def _fall(self) -> str:

@@ -1,0 +1,104 @@
+"""How sure a name may be, learned from the campaign's cases: `spirob/machine/certainty.json`.
+
+    python -m spirob.campaign.calibration CASES.jsonl [--out certainty.json]
+
+Logistic regression of "the name is right" on the figures of `certainty`, over all chosen effects of
+all cases, whatever their verdict.  It is judged on each simulator by a fit to the others.
+"""
+
+import argparse
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from sklearn.linear_model import LogisticRegression
+from sklearn.preprocessing import StandardScaler
+
+from spirob.campaign.running import known
+from spirob.logs.atomic import write_text
+from spirob.machine.certainty import FIGURES
+
+STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
+BINS = 5  # of the stated probability, in which the calibration error is taken
+Line = Mapping[str, Any]
+
+
+def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Figures (n, 8), whether the name is right (n,) and simulator (n,) of all chosen effects.
+
+    A name that says a part of what is hidden is neither right nor wrong, and left out.
+    """
+    rows, right, simulators = [], [], []
+    for line in lines:
+        truth = line["truth"]
+        must = set().union(*truth["must"]) if truth["inside"] else set()
+        for chosen in line["features"]["evidence"] if line["features"] else ():
+            names = {chosen["name"], *chosen["equivalents"]}
+            hit = bool(names & (must | set(truth["besides"])))
+            if hit or not names & set(truth["near"]):
+                rows.append([chosen["figures"][name] for name in FIGURES])
+                right.append(hit)
+                simulators.append(line["simulator"])
+    return np.array(rows), np.array(right), np.array(simulators)
+
+
+def learned(rows: np.ndarray, right: np.ndarray) -> dict[str, Any]:
+    """Means, scales, weights and bias of the regression."""
+    scaler = StandardScaler().fit(rows)
+    model = LogisticRegression(C=STRENGTH, max_iter=10_000, tol=1e-10)
+    model.fit(scaler.transform(rows), right)
+    numbers = {"mean": scaler.mean_, "scale": scaler.scale_, "weights": model.coef_[0]}
+    told = {name: [float(f"{x:.9g}") for x in values] for name, values in numbers.items()}
+    return told | {"bias": float(f"{model.intercept_[0]:.9g}")}
+
+
+def left_out(rows: np.ndarray, right: np.ndarray, simulators: np.ndarray) -> np.ndarray:
+    """Probability of each name by a fit to the other simulators, (n,)."""
+    found = np.empty(len(right))
+    for one in np.unique(simulators):
+        own = simulators == one
+        fit = learned(rows[~own], right[~own])
+        scaled = (rows[own] - fit["mean"]) / fit["scale"]
+        found[own] = 1.0 / (1.0 + np.exp(-(scaled @ fit["weights"] + fit["bias"])))
+    return found
+
+
+def calibration_error(stated: np.ndarray, right: np.ndarray) -> float:
+    """Mean distance of stated and found rates, over five bins weighted by their cases."""
+    bins = np.minimum((stated * BINS).astype(int), BINS - 1)
+    parts = [bins == k for k in range(BINS)]
+    off = [abs(stated[b].mean() - right[b].mean()) * b.sum() for b in parts if b.any()]
+    return float(sum(off) / len(right))
+
+
+def main() -> None:
+    """Fit, judge, write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("cases", type=Path, help="lines of spirob trial --rigs")
+    parser.add_argument("--out", type=Path, help="where the numbers are written")
+    given = parser.parse_args()
+    lines = list(known(given.cases).values())
+    rows, right, simulators = effects(lines)
+    stated = left_out(rows, right, simulators)
+    sure = stated >= 0.9
+    print(
+        f"{len(lines)} cases, {len(right)} names, {right.mean():.0%} right; calibration error "
+        f"{calibration_error(stated, right):.3f} on simulators left out; "
+        f"{np.sum(sure & ~right)} of {np.sum(sure)} sure names wrong"
+    )
+    if given.out:
+        about = {
+            "cases": given.cases.name,
+            "sha256": hashlib.sha256(given.cases.read_bytes()).hexdigest(),
+            "seeds": sorted({line["seed"] for line in lines}),
+            "figures": list(FIGURES),
+        }
+        text = json.dumps(about | learned(rows, right), indent=1)
+        write_text(given.out, text + "\n")
+
+
+if __name__ == "__main__":
+    main()
