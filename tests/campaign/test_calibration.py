@@ -1,4 +1,4 @@
-"""The probability of a name is learned from the committed cases, and holds on a simulator left out."""
+"""The probability of a name: learned from the committed cases, true on simulators left out."""
 
 import hashlib
 from pathlib import Path
