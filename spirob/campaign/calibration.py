@@ -27,7 +27,7 @@ Line = Mapping[str, Any]
 
 
 def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Figures (n, 8), whether the name is right (n,) and simulator (n,) of all chosen effects.
+    """Figures (n, 6), whether the name is right (n,) and simulator (n,) of all chosen effects.
 
     A name that says a part of what is hidden is neither right nor wrong, and left out.
     """

@@ -1,4 +1,4 @@
-"""How sure is a name?  Eight figures of a search, and how often names with such figures were right.
+"""How sure is a name?  Six figures of a search, and how often names with such figures were right.
 
     p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
 
@@ -22,8 +22,6 @@ from spirob.machine.search import Found, Search
 LEARNED = json.loads(Path(__file__).with_name("certainty.json").read_text())
 FIGURES = (
     "fall_heldout",
-    "size",
-    "part",
     "ahead_heldout",
     "left",
     "sharp",
@@ -45,8 +43,6 @@ def figures(search: Search, found: Found, rest: Ceiling, effect: type[Effect]) -
     """What the search shows of one chosen effect; logarithms are natural, errors squared.
 
     fall_heldout   ln of the held-out error without it over that with it
-    size           ln of its size over the least size that counts
-    part           ln of the fall that it makes over the bare model's error
     ahead_heldout  ln of the held-out error of the best other model over that of the chosen one;
                    the other is no richer, without the effect, and says something else
     left           ln of what still follows from the motion, over what this effect took
@@ -63,8 +59,6 @@ def figures(search: Search, found: Found, rest: Ceiling, effect: type[Effect]) -
     period = max(r.period for r in search.train.recordings)
     told = {
         "fall_heldout": _ln(without.heldout_square, chosen.heldout_square),
-        "size": 0.5 * _ln(fall, search.worth.least**2),
-        "part": _ln(fall, bare.mean_square),
         "ahead_heldout": _ln(min(others, default=bare.heldout_square), chosen.heldout_square),
         "left": _ln(rest.share * chosen.mean_square, fall),
         "sharp": _sharp(chosen, effect),
