@@ -34,7 +34,7 @@ from spirob.experiments import Play, Side
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
 from spirob.perceive.passive import PassiveDetector, Response
-from spirob.perceive.passive_region import REGIONS, learned, region
+from spirob.perceive.passive_region import REGIONS, features, learned, region
 
 SEED = 0
 SIMULATED, PLAYED = 240, 80  # pushes
@@ -122,8 +122,6 @@ def of(told: Sequence[Response]) -> list[Response]:
 
 def rates(played: Sequence[Push], heard_of: Sequence[Sequence[Response]], told: Any) -> dict:
     """Shares felt, false alarms a minute, delays [ms], regions right of the pushes felt."""
-    from spirob.perceive.passive_region import features
-
     felt: dict[str, list[bool]] = {"all": [], "outer": [], **{r: [] for r in REGIONS}}
     delays, right, alarms, seconds = [], [], 0, 0.0
     for push, responses in zip(played, heard_of, strict=True):

@@ -71,7 +71,7 @@ class Words:
         )
 
     def _unknown(self, same: dict[str, list[str]], rivals: dict[str, list[str]]) -> tuple[str, str]:
-        if self.after.effects and self._follows < SOME:
+        if self.after.effects:
             partly = " and ".join(e.title for e in self.after.effects)
             return (
                 f"Something is missing, and no name for it is likely enough; nearest: {partly}.",
