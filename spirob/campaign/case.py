@@ -10,7 +10,16 @@ from typing import Any
 import numpy as np
 
 from spirob.campaign import recorder as recording
-from spirob.campaign.kinds import KINDS, LIBRARY, NO_PARTNER, NONE, OUTSIDE, THREE, TWO, answers
+from spirob.campaign.kinds import (
+    BESIDE,
+    DRAWN,
+    KINDS,
+    LIBRARY,
+    NO_PARTNER,
+    NONE,
+    OUTSIDE,
+    answers,
+)
 from spirob.campaign.recorder import Recorder
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.hidden import Hidden, Hiding, Scale, hiding
@@ -24,13 +33,14 @@ QUICK = (4.0, 8.0)  # Hz, of machines whose time in the log is hidden
 PROMPT = 500.0  # Hz, of their logs at least
 SLOW = 0.05  # of the usual speed: what is slower goes no way
 DRAWS = 200  # of partners, until they go together
+LESS = (0.2, 0.6)  # of what the library's effect shows: what the one beside it shows
 
 
 @dataclass(frozen=True)
 class Case:
     """What is hidden, in which machine.
 
-    kind  of the library or not, two or three by +, or "none"; "two" and "three" are drawn
+    kind  of the library or not, two or three by +, or "none"; "two", "three" and "beside" are drawn
     """
 
     simulator: str
@@ -46,15 +56,18 @@ class Case:
         """What is hidden."""
         if self.kind == NONE:
             return ()
-        if self.kind not in (TWO, THREE):
+        if self.kind not in DRAWN:
             return tuple(self.kind.split("+"))
         rng = np.random.default_rng([self.seed, 1, *f"{self.simulator}/{self.kind}".encode()])
-        able = sorted(SIMULATORS[self.simulator].kinds & set(LIBRARY) - NO_PARTNER)
+        played = SIMULATORS[self.simulator].kinds
+        able = sorted(played & set(LIBRARY) - NO_PARTNER)
         for _ in range(DRAWS):
-            chosen = rng.choice(able, 2 if self.kind == TWO else 3, replace=False)
-            if together([str(kind) for kind in chosen]):
+            chosen = list(map(str, rng.choice(able, DRAWN[self.kind], replace=False)))
+            if self.kind == BESIDE:
+                chosen += [str(rng.choice(sorted(played & set(OUTSIDE))))]
+            if together(chosen):
                 break
-        return tuple(sorted(map(str, chosen)))
+        return tuple(chosen if self.kind == BESIDE else sorted(chosen))
 
 
 @dataclass(frozen=True)
@@ -89,7 +102,10 @@ def drawn(case: Case) -> Drawn:
     shares: dict[str, float] = {}
     for kind in kinds:
         made = hiding(kind, scale, rng)
-        fields, shares[kind] = _adjusted(simulator, machine, recorder, plans, made, rng)
+        wanted = float(np.exp(rng.uniform(np.log(LOW), np.log(HIGH))))
+        if shares and kind in OUTSIDE:
+            wanted = float(rng.uniform(*LESS)) * sum(shares.values())
+        fields, shares[kind] = _adjusted(simulator, machine, recorder, plans, made, wanted)
         found |= fields
     hidden = Hidden(**found)
     motions = [simulator.play(machine, hidden, p) for p in plans]
@@ -151,7 +167,7 @@ def _adjusted(
     recorder: Recorder,
     plans: Sequence[Plan],
     made: Hiding,
-    rng: np.random.Generator,
+    wanted: float,
 ) -> tuple[dict[str, float], float]:
     """The numbers of a kind that is alone in the machine, and the share that it shows."""
 
@@ -160,7 +176,6 @@ def _adjusted(
         played = [simulator.play(machine, hidden, p) for p in plans]
         return share([recording.reported(m, machine, hidden) for m in played], recorder.rate)
 
-    wanted = float(np.exp(rng.uniform(np.log(LOW), np.log(HIGH))))
     if made.fixed:
         return made.at(1.0), shown(1.0)
     at, found = strength(shown, wanted, made.most)
@@ -171,13 +186,15 @@ def _truth(
     kinds: Sequence[str], simulator: Simulator, one_way: bool, shares: dict[str, float]
 ) -> dict[str, Any]:
     keys = [answers(kind, simulator.bristles, one_way) for kind in kinds]
+    asked = [kind for kind in kinds if KINDS[kind].names] or kinds
     return {
         "hidden": list(kinds),
-        "inside": all(key.names for key in keys),
+        "inside": any(key.names for key in keys),
+        "beside": 0 < sum(bool(key.names) for key in keys) < len(keys),
         "must": [sorted(key.names) for key in keys if key.names],
         "besides": sorted({name for key in keys for name in key.besides}),
         "near": sorted({name for key in keys for name in key.near}),
-        "can_be_shown": all(shown >= SEEN for shown in shares.values()),
+        "can_be_shown": all(shares[kind] >= SEEN for kind in asked),
         "shares": shares,
     }
 
@@ -187,9 +204,9 @@ def cases(
 ) -> list[Case]:
     """Each kind that a simulator plays with every seed, and `nulls` machines with nothing hidden.
 
-    kinds  empty: all, and nothing hidden, two and three
+    kinds  empty: all, nothing hidden, and those that are drawn
     """
-    asked = list(kinds) or [NONE, *LIBRARY, *OUTSIDE, TWO, THREE]
+    asked = list(kinds) or [NONE, *LIBRARY, *OUTSIDE, *DRAWN]
     first = min(seeds, default=0)
     found = [Case(s, k, n) for n in seeds for s in simulators for k in asked if able(s, k)]
     found += [Case(s, NONE, first + n) for n in range(nulls) for s in simulators]
@@ -198,5 +215,5 @@ def cases(
 
 def able(simulator: str, kind: str) -> bool:
     """Whether a simulator plays a kind."""
-    parts = () if kind in (NONE, TWO, THREE) else kind.split("+")
+    parts = () if kind in (NONE, *DRAWN) else kind.split("+")
     return set(parts) <= SIMULATORS[simulator].kinds

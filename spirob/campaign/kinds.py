@@ -63,7 +63,9 @@ KINDS: dict[str, Kind] = {
 }
 LIBRARY = tuple(name for name, kind in KINDS.items() if kind.names)
 OUTSIDE = tuple(name for name, kind in KINDS.items() if not kind.names)
-NONE, TWO, THREE = "none", "two", "three"  # two and three of the library, drawn with the seed
+# drawn with the seed: two and three of the library; one of it, and less of one that it lacks
+NONE, TWO, THREE, BESIDE = "none", "two", "three", "beside"
+DRAWN = {TWO: 2, THREE: 3, BESIDE: 1}  # how many of the library
 # sizes of a current's reading, which no description tells from its scale
 NO_PARTNER = frozenset({"current_gain", "current_lag", "feedback_latency"})
 

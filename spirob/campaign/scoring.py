@@ -8,7 +8,7 @@ OPEN = ("undecided", "unknown")
 
 
 def group(result: Mapping[str, Any]) -> str:
-    """none, outside (of the library), not to be seen, one, two or three."""
+    """none, outside (of the library), not to be seen, one, two or three; one with more beside."""
     truth = result["truth"]
     if not truth["hidden"]:
         return "none"
@@ -16,6 +16,8 @@ def group(result: Mapping[str, Any]) -> str:
         return "not to be seen"
     if not truth["inside"]:
         return "outside"
+    if truth.get("beside"):
+        return "one beside"
     return {1: "one", 2: "two", 3: "three"}[len(truth["hidden"])]
 
 

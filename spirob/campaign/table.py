@@ -7,7 +7,7 @@ from typing import Any
 from spirob.campaign.scoring import group
 from spirob.trial.rates import rate
 
-GROUPS = ("one", "two", "three", "none", "outside", "not to be seen")
+GROUPS = ("one", "one beside", "two", "three", "none", "outside", "not to be seen")
 WORDS = ("more", "partly", "undecided", "unknown", "missed", "wrong", "refused", "crashed")
 
 

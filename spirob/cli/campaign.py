@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from spirob.campaign.case import Case, able, cases, together
-from spirob.campaign.kinds import KINDS, NONE, THREE, TWO
+from spirob.campaign.kinds import DRAWN, KINDS, NONE
 from spirob.campaign.running import Line, known, play
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.table import lines, rates
@@ -61,10 +61,10 @@ def _simulators(chosen: Sequence[str]) -> list[str]:
 def _kinds(chosen: Sequence[str], simulators: Sequence[str]) -> list[str]:
     """The kinds as they are asked for, each of which a simulator can play."""
     for kind in chosen:
-        parts = [] if kind in (NONE, TWO, THREE) else kind.split("+")
+        parts = [] if kind in (NONE, *DRAWN) else kind.split("+")
         for part in parts:
             if part not in KINDS:
-                whole = ", ".join([NONE, *sorted(KINDS), TWO, THREE])
+                whole = ", ".join([NONE, *sorted(KINDS), *DRAWN])
                 raise ConfigError(f"--kinds: no kind '{part}'; kinds: {whole}")
         if not together(parts):
             raise ConfigError(f"--kinds {kind}: an axis has one of these at a time")

@@ -28,6 +28,7 @@ PASSES = 12  # of the solution for the effort before the drive's pipes
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
+READINGS = 4  # passes to where a wrong reading was taken; each leaves a fifth of the last at most
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
@@ -278,7 +279,10 @@ class AskedEffort:
         if np.any(zero):
             found = replace(found, q=found.q + zero)
         wrong = [e for e in self.present(SENSOR, p) if not _feels_load(e)]
-        return self._without(wrong, p, found, np.zeros_like(found.q)) if wrong else found
+        error = still = np.zeros_like(found.q)
+        for _ in range(READINGS if wrong else 0):  # it depends on the place itself, not as read
+            error = self._misread(wrong, p, replace(found, q=found.q - error), still)
+        return found.without(error) if wrong else found
 
     def _ahead(self, behind: Motion, load: np.ndarray, p: np.ndarray) -> tuple[Motion, float]:
         """The motor's motion where the sensor sits at the load, and its share of the inertia."""
@@ -286,16 +290,17 @@ class AskedEffort:
         if not twisted:
             return behind, 0.0
         share = max(self.values(e, p).get("rotor_share", 0.0) for e in twisted)
-        return self._without(twisted, p, behind, load), share
+        return behind.without(self._misread(twisted, p, behind, load)), share
 
-    def _without(
+    def _misread(
         self, wrong: Sequence[type[Effect]], p: np.ndarray, motion: Motion, load: np.ndarray
-    ) -> Motion:
+    ) -> np.ndarray:
+        """What the sensor reads beside this motion, (n,)."""
         signals = self.signals(motion, load)
         error = np.zeros_like(motion.q)
         for effect in wrong:
             error += self.run(effect, p, motion, signals, motion.q) - motion.q
-        return motion.without(error)
+        return error
 
     def _load_cells(self) -> list[int]:
         """Places in the table of all numbers that the load depends on."""

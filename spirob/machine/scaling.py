@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from spirob.effects import Effect
 from spirob.machine.laws import shares_inertia
-from spirob.machine.shapes import counts_periods
+from spirob.machine.shapes import counts_periods, reads_a_disc
 from spirob.parameter import Parameter
 
 REFERENCE = {  # the small rotor for which the library's nominal numbers and bounds are given
@@ -28,6 +28,8 @@ REFERENCE = {  # the small rotor for which the library's nominal numbers and bou
 PERIODS = 2.0  # in the way travelled, for a wave to be known as one
 PLAY = 0.005  # of the stroke: less of it cannot be told from the counts of an encoder
 BRISTLE = 0.05  # of the stroke: what takes longer to turn round is a spring
+OFF_CENTRE = 0.25  # of its radius, that an encoder's disc is off at most
+WIDER = 0.8  # of the order of a disc's turn: where its fit may go
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 TOKEN = re.compile(r"([A-Za-zΩµ]+)([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
 RAISED = {2: "²", 3: "³"}
@@ -118,6 +120,8 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
     never came round would imitate any smooth spring.
     """
     found = {name: sizes.parameter(about) for name, about in effect.parameters().items()}
+    if reads_a_disc(effect):
+        return _of_a_disc(effect, found, sizes)
     for name, about in found.items():
         if effect.state and dimensions(effect.parameters()[name].unit) == {"angle": 1}:
             if shares_inertia(effect):
@@ -132,6 +136,25 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
             least = min(PERIODS * 2 * math.pi * sizes.angle / sizes.stroke, about.high)
             low = max(about.low, least)
             found[name] = replace(about, low=low, nominal=max(about.nominal, low))
+    return found
+
+
+def _of_a_disc(
+    effect: type[Effect], found: dict[str, Parameter], sizes: Sizes
+) -> dict[str, Parameter]:
+    """The numbers of a disc that sits off centre by less than `OFF_CENTRE` of its radius.
+
+    It comes round once a turn of the axis or of its motor, or more often, however far the motion
+    goes.  On a slide nobody knows but of the motor's turn.
+    """
+    slowest = min(1.0, sizes.angle) if sizes.axis_unit == "rad" else 1.0
+    most = OFF_CENTRE * sizes.angle / slowest
+    for name, about in found.items():
+        if name in effect.neutral:
+            found[name] = replace(about, low=-most, high=most, nominal=0.02 * most)
+        elif counts_periods(effect, name):
+            low = max(about.low, WIDER * slowest)
+            found[name] = replace(about, low=low, nominal=slowest)
     return found
 
 

@@ -2,7 +2,7 @@
 
 An amplitude can be found by regression from anywhere, a shape cannot: a ripple's order fitted from
 a wrong start stays wrong.  So shapes start from a grid, and numbers that count periods of an angle
-from the peaks of the residual's spectrum over that angle.
+from the peaks of the residual's spectrum over that angle, those of a disc also from its turn.
 """
 
 from collections.abc import Mapping
@@ -37,7 +37,9 @@ def starts(
     for field in fields:
         if counts_periods(effect, field):
             wave = residual * _carrier(effect, signals)
-            grids.append(peaks(wave, signals["angle"], about[field].low, about[field].high))
+            orders = peaks(wave, signals["angle"], about[field].low, about[field].high)
+            turns = {about[field].nominal, 1.0} if reads_a_disc(effect) else set()
+            grids.append([*sorted(turns), *orders])
         else:
             grids.append(grid(about[field], 5 if len(fields) == 1 else 3))
     combined = [dict(zip(fields, values, strict=True)) for values in product(*grids)]
@@ -92,6 +94,12 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
     scale = abs(here) + 1e-12
     repeats = abs(effect.kernel(**turned) - here) < 1e-9 * scale
     return bool(repeats and abs(effect.kernel(**half) - here) > 1e-6 * scale)
+
+
+def reads_a_disc(effect: type[Effect]) -> bool:
+    """Whether it is an error of the position's reading that comes round with a disc."""
+    fields = effect.parameters()
+    return effect.port == "sensing.displacement" and any(counts_periods(effect, f) for f in fields)
 
 
 @cache
