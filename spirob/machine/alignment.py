@@ -54,19 +54,18 @@ def with_delay(
     return rig, list(train), list(test)
 
 
-def as_usual(rig: RigFile, chosen: Model, period: float) -> RigFile | None:
-    """The rig with the usual delay alone to fit, where a far one was possible and is not needed.
-
-    None where it is needed, or was not possible.  What is missing of a model may look like a delay;
-    once it is named, the effort lies where logs usually have it.
-    """
+def as_usual(rig: RigFile, period: float) -> RigFile | None:
+    """The rig with the usual delay alone to fit, None where no other was possible."""
     delay, most = rig.fit.get("delay"), usual(period)
     if delay is None or max(delay.high, -delay.low) <= most:
         return None
-    if abs(chosen.fit.changes["rig.delay"]) > most:
-        return None
     near = Bounded(nominal=0.0, low=max(delay.low, -most), high=min(delay.high, most))
     return rig.model_copy(update={"fit": {**rig.fit, "delay": near}})
+
+
+def is_far(model: Model, period: float) -> bool:
+    """Whether a model needs a delay that is not usual."""
+    return bool(abs(model.fit.changes["rig.delay"]) > usual(period))
 
 
 def delay_beyond(

@@ -11,7 +11,7 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import as_usual, with_delay
+from spirob.machine.alignment import as_usual, is_far, with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.differing import KINDS, may_differ
@@ -36,6 +36,8 @@ from spirob.machine.sizes_of import sizes_of
 from spirob.machine.splitting import split
 from spirob.machine.standstill import without_holds
 from spirob.machine.worth import Settings
+
+LEAVES = 2.0  # times the least effect: a model that leaves more is not complete
 
 
 @dataclass(frozen=True)
@@ -89,11 +91,8 @@ def diagnose_recordings(
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         done = _searched(ready, settings, progress)
-        if "delay" not in rig.fit and (
-            near := as_usual(ready.rig, done.chosen, max(r.period for r in ready.train))
-        ):
-            progress("once more, with effort and motion as close together as logs usually are")
-            done = _searched(replace(ready, rig=near), settings, progress)
+        if "delay" not in rig.fit:
+            done = _aligned(done, settings, progress)
         for kind in KINDS:
             if may_differ(kind, rig, done.search, done.chosen):
                 kinds = (*(done.ready.rig.per_log or ()), kind)
@@ -127,6 +126,24 @@ def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
 def _searched(ready: _Ready, settings: Settings, progress: Callable[[str], None]) -> "_Searched":
     search, gate = _search(ready, settings, progress)
     return _Searched(ready, search, gate, search.run())
+
+
+def _aligned(done: "_Searched", settings: Settings, progress: Callable[[str], None]) -> "_Searched":
+    """The search with effort and motion as close together as logs usually are, where that holds.
+
+    What is missing of a model may look like a delay: once it is named, a far one is not needed.
+    Where one is needed and something that counts is left, both are searched, and the better holds.
+    """
+    period = max(r.period for r in done.ready.train)
+    far, least = is_far(done.chosen, period), LEAVES * done.search.worth.least
+    near = as_usual(done.ready.rig, period)
+    if near is None or (far and done.chosen.mean_square < least**2):
+        return done
+    progress("once more, with effort and motion as close together as logs usually are")
+    other = _searched(replace(done.ready, rig=near), settings, progress)
+    if far and not done.search.worth.matters(done.chosen, other.chosen):
+        return done
+    return other
 
 
 def _better(done: "_Searched", wider: "_Searched", said: str) -> "_Searched":

@@ -19,7 +19,8 @@ from spirob.machine.search import Found, Search
 from spirob.machine.wording import Words, experiment, plain
 
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
-MUCH, NOISY = 0.1, 4.0  # of the effort's RMS, and times the noise: no noise leaves so much
+# of the effort's RMS, and times the noise: three quarters of the square are then no noise
+MUCH, NOISY = 0.1, 2.0
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
 
 

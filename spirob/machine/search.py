@@ -90,7 +90,7 @@ class Search:
             self.progress.expect(_steps(len(current.effects), self.settings.most))
             offers = self._screen(current, self._absent(current))
         self.progress.expect(_last(len(current.effects)))
-        return self._found(self._pruned(current), first)
+        return self._found(self._pruned(current, whole=True), first)
 
     def extended(
         self,
@@ -124,7 +124,7 @@ class Search:
         fall = lesser.mean_square - chosen.mean_square
         if share * chosen.mean_square < max(IMITATED * fall, self.worth.least**2):
             return None
-        return self._found(self._pruned(lesser), found.offers)
+        return self._found(self._pruned(lesser, whole=True), found.offers)
 
     def narrowed(self, found: Found, names: Sequence[str]) -> Found:
         """The same with some of the chosen effects alone; their rivals stay what they were."""
@@ -194,12 +194,16 @@ class Search:
         rest = tuple(e for e in model.effects if e is not effect)
         return self.models.fitted(rest, model.fit.changes)
 
-    def _pruned(self, model: Model) -> Model:
-        """Backward elimination: every effect has to matter in the presence of the others."""
+    def _pruned(self, model: Model, whole: bool = False) -> Model:
+        """Backward elimination: every effect has to matter in the presence of the others.
+
+        whole  nothing more will be added: until then what is still missing may hide an effect on
+               the held-out trials, which deny it only where they contradict it
+        """
         while model.effects:
             lesser = {e: self._without(model, e) for e in model.effects}
             weak = [e for e in model.effects if not self.worth.matters(lesser[e], model)]
-            denied = [e for e in model.effects if self.worth.denied(lesser[e], model)]
+            denied = [e for e in model.effects if self.worth.denied(lesser[e], model, whole)]
             self.vetoed |= {e.name() for e in denied if e not in weak}
             if not weak and not denied:
                 return model

@@ -84,9 +84,9 @@ class Worth:
         """Whether an addition could matter, judged by its screened error and half the floor."""
         return current.mean_square - error > (0.5 * self.least) ** 2
 
-    def denied(self, before: Model, after: Model) -> bool:
-        """Whether the held-out trials do not confirm a step."""
-        least = 1.0 - self.settings.veto
+    def denied(self, before: Model, after: Model, whole: bool) -> bool:
+        """Whether the held-out trials contradict a step, or do not confirm one of a `whole` set."""
+        least = 1.0 - (self.settings.veto if whole else 0.0)
         return after.heldout_square > least * before.heldout_square
 
     def simplest(self, models: Sequence[Model]) -> Model:

@@ -71,3 +71,30 @@ def test_the_one_log_that_turns_the_other_way_is_never_left_out(tmp_path, ways):
     assert len(named) == 2
     assert any("coulomb_friction" in names for names in named)
     assert any({"constant_force", "current_offset"} <= names for names in named)
+
+
+def weighted(kind, seed):
+    """A lever with a weight and dry friction, moved in one of four ways; its effort follows.
+
+    u = J·q̈ + b·q̇ + F·tanh(q̇/v₀) + W·sin q
+    """
+    rng = np.random.default_rng(seed)
+    fast = {"tones": (0.2, 0.9), "slow": (0.05, 0.12), "quick": (1.5, 2.5), "one way": (0.2, 0.6)}
+    w, phases = 2 * np.pi * rng.uniform(*fast[kind], 2), rng.uniform(0, 2 * np.pi, 2)
+    sizes = np.array([0.5, 0.3])
+    angles, drift = np.outer(T, w) + phases, 3.0 if kind == "one way" else 0.0
+    q, v = np.sin(angles) @ sizes + drift * T, np.cos(angles) @ (sizes * w) + drift
+    u = -0.03 * np.sin(angles) @ (sizes * w**2) + 0.04 * v + 0.15 * np.tanh(v / 0.01)
+    noise = rng.standard_normal((2, len(T)))
+    return {"t": T, "q": q + 2e-5 * noise[0], "u": u + 0.4 * np.sin(q) + 4e-3 * noise[1]}
+
+
+def test_more_logs_never_make_the_answer_worse(tmp_path):
+    """Nested sets of logs that differ in kind: each gives the same two names."""
+    rig = RigFile.model_validate(description())
+    kinds = ("tones", "one way", "slow", "quick")
+    logs = [prepare(kind, weighted(kind, 2800 + k), rig) for k, kind in enumerate(kinds)]
+    held = prepare("held out", weighted("tones", 2810), rig)
+    for count in range(1, len(logs) + 1):
+        found = diagnose_recordings(rig, tmp_path, logs[:count], [held])
+        assert {f.name for f in found.findings} == {"coulomb_friction", "tip_payload"}, count
