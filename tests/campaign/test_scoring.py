@@ -81,6 +81,8 @@ def test_a_table_counts_each_group_by_simulator():
         result(ONE, "unknown", shown=False),
     ]
     assert [group(r) for r in results] == ["one", "one", "none", "outside", "not to be seen"]
+    beside = result(ONE, "unknown", hidden=["cogging", "tight_spot"])
+    assert group(beside | {"truth": beside["truth"] | {"beside": True}}) == "one beside"
     table = rates(results)
     assert table["one"]["all"]["exactly"]["value"] == 0.5
     assert table["one"]["all"]["words"] == {"unknown": 1}

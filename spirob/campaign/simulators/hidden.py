@@ -188,6 +188,6 @@ def hiding(kind: str, scale: Scale, rng: np.random.Generator) -> Hiding:
         "torque_ripple": 0.9,
         "speed_efficiency": 0.9,
         "gear_compliance": 16.0,
-        "encoder_eccentricity": 1.0,  # a disc off centre by a fifth of its radius
+        "encoder_eccentricity": 0.5,  # a disc off centre by a tenth of its radius
     }
     return Hiding(*made[kind], limits.get(kind, 30.0), kind == "current_gain")
