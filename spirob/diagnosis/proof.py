@@ -11,9 +11,7 @@ rivals or because they say the same of the data, they are put to the same proof,
 hold is out: a soft tendon that passes for play leaves the name to play.
 
 Only what is softer proves: where a trial is faster, stronger or deeper than what was fitted, more
-happens than a right law says.  On emulated robots the right law of warming explained 84 % of a hot
-run and 81 % of a second load, and three of ten with nothing hidden left 0.7 to 1.3 % of the current
-on fast moves.
+happens than a right law says.
 """
 
 from collections.abc import Mapping, Sequence
