@@ -14,10 +14,9 @@ def stage(root: Path) -> None:
     """Play the configured cases and write their rates."""
     chosen = public_config(root).trial
     seeds = range(*chosen.seeds)
-    folder = root / "data/trial"
-    folder.mkdir(parents=True, exist_ok=True)
+    table = root / "data/trial.jsonl"
     picked = cases(chosen.kinds, seeds, chosen.nulls, chosen.without, build=chosen.build)
-    results = play(picked, folder, workers(), tell=tell, scheduler=chosen.scheduler)
+    results = play(picked, table, workers(), tell=tell, scheduler=chosen.scheduler)
     write_json(root / "reports/metrics/trial.json", rates(results))
 
 

@@ -31,7 +31,7 @@ PARENTS = {
         from spirob.trial import campaign
         from spirob.trial.case import Case
         campaign._one = sleeper
-        campaign.play([Case("none", 0), Case("none", 1)], folder / "results", 2)
+        campaign.play([Case("none", 0), Case("none", 1)], folder / "cases.jsonl", 2)
     """,
     "a stage": """
         import subprocess

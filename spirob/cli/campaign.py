@@ -24,8 +24,6 @@ def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
         if getattr(arguments, name):
             raise ConfigError(f"--{name}: not with --rigs")
     path = arguments.out or OUT
-    if path.is_dir():
-        raise ConfigError(f"--out {path}: with --rigs a file, not a folder")
     simulators = _simulators(arguments.simulators)
     chosen = cases(simulators, _kinds(arguments.kinds, simulators), seeds, arguments.nulls)
     there = known(path)

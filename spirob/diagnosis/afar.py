@@ -1,9 +1,8 @@
 """A candidate fitted from elsewhere: from the data sheet, and from either side of absence.
 
 Without a large effect the fitted numbers have moved far to make up for it, and from there its own
-fit may end in a valley: tilts of the mount have been found at two thirds of their size.  Where an
-effect is absent both its signs are alike in what they do to a mirrored arm, and a fit that begins
-there may stay between them: of three tilts across the arm two were taken for tilts along it.
+fit may end in a valley.  Where an effect is absent both its signs are alike in what they do to a
+mirrored arm, and a fit that begins there may stay between them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -93,8 +93,7 @@ def off_its_bounds(train: Problem, found: Fit, settings: Settings) -> Fit:
     """The fit, or one from where the numbers that ended at a bound stand on the data sheet.
 
     A first step far from the optimum may take a number to its bound, and the others into a valley
-    beside it: gear efficiencies were found at 0.65 for 0.82, with 1.4 % of the current left for
-    0.2.  What belongs at its bound comes back to it.
+    beside it.  What belongs at its bound comes back to it.
     """
     scaling = Scaling(train.table, list(found.estimates))
     values = dict(zip(train.table.names, train.table.values.tolist(), strict=True))

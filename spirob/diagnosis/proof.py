@@ -11,9 +11,7 @@ rivals or because they say the same of the data, they are put to the same proof,
 hold is out: a soft tendon that passes for play leaves the name to play.
 
 Only what is softer proves: where a trial is faster, stronger or deeper than what was fitted, more
-happens than a right law says.  On emulated robots the right law of warming explained 84 % of a hot
-run and 81 % of a second load, and three of ten with nothing hidden left 0.7 to 1.3 % of the current
-on fast moves.
+happens than a right law says.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,14 +32,12 @@ from spirob.identify.residual import Residual
 
 FOUND = ("named", "undecided")  # verdicts that hold names
 
-# What builds of a machine from which nothing is missing differ by under a soft pull, besides the
-# noise, over the effort: of 16 emulated robots with nothing hidden 0.74 % at most (seeds 3500 to
-# 3515), of right names that account for little of it 0.72 (a lag, 3603).
+# What may be left under a soft pull, besides the noise, over the effort: builds of a machine from
+# which nothing is missing differ by this much at most (docs/lab/search_of_the_arm.md).
 USUAL = 0.009
 
-# Share of the squared error that a name has to account for where more is left: of 15 right names
-# (seeds 3601 to 3605, 3701) eight left more, and accounted for 84 to 97 %, but for a tilt (69);
-# play called a soft tendon for 21 to 79.
+# Share of the squared error that a name has to account for where more is left: right names account
+# for more of it, a name that imitates another for less (docs/lab/search_of_the_arm.md).
 HOLDS = 0.8
 
 # Under so soft a pull tendons go slack and taut again.  Rivals are compared by their errors in

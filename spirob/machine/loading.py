@@ -39,6 +39,6 @@ def _first(error: ValidationError) -> str:
     place = ".".join(str(part) for part in wrong["loc"])
     said = wrong["msg"].removeprefix("Value error, ")
     if wrong["type"] == "extra_forbidden":
-        said = "no such key; see docs/any_rig.md"
+        said = "no such key; docs/rig_keys.md lists all"
     more = error.error_count() - 1
     return f"{place + ': ' if place else ''}{said}" + (f" (and {more} more)" if more else "")

@@ -1,6 +1,7 @@
-"""Many cases in parallel: each result is a file, so a trial that was stopped goes on."""
+"""Many cases in parallel into one table, a line a result; what is there already is kept."""
 
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,13 +12,15 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from spirob.diagnosis.rungs import Settings
 from spirob.emulator.build import AS_DESIGNED
 from spirob.ending import end_with_parent
-from spirob.logs.atomic import replacing
+from spirob.errors import DataError
+from spirob.logs.atomic import write_text
 from spirob.trial.answers import ANSWERS
 from spirob.trial.case import Case, run
 from spirob.trial.cluster import cluster
 from spirob.trial.rates import is_right
 from spirob.trial.strength import RATIOS
 
+Result = dict[str, Any]
 ATTEMPTS = 3  # in a row in which workers were killed and no case was finished
 PAIRS = (
     ("guide_friction", "current_lag"),
@@ -54,29 +57,62 @@ def cases(
     ]
 
 
-def left(chosen: Sequence[Case], folder: Path) -> list[Case]:
-    """The cases that have no result yet; one of another robot, build or strength is none."""
-    return [case for case in chosen if not _played(_path(folder, case), case)]
+def known(path: Path) -> list[Result]:
+    """The results of a table; a last line that was cut off is none.
 
-
-def _played(path: Path, case: Case) -> bool:
+    Raises DataError where another line is no result.
+    """
     if not path.exists():
-        return False
-    found = json.loads(path.read_text())[0]
-    ratios = tuple(found.get("ratios", RATIOS))  # an earlier release had no others
-    robot = found.get("robot"), found.get("build", AS_DESIGNED)
-    return bool(robot == (case.robot, case.build) and ratios == case.ratios)
+        return []
+    found: list[Result] = []
+    lines = path.read_text().splitlines()
+    for k, line in enumerate(lines):
+        try:
+            one = json.loads(line)
+            _of(one)
+            found.append(one)
+        except (ValueError, KeyError, TypeError):
+            if k < len(lines) - 1:
+                raise DataError(f"{path}: line {k + 1} is no result of a trial") from None
+    return found
+
+
+def left(chosen: Sequence[Case], results: Sequence[Result]) -> list[Case]:
+    """The cases that have no result yet; one of another robot, build or strength is none."""
+    return [case for case in chosen if not _results(case, results)]
+
+
+def _results(case: Case, results: Sequence[Result]) -> list[Result]:
+    """What a case has in the table: one result, two of one that is also played without the answer.
+
+    Empty where one of them is missing.
+    """
+    found = [one for one in results if _is_of(one, case) and (case.without or not one["without"])]
+    return found if len(found) == 1 + case.without else []
+
+
+def _is_of(one: Mapping[str, Any], case: Case) -> bool:
+    ratios = tuple(one.get("ratios", RATIOS))  # a result that says none is of these
+    return _of(one) == _place(case) and (one["robot"], ratios) == (case.robot, case.ratios)
+
+
+def _of(one: Mapping[str, Any]) -> tuple[str, int, str]:
+    return one["kind"], one["seed"], one.get("build", AS_DESIGNED)
+
+
+def _place(case: Case) -> tuple[str, int, str]:
+    return case.kind, case.seed, case.build
 
 
 def play(
     chosen: Sequence[Case],
-    folder: Path,
+    path: Path,
     workers: int,
     settings: Settings | None = None,
     tell: Callable[[str], None] = lambda text: None,
     scheduler: str | None = None,
-) -> list[dict[str, Any]]:
-    """Run the cases that have no result yet; all results in the order of `chosen`.
+) -> list[Result]:
+    """Run the cases that have no result in the table yet; all results in the order of `chosen`.
 
     workers    processes on this machine
     scheduler  address of a Dask cluster that plays them instead, see `spirob.trial.cluster`
@@ -84,39 +120,50 @@ def play(
     Where a worker is killed (as a machine does that runs out of memory) the cases without a result
     are run again; raises TerminatedWorkerError where that brings nothing, three times in a row.
     """
-    todo, fruitless = left(chosen, folder), 0
+    found = known(path)
+    todo, fruitless = left(chosen, found), 0
+    if todo:  # a line that is cut off goes, and what is played again is not kept beside it
+        again = {_place(case) for case in todo}
+        found = [one for one in found if _of(one) not in again]
+        write_text(path, _text(found))
     while todo:
         try:
             with cluster(scheduler):
-                _run(todo, folder, workers, settings, tell)
-            break
+                _run(todo, path, workers, settings, found, tell)
         except TerminatedWorkerError:
             tell("a worker was killed; the cases without a result are run again")
-            before, todo = len(todo), left(chosen, folder)
-            fruitless = fruitless + 1 if len(todo) == before else 0
+            fruitless = fruitless + 1 if len(left(todo, found)) == len(todo) else 0
             if fruitless == ATTEMPTS:
                 raise
-    return [one for case in chosen for one in json.loads(_path(folder, case).read_text())]
+        todo = left(todo, found)
+    return [one for case in chosen for one in _results(case, found)]
 
 
 def _run(
     todo: Sequence[Case],
-    folder: Path,
+    path: Path,
     workers: int,
     settings: Settings | None,
+    found: list[Result],
     tell: Callable[[str], None],
 ) -> None:
+    """Each case's results go to the end of the table, and of `found`, when it is done."""
     jobs = (delayed(_one)(case, settings) for case in todo)
-    done = Parallel(n_jobs=workers, return_as="generator_unordered", initializer=end_with_parent)(
-        jobs
-    )
-    for k, (case, results) in enumerate(done, 1):
-        with replacing(_path(folder, case)) as temporary:  # here: workers may share no disk
-            temporary.write_text(json.dumps(results, indent=1) + "\n")
-        tell(f"{k} of {len(todo)}: {_told(case, results)}")
+    done = Parallel(n_jobs=workers, return_as="generator_unordered", initializer=end_with_parent)
+    with path.open("a") as file:  # here: workers may share no disk
+        for k, (case, results) in enumerate(done(jobs), 1):
+            file.write(_text(results))
+            file.flush()
+            os.fsync(file.fileno())
+            found.extend(results)
+            tell(f"{k} of {len(todo)}: {_told(case, results)}")
 
 
-def _one(case: Case, settings: Settings | None) -> tuple[Case, list[dict[str, Any]]]:
+def _text(results: Sequence[Result]) -> str:
+    return "".join(json.dumps(one, ensure_ascii=False) + "\n" for one in results)
+
+
+def _one(case: Case, settings: Settings | None) -> tuple[Case, list[Result]]:
     return case, run(case, settings)
 
 
@@ -132,10 +179,6 @@ def _told(case: Case, results: Sequence[Mapping[str, Any]]) -> str:
 
 def _said(result: Mapping[str, Any]) -> str:
     return f"{' + '.join(result['named']) or result['verdict']} ({result['probability']:.0%})"
-
-
-def _path(folder: Path, case: Case) -> Path:
-    return folder / f"{case.name}.json"
 
 
 def _names(kind: str) -> list[str]:

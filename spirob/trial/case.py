@@ -46,7 +46,7 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Of its results' file."""
+        """As it is told."""
         build = "" if self.build == AS_DESIGNED else f"-{self.build}"
         return f"{self.kind.replace('+', '_and_')}-{self.seed}{build}{'-without' * self.without}"
 

@@ -6,7 +6,7 @@ import pytest
 
 from spirob.report.combinations import combinations, key, played, switchable, widened
 from spirob.report.sections.switches import Switches
-from tests.report.synthetic import DIAGNOSIS
+from tests.report.synthetic_results import DIAGNOSIS
 
 TIME = np.arange(0, 8, 0.01)
 DRIVEN = {("a", "left"), ("b", "left")}

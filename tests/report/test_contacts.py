@@ -7,7 +7,7 @@ import pytest
 
 from spirob.report import contact_figures
 from spirob.report.sections.contacts import Contacts, rows
-from tests.report.synthetic import contacts
+from tests.report.synthetic_results import contacts
 
 SIGNAL = contacts()["current"]
 

@@ -13,7 +13,7 @@ from spirob.report.sections.size_study import (
     side_by_side,
     unlisted,
 )
-from tests.report.synthetic import rival, size
+from tests.report.synthetic_results import rival, size
 
 
 def test_a_better_rival_is_told_and_that_it_is_not_sure():

@@ -6,7 +6,7 @@ import pytest
 
 from spirob.report import trial_figures
 from spirob.report.sections.trial import Trial, rates
-from tests.report.synthetic import TRIAL
+from tests.report.synthetic_results import TRIAL
 
 
 def test_rates_come_with_interval_and_number_and_empty_ones_are_left_out():

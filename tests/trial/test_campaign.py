@@ -6,8 +6,10 @@ import pytest
 
 from spirob.cli.main import main
 from spirob.diagnosis.rungs import Settings
+from spirob.errors import DataError
 from spirob.trial import campaign
 from spirob.trial.case import Case, run
+from tests.trial.test_killed import fake
 
 QUICK = Settings(finalists=1, rounds=1, iterations=1, patience=1)
 
@@ -26,38 +28,67 @@ def test_pairs_are_drawn_with_every_seed():
     assert "guide_friction_and_current_lag-5" in names
 
 
+def written(path, *results):
+    path.write_text("".join(json.dumps(one) + "\n" for one in results))
+    return path
+
+
 def test_results_that_are_there_are_kept(tmp_path, monkeypatch):
-    case = Case("none", 7)
-    done = [{"kind": "none", "robot": case.robot}, {"kind": "none", "without": True}]
-    (tmp_path / f"{case.name}.json").write_text(json.dumps(done))
+    case = Case("cogging", 7, without=True)
+    whole = {"kind": "cogging", "seed": 7, "robot": case.robot, "without": False}
+    done = [whole, {**whole, "without": True}]
+    table = written(tmp_path / "cases.jsonl", *done)
     monkeypatch.setattr(campaign, "run", lambda *a: pytest.fail("it was run again"))
-    assert campaign.play([case], tmp_path, workers=1) == done
+    assert campaign.play([case], table, workers=1) == done
+    assert campaign.play([Case("cogging", 7)], table, workers=1) == [whole]
 
 
-def test_a_result_of_another_robot_is_no_result(tmp_path):
+def test_a_case_that_was_not_played_without_its_answer_is_left():
+    case = Case("cogging", 7, without=True)
+    whole = {"kind": "cogging", "seed": 7, "robot": case.robot, "without": False}
+    assert campaign.left([case], [whole]) == [case]
+
+
+def test_a_line_that_was_cut_off_is_no_result_and_any_other_is_a_sentence(tmp_path):
+    whole = {"kind": "none", "seed": 7, "robot": 1, "without": False}
+    table = written(tmp_path / "cases.jsonl", whole)
+    table.write_text(table.read_text() + '{"kind": "none", "se')
+    assert campaign.known(table) == [whole]
+    table.write_text(table.read_text() + "\n" + json.dumps(whole) + "\n")
+    with pytest.raises(DataError, match="line 2 is no result of a trial"):
+        campaign.known(table)
+
+
+def test_what_is_played_again_takes_the_old_result_s_place(tmp_path, monkeypatch):
+    case, other = Case("none", 7), Case("none", 8)
+    kept = fake(other, None)
+    table = written(tmp_path / "cases.jsonl", {**fake(case, None)[0], "robot": 7}, *kept)
+    monkeypatch.setattr(campaign, "run", fake)
+    assert campaign.play([case], table, workers=1) == fake(case, None)
+    assert campaign.known(table) == kept + fake(case, None)
+
+
+def test_a_result_of_another_robot_is_no_result():
     case = Case("none", 7)
-    (tmp_path / f"{case.name}.json").write_text(json.dumps([{"kind": "none", "robot": 7}]))
-    assert campaign.left([case], tmp_path) == [case]
+    assert campaign.left([case], [{"kind": "none", "seed": 7, "robot": 7, "without": False}])
 
 
-def test_a_result_of_another_strength_is_no_result(tmp_path):
+def test_a_result_of_another_strength_is_no_result():
     strong, weak = Case("cogging", 7), Case("cogging", 7, ratios=(0.5, 0.9))
-    found = [{"kind": "cogging", "robot": strong.robot}]  # as an earlier release wrote it
-    (tmp_path / f"{strong.name}.json").write_text(json.dumps(found))
-    assert campaign.left([strong], tmp_path) == []
-    assert campaign.left([weak], tmp_path) == [weak]
+    found = [{"kind": "cogging", "seed": 7, "robot": strong.robot, "without": False}]
+    assert campaign.left([strong], found) == []
+    assert campaign.left([weak], found) == [weak]
     assert strong.robot == weak.robot
 
 
-def test_a_result_of_another_build_is_no_result_and_lies_elsewhere(tmp_path):
+def test_a_result_of_another_build_is_no_result():
     plain, rough = (campaign.cases(["cogging"], [7], 1, build=b) for b in ("as_designed", "rough"))
     assert {case.build for case in rough} == {"rough"}
     assert [case.robot for case in rough] == [case.robot for case in plain]
     assert not {case.name for case in rough} & {case.name for case in plain}
-    for case in rough:
-        found = [{"kind": case.kind, "robot": case.robot}]  # as an earlier release wrote it
-        (tmp_path / f"{case.name}.json").write_text(json.dumps(found))
-    assert campaign.left(rough, tmp_path) == rough
+    found = [{**fake(case, None)[0], "kind": case.kind} for case in plain]
+    assert campaign.left(plain, found) == []
+    assert campaign.left(rough, found) == rough
 
 
 def test_each_kind_has_a_robot_of_its_own_and_without_the_right_name_the_same():
@@ -75,10 +106,11 @@ def test_each_kind_has_a_robot_of_its_own_and_without_the_right_name_the_same():
         ["--ratios", "0.5:0.3"],
         ["--ratios", "half"],
         ["--build", "perfect"],
+        ["--out", "."],
     ],
 )
 def test_bad_choices_are_a_sentence(flag, capsys, tmp_path):
-    assert main(["trial", *flag, "--out", str(tmp_path)]) == 2
+    assert main(["trial", "--out", str(tmp_path / "cases.jsonl"), *flag]) == 2
     assert flag[1] in capsys.readouterr().err
 
 

@@ -16,7 +16,7 @@ ADDRESS = "tcp://127.0.0.1:9"  # nobody listens at the port of "discard"
 
 def test_without_dask_it_says_how_to_install_it(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    flags = ["--kinds", "cogging", "--seeds", "4", "--out", str(tmp_path)]
+    flags = ["--kinds", "cogging", "--seeds", "4", "--out", str(tmp_path / "cases.jsonl")]
     assert main(["trial", *flags, "--scheduler", ADDRESS]) == 2
     assert (
         f"scheduler {ADDRESS}: needs Dask, which is not installed: pip" in capsys.readouterr().err
@@ -31,7 +31,7 @@ def test_an_address_that_does_not_answer_is_a_sentence(tmp_path, monkeypatch, er
 
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=refused))
     with pytest.raises(ConfigError, match="no Dask scheduler answers there within 5 s"):
-        campaign.play([Case("none", 1)], tmp_path, 1, scheduler=ADDRESS)
+        campaign.play([Case("none", 1)], tmp_path / "cases.jsonl", 1, scheduler=ADDRESS)
 
 
 def test_a_scheduler_without_workers_is_a_sentence(monkeypatch):
@@ -65,7 +65,8 @@ def test_a_cluster_plays_the_cases(tmp_path, monkeypatch):
     cases, said = [Case("none", seed) for seed in range(5)], []
     with distributed.LocalCluster(1, processes=False, dashboard_address=None) as local:
         address = local.scheduler_address
-        results = campaign.play(cases, tmp_path, 1, tell=said.append, scheduler=address)
+        table = tmp_path / "cases.jsonl"
+        results = campaign.play(cases, table, 1, tell=said.append, scheduler=address)
     assert [one["seed"] for one in results] == [0, 1, 2, 3, 4]
     assert len(said) == 5
-    assert campaign.left(cases, tmp_path) == []
+    assert campaign.left(cases, campaign.known(table)) == []

@@ -4,7 +4,6 @@ import os
 import signal
 import time
 from functools import partial
-from pathlib import Path
 from unittest.mock import patch
 
 import pytest
@@ -14,6 +13,7 @@ from spirob.trial import campaign
 from spirob.trial.case import Case
 
 CASES = [Case("none", seed) for seed in range(4)]
+TABLE = "cases.jsonl"
 PLAY_ONE = campaign._one  # pickled by its name: what a worker really runs
 
 
@@ -27,7 +27,7 @@ def killed_at_the_last(folder, case, settings):
     """In a worker: the last case kills it the first time, once the first case has its result."""
     (folder / f"begun-{case.seed}").open("a").write("x")
     if case == CASES[-1] and not (folder / "killed").exists():
-        _wait_for(folder / f"{CASES[0].name}.json")
+        _wait_for(lambda: campaign.known(folder / TABLE))
         (folder / "killed").touch()
         os.kill(os.getpid(), signal.SIGKILL)
     with patch.object(campaign, "run", fake):
@@ -38,9 +38,9 @@ def killed_always(case, settings):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def _wait_for(path: Path) -> None:
+def _wait_for(done) -> None:
     for _ in range(1000):
-        if path.exists():
+        if done():
             return
         time.sleep(0.02)
 
@@ -48,10 +48,10 @@ def _wait_for(path: Path) -> None:
 def test_a_killed_worker_loses_no_case(tmp_path, monkeypatch):
     monkeypatch.setattr(campaign, "_one", partial(killed_at_the_last, tmp_path))
     said = []
-    results = campaign.play(CASES, tmp_path, workers=2, tell=said.append)
+    results = campaign.play(CASES, tmp_path / TABLE, workers=2, tell=said.append)
     assert [one["seed"] for one in results] == [0, 1, 2, 3]
     assert sum(text.startswith("a worker was killed") for text in said) == 1
-    assert campaign.left(CASES, tmp_path) == []
+    assert campaign.left(CASES, campaign.known(tmp_path / TABLE)) == []
     times = {case.seed: len((tmp_path / f"begun-{case.seed}").read_text()) for case in CASES}
     assert times[3] == 2  # the one that was killed
     assert times[0] == 1  # what had its result was not run again
@@ -61,5 +61,5 @@ def test_a_case_that_kills_every_worker_ends_the_trial(tmp_path, monkeypatch):
     monkeypatch.setattr(campaign, "_one", killed_always)
     said = []
     with pytest.raises(TerminatedWorkerError):
-        campaign.play(CASES[:2], tmp_path, workers=2, tell=said.append)
+        campaign.play(CASES[:2], tmp_path / TABLE, workers=2, tell=said.append)
     assert len(said) == campaign.ATTEMPTS

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from spirob.trial.campaign import known
 from spirob.trial.rates import rates
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_the_published_rates_follow_from_the_published_cases():
-    paths = sorted((ROOT / "reports/trial").glob("*.json"))
-    found = rates([one for path in paths for one in json.loads(path.read_text())])
+    found = rates(known(ROOT / "reports/trial/cases.jsonl"))
     told = json.loads((ROOT / "reports/metrics/trial_full.json").read_text())
     for name, value in told.items():
         if isinstance(value, dict) and "value" in value:

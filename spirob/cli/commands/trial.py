@@ -2,11 +2,11 @@
 
 Every case is a robot of its own (kind and seed), recorded over the bus, fitted, diagnosed and then
 compared with what was hidden.  A case takes about a minute of processor time, and with
-`--without` most robots are two cases; results that are there already are kept, so a trial that was
-stopped goes on.
+`--without` most robots are two cases; one file holds all results, a line each.  What is there
+already is kept, so a trial that was stopped goes on.
 
 With `--rigs` the machines are simulated axes of other people's kind, diagnosed as `spirob diagnose
---rig` does; one file holds all results, a line each.
+--rig` does.
 """
 
 import argparse
@@ -62,8 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out",
         type=Path,
-        metavar="PATH",
-        help="results: a folder (data/trial), with --rigs a file (data/campaign.jsonl)",
+        metavar="FILE",
+        help="all results (data/trial.jsonl, with --rigs data/campaign.jsonl)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rates there")
     parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes; all cores")
@@ -80,16 +80,19 @@ def run(arguments: argparse.Namespace) -> int:
 
     from spirob.cli.progress import Progress
     from spirob.emulator.build import require_build
+    from spirob.errors import ConfigError
     from spirob.logs.atomic import write_text
-    from spirob.trial.campaign import cases, left, play
+    from spirob.trial.campaign import cases, known, left, play
     from spirob.trial.rates import rates
 
     seeds = _seeds(arguments.seeds)
+    if arguments.out and arguments.out.is_dir():
+        raise ConfigError(f"--out {arguments.out}: needs a file, not a folder")
     if arguments.rigs:
         from spirob.cli.campaign import play_rigs
 
         return play_rigs(arguments, seeds)
-    out = arguments.out or Path("data/trial")
+    out = arguments.out or Path("data/trial.jsonl")
     kinds, ratios = _kinds(arguments.kinds), _ratios(arguments.ratios)
     require_build(arguments.build)
     chosen = cases(
@@ -101,7 +104,7 @@ def run(arguments: argparse.Namespace) -> int:
         ratios,
         arguments.build,
     )
-    with Progress([case.name for case in left(chosen, out)]) as progress:
+    with Progress([case.name for case in left(chosen, known(out))]) as progress:
         results = play(
             chosen,
             out,
