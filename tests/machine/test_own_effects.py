@@ -65,6 +65,9 @@ def test_a_file_that_fails_is_a_sentence(tmp_path, text, sentence):
         GOOD.replace(
             KERNEL, "while speed != 1e9:\n            torque += 1.0\n        return torque"
         ),
+        GOOD.replace(  # beyond the declared span of a speed
+            KERNEL, "while speed > 2e4:\n            torque += 1.0\n        return torque"
+        ),
     ],
 )
 def test_a_file_that_never_ends_is_ended(tmp_path, monkeypatch, text):
