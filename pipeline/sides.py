@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
@@ -38,10 +39,10 @@ def play_all(
     trial = Trial.from_plain(play.trial)
     sides: dict[str, Side] = {}
     if config.robot.kind != "can" and _plays("robot", play):
-        sides["robot"] = robot_side(config, hidden, play, log)
+        sides["robot"] = _shots(config, hidden, play, log)
     for name, model in models.items():
         if _plays(name, play):
-            sides[name] = model_side(config, play, model)
+            sides[name] = model_side(config, play, model, *_noise(config, play))
             if play.repeat and "robot" in sides:
                 moved = replace(play, react=partial(play.repeat, sides["robot"]))
                 sides[repeating(name)] = model_side(config, moved, model)
@@ -60,6 +61,24 @@ def merged(rig: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
 
 def _plays(side: str, play: Play) -> bool:
     return not play.only or side in play.only
+
+
+def _noise(config: Config, play: Play) -> tuple[float, int]:
+    """The sensor's noise [A] where the mean of several shots is looked at, and its seed."""
+    size = getattr(config.robot, "current_noise", 0.0) if play.shots > 1 else 0.0
+    return size, crc32(play.name.encode())
+
+
+def _shots(config: Config, hidden: Mapping[str, Any], play: Play, log: Path) -> Side:
+    """What a robot did, the mean of all shots."""
+    if play.shots == 1:
+        return robot_side(config, hidden, play, log)
+    sides = []
+    for k in range(play.shots):
+        name = f"{play.name}_{k}"
+        shot = replace(play, name=name, trial={**play.trial, "name": name})
+        sides.append(robot_side(config, hidden, shot, log.with_name(f"{name}.mcap")))
+    return Side.mean(sides)
 
 
 def robot_side(
@@ -113,7 +132,7 @@ def model_side(
     known = set(plant.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known}
     react = play.react() if play.react else None
-    return Side.from_trace(simulate(plant, trial, changes, noise, seed, react))
+    return Side.from_trace(simulate(plant, trial, changes, noise, seed, react, play.shots))
 
 
 def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str, Side]) -> Side:

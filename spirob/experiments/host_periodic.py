@@ -1,23 +1,26 @@
 """Periodic contact with the current loop on the host: the wheel of `periodic_contact`.
 
-The apparent period is told by two rules: the strongest line of the spectrum, of a count at least,
-and the mean interval between peaks that stand out of what the current does without a contact.
+The apparent period is told by two rules: the strongest line of the mean spectrum, of a count at
+least, and the mean interval between peaks that stand out of what the robot's current does without a
+contact.  The arm does not come back alike from hit to hit, so that a few seconds have another line
+each time: the spectrum is Welch's mean over `SEGMENT`, half of each shared with the next.
 """
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.signal import find_peaks
+from scipy.signal import find_peaks, welch
 
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.experiment import Play, Sides, curve, row, within
-from spirob.experiments.host_loop import GainSet, gain_sets
-from spirob.experiments.periodic_contact import PAPER, PeriodicContact, seen
+from spirob.experiments.experiment import Sides, curve, row, within
+from spirob.experiments.host_loop import GainSet, OnHost
+from spirob.experiments.periodic_contact import BAND, PAPER, PeriodicContact, seen
 from spirob.experiments.response import PERIOD, smooth
 from spirob.experiments.side import Side
 
 SMOOTHING = 11  # samples
+SEGMENT = 4.0  # s: lines 0.25 Hz apart
 APART = 0.02  # s, least between two peaks
 ALIKE = 0.1  # most by which an apparent period of the model may be off
 SIGNALS = ("current", "filtered")
@@ -38,53 +41,50 @@ def peak_interval(values: np.ndarray, least: float) -> float:
     return float(np.mean(np.diff(peaks)) * PERIOD) if len(peaks) > 1 else float("nan")
 
 
+def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[float, float]:
+    """Period [s] within two bounds and amplitude of the strongest line of Welch's mean spectrum."""
+    n = min(len(values), round(SEGMENT / PERIOD))
+    frequency, power = welch(
+        values, 1 / PERIOD, nperseg=n, nfft=8 * n, detrend="linear", scaling="spectrum"
+    )
+    band = (frequency >= 1 / longest) & (frequency <= 1 / shortest)
+    k = int(np.argmax(power[band]))
+    return float(1 / frequency[band][k]), float(np.sqrt(2 * power[band][k]))
+
+
 @dataclass(frozen=True, kw_only=True)
-class HostPeriodic(PeriodicContact):
-    """As PeriodicContact, but for: bandwidths [Hz] at which the gains of the loop are placed,
-    shares of the back-EMF that it feeds forward, latency from a reading to its voltage [s].
-    """
+class HostPeriodic(OnHost, PeriodicContact):
+    """The wheel of PeriodicContact under each set of gains."""
 
     title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
     about: ClassVar[str] = (
         "The current follows the arm's own swing between hits of the wheel, for a slow loop on the "
         "host lets the back-EMF through. What (12) feeds forward hides it here as well."
     )
-    bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
-    shares: tuple[float, ...] = (1.0, 0.0)
-    latency: float = 0.001
-
-    @property
-    def sets(self) -> list[GainSet]:
-        """Every set of gains."""
-        return gain_sets(self.bandwidths, self.shares, self.latency)
-
-    def plays(self) -> list[Play]:
-        out = []
-        for one in self.sets:
-            for place in (None, *self.places):
-                name = self._play(one, place)
-                out.append(Play(name, self._trial(name, place), one.rig()))
-        return out
-
-    def _play(self, one: GainSet, place: float | None) -> str:
-        return f"host_{one.key}_{self._name(place)}"
+    named: ClassVar[str] = "host_peg"
+    duration: float = 12.5
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = []
         for one in self.sets:
             # the same rule as with the loop in the drive, on the plays of this set
-            own = {self._name(p): sides[self._play(one, p)] for p in (None, *self.places)}
+            own = {self._name(p): sides[self.play_of(one, p)] for p in (None, *self.places)}
             for k, place in enumerate(self.places):
                 for signal in SIGNALS:
                     rows += self._told(own, one, k, place, signal)
         return rows
+
+    def _period(self, values: np.ndarray) -> float:
+        period, size = mean_line(values, *BAND)
+        return period if size >= 1.0 else float("nan")
 
     def _told(
         self, own: Sides, one: GainSet, k: int, place: float, signal: str
     ) -> list[dict[str, Any]]:
         periods, sizes, lines = self._lines(own, place, signal)
         hits, free = own[self._name(place)], own[self._name(None)]
-        gaps = {s: self._gap(hits[s], free[s], signal) for s in periods}
+        least = max([1.0, *(self._noise(free[s], signal) for s in periods)])
+        gaps = {s: self._gap(hits[s], free[s], signal, least) for s in periods}
         hidden = [s for s, period in periods.items() if np.isnan(period)]
         note = f"not visible, no line of one count: {', '.join(hidden)}" if hidden else ""
         at = f"{signal}, {one.words}, at {place:.0%}"
@@ -99,18 +99,20 @@ class HostPeriodic(PeriodicContact):
             row(f"line at 1/T of {at}", "counts", lines),
         ]
 
-    def _gap(self, hit: Side, free: Side, signal: str) -> float:
-        values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
+    def _noise(self, free: Side, signal: str) -> float:
+        """What the highest peak is without a contact, of a difference."""
         alone = smooth(COUNTS_PER_AMPERE * free.driven(signal, self.motor), SMOOTHING)
-        noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
-        return peak_interval(values, max(1.0, noise))
+        return highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)
+
+    def _gap(self, hit: Side, free: Side, signal: str, least: float) -> float:
+        return peak_interval(smooth(seen(hit, free, signal, self.begins), SMOOTHING), least)
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
-        one = GainSet(self.bandwidths[0], self.shares[-1], self.latency)
-        free = sides[self._play(one, None)]
+        one = self.slowest
+        free = sides[self.play_of(one, None)]
         for place in self.places:
-            for s, hit in sides[self._play(one, place)].items():
+            for s, hit in sides[self.play_of(one, place)].items():
                 if hit.current is None:
                     continue
                 values = smooth(seen(hit, free[s], "current", self.begins), SMOOTHING)

@@ -286,7 +286,8 @@ def run(
                 torque = gear * (added + rotor_damping * gear * rate[m] / radius)
                 own_inertia = p[P_motor_rotor_inertia]
                 own_inertia *= 1.0 + side[m] * p[P_motor_rotor_inertia_difference]
-                inertia = gear * gear * own_inertia / (radius * radius) + hung[m]
+                turning = gear * gear * own_inertia + p[P_winch_drum_inertia]
+                inertia = turning / (radius * radius) + hung[m]
                 own_damping = p[P_motor_rotor_damping]
                 own_damping *= 1.0 + side[m] * p[P_motor_rotor_damping_difference]
                 damping = gear * gear * (own_damping + rotor_damping) / (radius * radius)
@@ -359,7 +360,7 @@ def run(
                         * (1.0 + side[m] * p[P_motor_rotor_damping_difference])
                         * slip
                     )
-                    + hung[m] * accel
+                    + (p[P_winch_drum_inertia] / (radius_now[m] * radius_now[m]) + hung[m]) * accel
                 ) / scale
         if not (np.isfinite(rate[0] + rate[1]) and np.isfinite(qvel.sum())):
             return cycle

@@ -33,7 +33,11 @@ STATE_ROWS = 26  # see `loop.run`; the last five of a loop on the host
 # rows of it that a trial begins with
 DISPLACEMENT, RATE, TURNED, SHORTENING, BEGUN, FIRST_ANGLE, HUNG = 3, 4, 5, 7, 15, 18, 19
 SETTLING = 1000  # cycles in which the arm comes to rest under currents, half of them to raise these
-LIGHT = {"motor.rotor_inertia": 1e-7, "motor.rotor_damping": 1e-6}  # rotors that hardly slow it
+LIGHT = {  # rotors that hardly slow it
+    "motor.rotor_inertia": 1e-7,
+    "motor.rotor_damping": 1e-6,
+    "winch.drum_inertia": 0.0,
+}
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",

@@ -87,7 +87,7 @@ def test_a_push_moves_the_current_of_a_loop_on_the_host_and_both_currents_are_to
         plant = Plant(Rig.from_mapping(one.rig()))
         sides = {}
         for place in (None, 0.95):
-            trial = Trial.from_plain(experiment._trial("t", place))
+            trial = Trial.from_plain(experiment.trial_at("t", place))
             trace = simulate(plant, trial, {})
             assert {"left.voltage", "left.arm_current"} <= set(trace.signals)
             sides[experiment._play(one, place)] = {"base": Side.from_trace(trace)}
