@@ -106,8 +106,8 @@ def _plays(side: str, play: Play) -> bool:
 
 
 def _noise(config: Config, play: Play) -> tuple[float, int]:
-    """The sensor's noise [A] where the mean of several shots is looked at, and its seed."""
-    size = getattr(config.robot, "current_noise", 0.0) if play.shots > 1 else 0.0
+    """The sensor's noise [A] where a model has it, and its seed."""
+    size = getattr(config.robot, "current_noise", 0.0) if play.noisy else 0.0
     return size, crc32(play.name.encode())
 
 

@@ -88,7 +88,7 @@ class OnHost(Experiment):
         """Every trial under every set."""
         named = [(self.play_of(one, p), p, one) for one in self.sets for p in (None, *self.places)]
         return [
-            Play(name, self.trial_at(name, place), one.rig(), shots=self.shots)
+            Play(name, self.trial_at(name, place), one.rig(), shots=self.shots, noisy=True)
             for name, place, one in named
         ]
 

@@ -1,7 +1,7 @@
 """Periodic contact with the current loop on the host: the wheel of `periodic_contact`.
 
 The apparent period is told by two rules: the strongest line of the mean spectrum, of a count at
-least, and the mean interval between peaks that stand out of what the robot's current does without a
+least, and the mean interval between peaks that stand out of what the current does without a
 contact.  The arm does not come back alike from hit to hit, so that a few seconds have another line
 each time: the spectrum is Welch's mean over `SEGMENT`, half of each shared with the next.
 """
@@ -83,8 +83,7 @@ class HostPeriodic(OnHost, PeriodicContact):
     ) -> list[dict[str, Any]]:
         periods, sizes, lines = self._lines(own, place, signal)
         hits, free = own[self._name(place)], own[self._name(None)]
-        least = max([1.0, *(self._noise(free[s], signal) for s in periods)])
-        gaps = {s: self._gap(hits[s], free[s], signal, least) for s in periods}
+        gaps = {s: self._gap(hits[s], free[s], signal) for s in periods}
         hidden = [s for s, period in periods.items() if np.isnan(period)]
         note = f"not visible, no line of one count: {', '.join(hidden)}" if hidden else ""
         at = f"{signal}, {one.words}, at {place:.0%}"
@@ -99,13 +98,11 @@ class HostPeriodic(OnHost, PeriodicContact):
             row(f"line at 1/T of {at}", "counts", lines),
         ]
 
-    def _noise(self, free: Side, signal: str) -> float:
-        """What the highest peak is without a contact, of a difference."""
+    def _gap(self, hit: Side, free: Side, signal: str) -> float:
+        values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
         alone = smooth(COUNTS_PER_AMPERE * free.driven(signal, self.motor), SMOOTHING)
-        return highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)
-
-    def _gap(self, hit: Side, free: Side, signal: str, least: float) -> float:
-        return peak_interval(smooth(seen(hit, free, signal, self.begins), SMOOTHING), least)
+        noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
+        return peak_interval(values, max(1.0, noise))
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []

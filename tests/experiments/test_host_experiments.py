@@ -90,8 +90,8 @@ def test_a_push_moves_the_current_of_a_loop_on_the_host_and_both_currents_are_to
             trial = Trial.from_plain(experiment.trial_at("t", place))
             trace = simulate(plant, trial, {})
             assert {"left.voltage", "left.arm_current"} <= set(trace.signals)
-            sides[experiment._play(one, place)] = {"base": Side.from_trace(trace)}
-        assert sides[experiment._play(one, 0.95)]["base"].arm_current is not None
+            sides[experiment.play_of(one, place)] = {"base": Side.from_trace(trace)}
+        assert sides[experiment.play_of(one, 0.95)]["base"].arm_current is not None
         peaks[one.share] = experiment._found(sides, one)["base"][0]["peak"]
     # what (12) feeds forward takes most of it away again, but not what came within the latency
     assert peaks[0.0] > 3 * peaks[1.0] > 3.0
