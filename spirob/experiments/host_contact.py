@@ -135,14 +135,13 @@ class HostContact(OnHost, SingleContact):
         """The measured current, and beside it i** of the models with the robot's current again."""
         first = round(1e3 * self.hit) - 50
         span = slice(first, first + round(1e3 * PEAK) + 50)
-        time = np.arange(span.stop - span.start) * 1e-3
+        time = np.arange(-50, span.stop - span.start - 50) * 1e-3
         current = smooth(difference(hit, free, "current"), SMOOTHING)[span]
         reconstructed = current
         if hit.arm_current is not None and free.arm_current is not None:
             apart = COUNTS_PER_AMPERE * (hit.arm_current - free.arm_current)[:, self.motor]
             reconstructed = smooth(apart, SMOOTHING)[span]
-        named = "i** of the models, current of the robot"
         return [
             curve(play, "current after a hit", "counts", s, time, current, 3),
-            curve(play, named, "counts", s, time, reconstructed, 3),
+            curve(play, "reconstructed current", "counts", s, time, reconstructed, 3),
         ]

@@ -21,6 +21,7 @@ from spirob.experiments.side import Side
 
 SMOOTHING = 11  # samples
 SEGMENT = 4.0  # s: lines 0.25 Hz apart
+SHOWN, HIGHEST = 4000, 12.0  # samples, and Hz of the spectrum, in the report
 APART = 0.02  # s, least between two peaks
 ALIKE = 0.1  # most by which an apparent period of the model may be off
 SIGNALS = ("current", "filtered")
@@ -41,15 +42,21 @@ def peak_interval(values: np.ndarray, least: float) -> float:
     return float(np.mean(np.diff(peaks)) * PERIOD) if len(peaks) > 1 else float("nan")
 
 
-def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[float, float]:
-    """Period [s] within two bounds and amplitude of the strongest line of Welch's mean spectrum."""
+def mean_spectrum(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and amplitudes of the lines in Welch's mean spectrum."""
     n = min(len(values), round(SEGMENT / PERIOD))
     frequency, power = welch(
         values, 1 / PERIOD, nperseg=n, nfft=8 * n, detrend="linear", scaling="spectrum"
     )
+    return frequency, np.sqrt(2 * power)
+
+
+def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[float, float]:
+    """Period [s] within two bounds and amplitude of the strongest of these lines."""
+    frequency, size = mean_spectrum(values)
     band = (frequency >= 1 / longest) & (frequency <= 1 / shortest)
-    k = int(np.argmax(power[band]))
-    return float(1 / frequency[band][k]), float(np.sqrt(2 * power[band][k]))
+    k = int(np.argmax(size[band]))
+    return float(1 / frequency[band][k]), float(size[band][k])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,8 +119,12 @@ class HostPeriodic(OnHost, PeriodicContact):
             for s, hit in sides[self.play_of(one, place)].items():
                 if hit.current is None:
                     continue
-                values = smooth(seen(hit, free[s], "current", self.begins), SMOOTHING)
-                time = np.arange(len(values)) * 1e-3
-                play = f"{one.words}, at {place:.0%}"
-                out.append(curve(play, "current", "counts", s, time, values, 10))
+                values = seen(hit, free[s], "current", self.begins)
+                play, first = f"{one.words}, at {place:.0%}", smooth(values, SMOOTHING)[:SHOWN]
+                time = np.arange(len(first)) * PERIOD
+                out.append(curve(play, "current", "counts", s, time, first, 10))
+                frequency, size = mean_spectrum(values)
+                low = (frequency > 0.0) & (frequency <= HIGHEST)
+                lines = frequency[low], size[low]
+                out.append(curve(play, "amplitude of the current", "counts", s, *lines, 2))
         return out
