@@ -32,6 +32,7 @@ UPRIGHT = {
     "current over force": "current",
     "filtered current over force": "filtered current",
     "filtered": "filtered current",
+    "amplitude of the current": "amplitude",
     "stiffness along the arm": "stiffness of the hinge",
     "inertia along the arm": "inertia beyond",
     "give along the arm": "give of the arm",
