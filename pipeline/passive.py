@@ -45,8 +45,8 @@ def stage(root: Path) -> None:
     stand = Stand.of(root)
     asked, noise = stand.config.passive, getattr(stand.config.robot, "current_noise", 0.0)
     rng = np.random.default_rng(asked.seed)
-    simulated = pushes(asked.simulated, rng, "push_model")
-    played = [*pushes(asked.played, rng, "push_robot"), *free(asked.free)]
+    simulated = pushes(asked.in_model, rng, "push_model")
+    played = [*pushes(asked.on_robot, rng, "push_robot"), *free(asked.free)]
     given = [(push.play, noise, k) for k, push in enumerate(simulated)]
     in_model = [heard(side) for side in stand.each(stand.model, given)]
     tell(f"{len(simulated)} pushes in the model")

@@ -135,8 +135,8 @@ class Perceive(Strict):
 class Passive(Strict):
     """Pushes that are felt by the current: how many are drawn."""
 
-    simulated: int = Field(200, ge=6, le=100_000)  # in the model, to learn where they are
-    played: int = Field(60, ge=1, le=10_000)  # on the robot
+    in_model: int = Field(200, ge=6, le=100_000)  # to learn where they are
+    on_robot: int = Field(60, ge=1, le=10_000)
     free: int = Field(20, ge=0, le=10_000)  # trials on the robot without any, of six seconds
     seed: int = Field(0, ge=0)
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from spirob.control.host_gains import placed
 from spirob.control.host_loop import HostLoop
+from spirob.errors import ConfigError
 from spirob.experiments.direct_drive import DIRECT, DRUM
 from spirob.experiments.experiment import Experiment, Play, row
 from spirob.plant.nominal import Motor
@@ -72,6 +73,11 @@ class OnHost(Experiment):
         places: tuple[float, ...] = ()
 
         def trial_at(self, name: str, place: float | None) -> dict[str, Any]: ...
+
+    def __post_init__(self) -> None:
+        if self.shots < 1:
+            name = type(self).__module__.rpartition(".")[2]
+            raise ConfigError(f"experiments.{name}.shots = {self.shots}: one at least")
 
     @property
     def sets(self) -> list[GainSet]:
