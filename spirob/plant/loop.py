@@ -193,6 +193,7 @@ def run(
                     gains[13],
                     gains[14],
                 )
+                volts[0, m] = gains[16] * np.rint(volts[0, m] / gains[16])  # counts on the bus
                 out[cycle, m, 8] = volts[0, m]
         for i in range(hinges):
             angles[cycle, i] = qpos[i]

@@ -10,6 +10,7 @@ import numpy as np
 
 from spirob.control.law import CURRENT
 from spirob.control.schedule import Schedule
+from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.errors import SimulationError
@@ -152,13 +153,14 @@ class Plant:
         return np.array([*law, 0.0, self.rig.winch.radius, *self._host()])
 
     def _host(self) -> tuple[float, ...]:
-        """What the host believes of the winding, its gains, limit [V] and latency [cycles]."""
+        """What the host believes of the winding; gains, limit [V], latency [cycles], count [V]."""
         host, placed, motor = self.rig.host, self.rig.placed(), self.rig.motor
         if host is None or placed is None:
             return ()
         emf = self.rig.drive.emf_compensation * motor.emf_constant
         believed = motor.resistance, motor.inductance, emf
-        return *believed, *placed.gains, self.rig.drive.voltage_limit, host.latency / CYCLE
+        more = self.rig.drive.voltage_limit, host.latency / CYCLE, VOLT_PER_COUNT
+        return *believed, *placed.gains, *more
 
     def _arm(self, p: np.ndarray) -> Arm:
         names = Arm.parameters()
