@@ -11,22 +11,9 @@ Writes reports/metrics/contacts.json.
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed
-
-from pipeline.schema import Config
-from pipeline.sides import model_side, robot_side
-from pipeline.stage import (
-    HIDDEN,
-    entry,
-    public_config,
-    read_json,
-    read_yaml,
-    tell,
-    workers,
-    write_json,
-)
+from pipeline.sides import Stand
+from pipeline.stage import entry, tell, write_json
 from pipeline.wraps import SENSOR_NOISE
-from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
 from spirob.experiments.contact_parts import in_parts
 from spirob.experiments.contact_rates import (
@@ -46,18 +33,15 @@ LOGS = Path("data/contacts/raw")
 
 def stage(root: Path) -> None:
     """Play and judge."""
-    config = public_config(root)
-    if config.robot.kind == "can":
+    stand = Stand.of(root)
+    if stand.config.robot.kind == "can":
         raise ConfigError("contacts are played on an emulated or simulated robot, not on hardware")
-    hidden = read_yaml(root / HIDDEN, "config") or {}
-    named = read_json(root / "data/diagnosis/model.json", "decide")
-    plain = config.model_dump()
-    domains = {}
-    for domain, pegs, seed in (("simulation", SIMULATED, 1), ("robot", EMULATED, 2)):
-        trials = uncurlings(pegs, seed)
-        jobs = [delayed(_play)(root, plain, hidden, named, domain, t) for t in trials]
-        domains[domain] = (trials, Parallel(n_jobs=workers(), initializer=end_with_parent)(jobs))
-        tell(f"{domain}: {len(trials)} uncurlings")
+    simulated, emulated = uncurlings(SIMULATED, 1), uncurlings(EMULATED, 2)
+    in_model = stand.each(stand.model, [(t.play, SENSOR_NOISE, t.number) for t in simulated])
+    tell(f"simulation: {len(simulated)} uncurlings")
+    on_robot = stand.each(stand.robot, [(t.play, LOGS) for t in emulated])
+    tell(f"robot: {len(emulated)} uncurlings")
+    domains = {"simulation": (simulated, in_model), "robot": (emulated, on_robot)}
     write_json(root / "reports/metrics/contacts.json", judged(domains))
 
 
@@ -78,20 +62,6 @@ def judged(domains: dict[str, tuple[list[Uncurling], list[Side]]]) -> dict[str, 
                 "roc": roc(found),
             }
     return out
-
-
-def _play(
-    root: Path,
-    plain: dict[str, Any],
-    hidden: dict[str, Any],
-    named: dict[str, Any],
-    domain: str,
-    trial: Uncurling,
-) -> Side:
-    config = Config.model_validate(plain)
-    if domain == "robot":
-        return robot_side(config, hidden, trial.play, root / LOGS / f"{trial.play.name}.mcap")
-    return model_side(config, trial.play, named, SENSOR_NOISE, trial.number)
 
 
 if __name__ == "__main__":

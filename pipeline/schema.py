@@ -132,6 +132,15 @@ class Perceive(Strict):
     choose: dict[str, list[float]] = {}  # of them, those that the training chooses, and among what
 
 
+class Passive(Strict):
+    """Pushes that are felt by the current: how many are drawn."""
+
+    in_model: int = Field(200, ge=6, le=100_000)  # to learn where they are
+    on_robot: int = Field(60, ge=1, le=10_000)
+    free: int = Field(20, ge=0, le=10_000)  # trials on the robot without any, of six seconds
+    seed: int = Field(0, ge=0)
+
+
 class TrialConfig(Strict):
     """Robots with something hidden, to test the diagnosis."""
 
@@ -154,6 +163,7 @@ class Config(Strict):
     identify: Identify
     diagnose: Diagnose
     perceive: Perceive
+    passive: Passive = Passive()
     trial: TrialConfig = TrialConfig()
 
     def public(self) -> dict[str, Any]:

@@ -1,20 +1,24 @@
-"""Plays one trial of an experiment on every side: robot, model, named model, single dynamics."""
+"""Plays trials: one on every side, robot, models, single dynamics; or many on one of them."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
+from joblib import Parallel, delayed
 
 from pipeline.robots import build, drive_of, loop_of
 from pipeline.schema import Config
+from pipeline.stage import HIDDEN, public_config, read_json, read_yaml, workers
 from spirob.bench import Trial, record
 from spirob.bench.simulate import simulate
 from spirob.control.law import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
+from spirob.ending import end_with_parent
 from spirob.experiments import Play, Side
 from spirob.experiments.experiment import repeating
 from spirob.logs import read_log
@@ -25,6 +29,45 @@ from spirob.robot import MOTORS, Scene
 
 # which effects the model has and which numbers are not nominal: `{effects: [...], changes: {...}}`
 Models = Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Stand:
+    """What a trial of this project is played on: its robot, and the model with the named effect.
+
+    plain   the public configuration;  hidden  what only an emulated robot knows
+    """
+
+    root: Path
+    plain: dict[str, Any]
+    hidden: dict[str, Any]
+    named: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, root: Path) -> "Stand":
+        """That of a project's folder, once the stage `decide` has named an effect."""
+        config = public_config(root)
+        hidden = read_yaml(root / HIDDEN, "config") or {}
+        named = read_json(root / "data/diagnosis/model.json", "decide")
+        return cls(root, config.model_dump(), hidden, named)
+
+    @property
+    def config(self) -> Config:
+        """As an object."""
+        return Config.model_validate(self.plain)
+
+    def robot(self, play: Play, logs: Path) -> Side:
+        """The robot's answer; its log goes into a folder under the root."""
+        return robot_side(self.config, self.hidden, play, self.root / logs / f"{play.name}.mcap")
+
+    def model(self, play: Play, noise: float, seed: int) -> Side:
+        """The model's, with sensor noise [A]."""
+        return model_side(self.config, play, self.named, noise, seed)
+
+    def each(self, act: Callable[..., Side], given: Iterable[Sequence[Any]]) -> list[Side]:
+        """`robot` or `model` for all that is given, on all cores."""
+        run = Parallel(n_jobs=workers(), initializer=end_with_parent)
+        return list(run([delayed(act)(*one) for one in given]))
 
 
 def play_all(
@@ -38,10 +81,10 @@ def play_all(
     trial = Trial.from_plain(play.trial)
     sides: dict[str, Side] = {}
     if config.robot.kind != "can" and _plays("robot", play):
-        sides["robot"] = robot_side(config, hidden, play, log)
+        sides["robot"] = _shots(config, hidden, play, log)
     for name, model in models.items():
         if _plays(name, play):
-            sides[name] = model_side(config, play, model)
+            sides[name] = model_side(config, play, model, *_noise(config, play))
             if play.repeat and "robot" in sides:
                 moved = replace(play, react=partial(play.repeat, sides["robot"]))
                 sides[repeating(name)] = model_side(config, moved, model)
@@ -60,6 +103,24 @@ def merged(rig: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
 
 def _plays(side: str, play: Play) -> bool:
     return not play.only or side in play.only
+
+
+def _noise(config: Config, play: Play) -> tuple[float, int]:
+    """The sensor's noise [A] where a model has it, and its seed."""
+    size = getattr(config.robot, "current_noise", 0.0) if play.noisy else 0.0
+    return size, crc32(play.name.encode())
+
+
+def _shots(config: Config, hidden: Mapping[str, Any], play: Play, log: Path) -> Side:
+    """What a robot did, the mean of all shots."""
+    if play.shots == 1:
+        return robot_side(config, hidden, play, log)
+    sides = []
+    for k in range(play.shots):
+        name = f"{play.name}_{k}"
+        shot = replace(play, name=name, trial={**play.trial, "name": name})
+        sides.append(robot_side(config, hidden, shot, log.with_name(f"{name}.mcap")))
+    return Side.mean(sides)
 
 
 def robot_side(
@@ -113,7 +174,7 @@ def model_side(
     known = set(plant.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known}
     react = play.react() if play.react else None
-    return Side.from_trace(simulate(plant, trial, changes, noise, seed, react))
+    return Side.from_trace(simulate(plant, trial, changes, noise, seed, react, play.shots))
 
 
 def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str, Side]) -> Side:

@@ -24,22 +24,24 @@ def simulate(
     current_noise: float = 0.0,
     seed: int = 0,
     react: Reaction | None = None,
+    shots: int = 1,
 ) -> Trace:
     """The trial as a decoded trace: current in counts of the drive, with sensor noise.
 
-    current_noise  standard deviation [A];  seed  of the noise
+    current_noise  standard deviation [A];  seed  of the noise;  shots  whose mean the current is
     react          what the trial does about the current that it feels, which may shorten it
     Raises SimulationError when the model diverges.
     """
     schedule = trial.schedule()
-    noise = np.random.default_rng(seed).normal(0.0, 1.0, schedule.reference.shape) * current_noise
+    rng = np.random.default_rng(seed)
+    draws = rng.normal(0.0, 1.0, (shots, *schedule.reference.shape)) * current_noise
     if react is None:
         response = plant.simulate(schedule, trial.scene, changes)
     else:
         session = plant.start(trial.scene, changes)
-        response, schedule = _reacting(session, schedule, noise, react)
-        noise = noise[: schedule.cycles]
-    current = _counted(response.current + noise)
+        response, schedule = _reacting(session, schedule, draws[0], react)
+        draws = draws[:, : schedule.cycles]
+    current = _counted(response.current + draws).mean(axis=0)
     signals: dict[str, np.ndarray] = {}
     for m, motor in enumerate(MOTORS):
         signals |= {

@@ -42,12 +42,13 @@ def show(watch: Watch, bus: can.BusABC, seconds: float, drive: Drive | None = No
 
 
 def state(watch: Watch) -> str:
-    """Both motors and the last size in one line."""
+    """Both motors, the last size, and whether the arm is pushed, in one line."""
     parts = []
     for motor, said, touched in zip(MOTORS, watch.states, watch.contact, strict=True):
         contact = "CONTACT" if touched else "free"
         parts.append(f"{motor} {said.current:+.2f} A {1e3 * said.displacement:+.1f} mm {contact}")
-    return "  ".join([*parts, f"size {watch.size or '–'}"])
+    pushed = ["PUSHED" if watch.push.felt else "not pushed"] if watch.push else []
+    return "  ".join([*parts, f"size {watch.size or '–'}", *pushed])
 
 
 def _require_feedback(watch: Watch, bus: can.BusABC, after: float) -> None:

@@ -18,6 +18,7 @@ meets the next of the poles that the latency brings; a bandwidth beyond that can
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -145,18 +146,19 @@ def latest(winding: Winding, gains: Gains) -> float:
 
 def _edge(holds: Callable[[float], bool], values: np.ndarray) -> float:
     """The largest value before the first of a grid that does not hold, by halving."""
-    broken = [k for k, value in enumerate(values) if not holds(value)]
-    if not broken:
+    broken = next((k for k, value in enumerate(values) if not holds(value)), None)
+    if broken is None:
         return float(values[-1])
-    if broken[0] == 0:
+    if broken == 0:
         return 0.0
-    low, high = values[broken[0] - 1], values[broken[0]]
+    low, high = values[broken - 1], values[broken]
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if holds(middle) else (low, middle)
     return float(low)
 
 
+@lru_cache(maxsize=64)
 def placed(loop: HostLoop, resistance: float, inductance: float) -> Placed:
     """The loop's gains, given or placed for its bandwidth.
 

@@ -18,6 +18,8 @@ DIRECT = {
     "gains": {"velocity": 2.0, "integral": 12.0, "newton_per_ampere": 0.78, "drag": 0.25},
 }
 RADIUS = 0.02  # m, nominal, of the winch
+DRUM_WIDTH, ALUMINIUM = 0.03, 2700.0  # m, kg/m³: the drum by its drawing
+DRUM = np.pi / 2 * ALUMINIUM * DRUM_WIDTH * RADIUS**4  # kg·m², of a solid one
 COUNTS_PER_METRE = COUNTS_PER_TURN / (2 * np.pi * RADIUS)  # without gear
 COUNTS_PER_AMPERE = 1 / AMPERE_PER_COUNT
 

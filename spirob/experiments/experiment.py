@@ -44,6 +44,9 @@ class Play:
     rig    what differs from the configured rig, for example the bandwidth of the drive
     only   the sides that play it; all where empty
     react  makes what a side does about what it feels; None where it does nothing
+    shots  how often a robot plays it, its noise being another each time, for their mean
+    noisy  whether a model's current has the sensor's noise as the robot's has, the mean of as many
+           draws as there are shots
     repeat makes, of the robot's side, what a model does to move as the robot did, whatever it feels
            itself; the models then play the trial twice, see `repeating`
     """
@@ -52,6 +55,8 @@ class Play:
     trial: dict[str, Any]
     rig: dict[str, Any] = field(default_factory=dict)
     only: tuple[str, ...] = ()
+    shots: int = 1
+    noisy: bool = False
     react: Callable[[], Reaction] | None = None
     repeat: Callable[[Side], Reaction] | None = None
 

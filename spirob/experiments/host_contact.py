@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, difference
-from spirob.experiments.experiment import Play, Sides, curve, row
-from spirob.experiments.host_loop import GainSet, gain_sets
+from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, RADIUS, difference
+from spirob.experiments.experiment import Sides, curve, row
+from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.response import smooth
 from spirob.experiments.side import Side
 from spirob.experiments.single_contact import (
@@ -24,6 +24,8 @@ from spirob.experiments.single_contact import (
     responses,
     visible,
 )
+from spirob.identify.latency import latency
+from spirob.plant.nominal import Motor
 
 ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
@@ -33,10 +35,8 @@ Found = dict[str, list[dict[str, float]]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class HostContact(SingleContact):
-    """As SingleContact, but for: bandwidths [Hz] at which the gains of the loop are placed,
-    shares of the back-EMF that it feeds forward, latency from a reading to its voltage [s].
-    """
+class HostContact(OnHost, SingleContact):
+    """The shots of SingleContact under each set of gains."""
 
     title: ClassVar[str] = "Single contact, no gearbox, current loop on the host"
     about: ClassVar[str] = (
@@ -45,34 +45,19 @@ class HostContact(SingleContact):
         "pushed motor stands in its current. Whatever of that back-EMF the host feeds forward, "
         "as the paper's (12) does, it takes away again, but for what came within the latency."
     )
-    bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
-    shares: tuple[float, ...] = (1.0, 0.0)
-    latency: float = 0.001
-
-    @property
-    def sets(self) -> list[GainSet]:
-        """Every set of gains."""
-        return gain_sets(self.bandwidths, self.shares, self.latency)
-
-    def plays(self) -> list[Play]:
-        out = []
-        for one in self.sets:
-            for place in (None, *self.places):
-                name = self._play(one, place)
-                out.append(Play(name, self._trial(name, place), one.rig()))
-        return out
-
-    def _play(self, one: GainSet, place: float | None) -> str:
-        return f"host_ball_{one.key}_{'free' if place is None else f'{100 * place:.0f}'}"
+    named: ClassVar[str] = "host_ball"
+    # their noise in a peak of 5 counts, two deviations, is then less than the 30 % that are asked
+    shots: int = 6
 
     def _found(self, sides: Sides, one: GainSet) -> Found:
         """Side -> responses at every place."""
-        free = sides[self._play(one, None)]
-        hits = [sides[self._play(one, place)] for place in self.places]
+        free = sides[self.play_of(one, None)]
+        hits = [sides[self.play_of(one, place)] for place in self.places]
         return {s: [responses(hit[s], free[s], self.hit) for hit in hits] for s in free}
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = [GainSet(b, 1.0, self.latency).margin() for b in self.bandwidths]
+        rows.append(self._latency(sides))
         for one in self.sets:
             found = self._found(sides, one)
             for key, what in READ:
@@ -82,6 +67,18 @@ class HostContact(SingleContact):
             if "robot" in found:
                 rows += [self._order(one, found), self._size(one, found)]
         return rows
+
+    def _latency(self, sides: Sides) -> dict[str, Any]:
+        """From a reading until its voltage acts, by each side's own trial without a contact."""
+        free = sides[self.play_of(self.slowest, None)]
+        found = {
+            s: latency(side.current, side.voltage, side.velocity / RADIUS, Motor())
+            for s, side in free.items()
+            if side.current is not None and side.voltage is not None
+        }
+        told = ", ".join(f"{s} ± {2e3 * one.error:.2f}" for s, one in found.items())
+        values = {s: 1e3 * one.seconds for s, one in found.items()}
+        return row("latency of the loop", "ms", values, note=f"two deviations: {told}")
 
     def _order(self, one: GainSet, found: Found) -> dict[str, Any]:
         """Rank of the current's peak over the places where the robot shows it."""
@@ -125,10 +122,10 @@ class HostContact(SingleContact):
                 if "peak" in found[0]:
                     peaks = np.array([r["peak"] for r in found])
                     out.append(curve(one.words, "current peak", "counts", s, at, peaks, 1))
-        slowest = GainSet(self.bandwidths[0], self.shares[-1], self.latency)
+        slowest = self.slowest
         for place in self.places[:: max(1, len(self.places) // 3)]:
             play = f"{slowest.words}, at {place:.0%}"
-            hit, free = (sides[self._play(slowest, p)] for p in (place, None))
+            hit, free = (sides[self.play_of(slowest, p)] for p in (place, None))
             for s in hit:
                 if hit[s].current is not None:
                     out += self._in_time(play, s, hit[s], free[s])
@@ -138,14 +135,13 @@ class HostContact(SingleContact):
         """The measured current, and beside it i** of the models with the robot's current again."""
         first = round(1e3 * self.hit) - 50
         span = slice(first, first + round(1e3 * PEAK) + 50)
-        time = np.arange(span.stop - span.start) * 1e-3
+        time = np.arange(-50, span.stop - span.start - 50) * 1e-3
         current = smooth(difference(hit, free, "current"), SMOOTHING)[span]
         reconstructed = current
         if hit.arm_current is not None and free.arm_current is not None:
             apart = COUNTS_PER_AMPERE * (hit.arm_current - free.arm_current)[:, self.motor]
             reconstructed = smooth(apart, SMOOTHING)[span]
-        named = "i** of the models, current of the robot"
         return [
             curve(play, "current after a hit", "counts", s, time, current, 3),
-            curve(play, named, "counts", s, time, reconstructed, 3),
+            curve(play, "reconstructed current", "counts", s, time, reconstructed, 3),
         ]

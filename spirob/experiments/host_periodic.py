@@ -1,23 +1,27 @@
 """Periodic contact with the current loop on the host: the wheel of `periodic_contact`.
 
-The apparent period is told by two rules: the strongest line of the spectrum, of a count at least,
-and the mean interval between peaks that stand out of what the current does without a contact.
+The apparent period is told by two rules: the strongest line of the mean spectrum, of a count at
+least, and the mean interval between peaks that stand out of what the current does without a
+contact.  The arm does not come back alike from hit to hit, so that a few seconds have another line
+each time: the spectrum is Welch's mean over `SEGMENT`, half of each shared with the next.
 """
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.signal import find_peaks
+from scipy.signal import find_peaks, welch
 
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.experiment import Play, Sides, curve, row, within
-from spirob.experiments.host_loop import GainSet, gain_sets
-from spirob.experiments.periodic_contact import PAPER, PeriodicContact, seen
+from spirob.experiments.experiment import Sides, curve, row, within
+from spirob.experiments.host_loop import GainSet, OnHost
+from spirob.experiments.periodic_contact import BAND, PAPER, PeriodicContact, seen
 from spirob.experiments.response import PERIOD, smooth
 from spirob.experiments.side import Side
 
 SMOOTHING = 11  # samples
+SEGMENT = 4.0  # s: lines 0.25 Hz apart
+SHOWN, HIGHEST = 4000, 12.0  # samples, and Hz of the spectrum, in the report
 APART = 0.02  # s, least between two peaks
 ALIKE = 0.1  # most by which an apparent period of the model may be off
 SIGNALS = ("current", "filtered")
@@ -38,46 +42,48 @@ def peak_interval(values: np.ndarray, least: float) -> float:
     return float(np.mean(np.diff(peaks)) * PERIOD) if len(peaks) > 1 else float("nan")
 
 
+def mean_spectrum(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and amplitudes of the lines in Welch's mean spectrum."""
+    n = min(len(values), round(SEGMENT / PERIOD))
+    frequency, power = welch(
+        values, 1 / PERIOD, nperseg=n, nfft=8 * n, detrend="linear", scaling="spectrum"
+    )
+    return frequency, np.sqrt(2 * power)
+
+
+def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[float, float]:
+    """Period [s] within two bounds and amplitude of the strongest of these lines."""
+    frequency, size = mean_spectrum(values)
+    band = (frequency >= 1 / longest) & (frequency <= 1 / shortest)
+    k = int(np.argmax(size[band]))
+    return float(1 / frequency[band][k]), float(size[band][k])
+
+
 @dataclass(frozen=True, kw_only=True)
-class HostPeriodic(PeriodicContact):
-    """As PeriodicContact, but for: bandwidths [Hz] at which the gains of the loop are placed,
-    shares of the back-EMF that it feeds forward, latency from a reading to its voltage [s].
-    """
+class HostPeriodic(OnHost, PeriodicContact):
+    """The wheel of PeriodicContact under each set of gains."""
 
     title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
     about: ClassVar[str] = (
         "The current follows the arm's own swing between hits of the wheel, for a slow loop on the "
         "host lets the back-EMF through. What (12) feeds forward hides it here as well."
     )
-    bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
-    shares: tuple[float, ...] = (1.0, 0.0)
-    latency: float = 0.001
-
-    @property
-    def sets(self) -> list[GainSet]:
-        """Every set of gains."""
-        return gain_sets(self.bandwidths, self.shares, self.latency)
-
-    def plays(self) -> list[Play]:
-        out = []
-        for one in self.sets:
-            for place in (None, *self.places):
-                name = self._play(one, place)
-                out.append(Play(name, self._trial(name, place), one.rig()))
-        return out
-
-    def _play(self, one: GainSet, place: float | None) -> str:
-        return f"host_{one.key}_{self._name(place)}"
+    named: ClassVar[str] = "host_peg"
+    duration: float = 12.5
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = []
         for one in self.sets:
             # the same rule as with the loop in the drive, on the plays of this set
-            own = {self._name(p): sides[self._play(one, p)] for p in (None, *self.places)}
+            own = {self._name(p): sides[self.play_of(one, p)] for p in (None, *self.places)}
             for k, place in enumerate(self.places):
                 for signal in SIGNALS:
                     rows += self._told(own, one, k, place, signal)
         return rows
+
+    def _period(self, values: np.ndarray) -> float:
+        period, size = mean_line(values, *BAND)
+        return period if size >= 1.0 else float("nan")
 
     def _told(
         self, own: Sides, one: GainSet, k: int, place: float, signal: str
@@ -107,14 +113,18 @@ class HostPeriodic(PeriodicContact):
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
-        one = GainSet(self.bandwidths[0], self.shares[-1], self.latency)
-        free = sides[self._play(one, None)]
+        one = self.slowest
+        free = sides[self.play_of(one, None)]
         for place in self.places:
-            for s, hit in sides[self._play(one, place)].items():
+            for s, hit in sides[self.play_of(one, place)].items():
                 if hit.current is None:
                     continue
-                values = smooth(seen(hit, free[s], "current", self.begins), SMOOTHING)
-                time = np.arange(len(values)) * 1e-3
-                play = f"{one.words}, at {place:.0%}"
-                out.append(curve(play, "current", "counts", s, time, values, 10))
+                values = seen(hit, free[s], "current", self.begins)
+                play, first = f"{one.words}, at {place:.0%}", smooth(values, SMOOTHING)[:SHOWN]
+                time = np.arange(len(first)) * PERIOD
+                out.append(curve(play, "current", "counts", s, time, first, 10))
+                frequency, size = mean_spectrum(values)
+                low = (frequency > 0.0) & (frequency <= HIGHEST)
+                lines = frequency[low], size[low]
+                out.append(curve(play, "amplitude of the current", "counts", s, *lines, 2))
         return out

@@ -57,12 +57,13 @@ class PeriodicContact(Experiment):
     def plays(self) -> list[Play]:
         rig = direct(self.bandwidth)
         names = [(self._name(place), place) for place in (None, *self.places)]
-        return [Play(name, self._trial(name, place), rig) for name, place in names]
+        return [Play(name, self.trial_at(name, place), rig) for name, place in names]
 
     def _name(self, place: float | None) -> str:
         return f"peg_{'free' if place is None else f'{100 * place:.0f}'}"
 
-    def _trial(self, name: str, place: float | None) -> dict[str, Any]:
+    def trial_at(self, name: str, place: float | None) -> dict[str, Any]:
+        """A trial with a contact at a place, or without any, as plain data."""
         scene = None
         if place is not None:
             x = place * ARM_LENGTH
@@ -90,6 +91,12 @@ class PeriodicContact(Experiment):
                 rows.append(row(f"line at 1/T of {at}", "counts", lines))
         return rows
 
+    def _period(self, values: np.ndarray) -> float:
+        """Of the strongest line, where it has a count [s]; NaN where it has not."""
+        period = strongest_period(values, *BAND)
+        shown = np.isfinite(period) and amplitude(values, period) >= 1.0
+        return period if shown else float("nan")
+
     def _lines(self, sides: Sides, place: float, signal: str) -> tuple[dict, dict, dict]:
         """Side -> strongest period, standard deviation times √2, amplitude at the true period."""
         periods, sizes, lines = {}, {}, {}
@@ -101,9 +108,7 @@ class PeriodicContact(Experiment):
             time = np.arange(len(values))
             level = values - np.polyval(np.polyfit(time, values, 1), time)
             sizes[s] = float(np.sqrt(2) * level.std())
-            period = strongest_period(values, *BAND)
-            shown = np.isfinite(period) and amplitude(values, period) >= 1.0
-            periods[s] = period if shown else float("nan")
+            periods[s] = self._period(values)
             lines[s] = amplitude(values, self.period)
         return periods, sizes, lines
 

@@ -1,6 +1,7 @@
 """One side of one trial as signals: what a robot logged, a model answered, or the baseline did."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -19,6 +20,7 @@ class Side:
     displacement  (T, 2) wound-in length [m];  velocity (T, 2) [m/s]
     command       (T, 2) commanded current [A]
     arm_current   (T, 2) i** of a model whose loop is on the host [A]; None of all others
+    voltage       (T, 2) that the host sent [V]; None where the drive closes the current loop
     """
 
     current: np.ndarray | None
@@ -26,12 +28,14 @@ class Side:
     velocity: np.ndarray
     command: np.ndarray
     arm_current: np.ndarray | None = None
+    voltage: np.ndarray | None = None
 
     @classmethod
     def from_trace(cls, trace: Trace) -> "Side":
         """From a log or a simulated trial; raises MissingChannel, and DataError on a NaN."""
         names = ["current", "displacement", "velocity", "command"]
-        names += ["arm_current"] * (f"{MOTORS[0]}.arm_current" in trace.signals)
+        more = ("arm_current", "voltage")
+        names += [name for name in more if f"{MOTORS[0]}.{name}" in trace.signals]
         trace.require_finite([f"{motor}.{name}" for motor in MOTORS for name in names])
         return cls(
             **{n: np.column_stack([trace[f"{motor}.{n}"] for motor in MOTORS]) for n in names}
@@ -41,6 +45,13 @@ class Side:
     def from_motion(cls, motion: Motion, command: np.ndarray) -> "Side":
         """From the baseline, which has tendons and no motors; command [A] is what it was asked."""
         return cls(None, motion.shortening, motion.shortening_rate, command)
+
+    @classmethod
+    def mean(cls, sides: Sequence["Side"]) -> "Side":
+        """Of one trial played several times; a signal that one of them lacks is left out."""
+        of = {f.name: [getattr(side, f.name) for side in sides] for f in fields(cls)}
+        whole = {n: v for n, v in of.items() if all(one is not None for one in v)}
+        return cls(**{"current": None, **{n: np.mean(v, axis=0) for n, v in whole.items()}})
 
     @property
     def seconds(self) -> np.ndarray:

@@ -108,18 +108,19 @@ class SingleContact(Experiment):
             rig = direct(bandwidth)
             for place in (None, *self.places):
                 name = self._name(bandwidth, place)
-                out.append(Play(name, self._trial(name, place), rig))
+                out.append(Play(name, self.trial_at(name, place), rig))
         rig = direct(self.bandwidths[0], emf_compensation=0.0)
         for place in (None, *self.places):
             name = self._name(0.0, place)
-            out.append(Play(name, self._trial(name, place), rig, ("base", "named")))
+            out.append(Play(name, self.trial_at(name, place), rig, ("base", "named")))
         return out
 
     def _name(self, bandwidth: float, place: float | None) -> str:
         loop = f"{bandwidth:g}Hz" if bandwidth else f"{self.bandwidths[0]:g}Hz_plain"
         return f"ball_{loop}_{'free' if place is None else f'{100 * place:.0f}'}"
 
-    def _trial(self, name: str, place: float | None) -> dict[str, Any]:
+    def trial_at(self, name: str, place: float | None) -> dict[str, Any]:
+        """A trial with a contact at a place, or without any, as plain data."""
         scene = None
         if place is not None:
             x = place * ARM_LENGTH

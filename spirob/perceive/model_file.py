@@ -9,15 +9,17 @@ import hashlib
 import io
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
+from sklearn.pipeline import Pipeline
 
 from spirob.errors import DataError
 from spirob.logs.atomic import write_bytes
 from spirob.perceive.size import SizeModel
 
+Kind = TypeVar("Kind")
 HASH_SUFFIX = ".sha256"
 MOST = 256 << 20  # bytes that a file may unpack to; 1200 wraps need some 5 MiB
 TRUSTED = (  # beside what skops itself takes for plain
@@ -29,7 +31,7 @@ TRUSTED = (  # beside what skops itself takes for plain
 )
 
 
-def save_model(model: SizeModel, path: Path | str) -> str:
+def save_model(model: SizeModel | Pipeline, path: Path | str) -> str:
     """Write the model and `<path>.sha256`, each in one go; returns the hash in hex.
 
     The same model gives the same bytes.
@@ -45,6 +47,16 @@ def save_model(model: SizeModel, path: Path | str) -> str:
 
 
 def load_model(path: Path | str, expected: str | None = None) -> SizeModel:
+    """A model of sizes; see `load`."""
+    return load(path, SizeModel, "a size model", expected)
+
+
+def load_regions(path: Path | str, expected: str | None = None) -> Pipeline:
+    """A classifier of where an arm was pushed; see `load`."""
+    return load(path, Pipeline, "a classifier of regions", expected)
+
+
+def load(path: Path | str, kind: type[Kind], name: str, expected: str | None = None) -> Kind:
     """Read a model whose bytes have the expected hash.
 
     expected  hash in hex from a source that is trusted more than the folder; where None, the one
@@ -64,8 +76,8 @@ def load_model(path: Path | str, expected: str | None = None) -> SizeModel:
             "changed and is not loaded"
         )
     model = _made(path, content)
-    if not isinstance(model, SizeModel):
-        raise DataError(f"{path}: it holds a {type(model).__name__}, not a size model")
+    if not isinstance(model, kind):
+        raise DataError(f"{path}: it holds a {type(model).__name__}, not {name}")
     return model
 
 
@@ -90,7 +102,7 @@ def _made(path: Path, content: bytes) -> Any:
         raise
     except BadZipFile:
         raise DataError(
-            f"{path}: not a model of this program; the stage 'train' writes one"
+            f"{path}: not a model of this program; a stage writes one, 'train' or 'passive'"
         ) from None
     except UntrustedTypesFoundException as error:
         raise DataError(f"{path}: it names what no size model has: {error}") from None

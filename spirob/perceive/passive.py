@@ -3,7 +3,8 @@
     Σ ((i - i_0)/max(σ, σ_min))² > n²    over both motors, for `confirm` seconds
 
 i is the mean of the last `smoothing` seconds, i_0 and σ its slow mean and deviation while nothing
-is felt; they are learned for `settle` seconds, after `wait` for the motors to take their currents.
+is felt; they are learned for `settle` seconds, after `wait` for the motors to take their currents,
+and again after each push, for the arm swings on.
 What a push does in the `window` from just before it on is told as `Response`, which says where
 along the arm it was (`passive_region`).
 """
@@ -61,7 +62,7 @@ class PassiveDetector:
         r, self.felt, self._sample = self._rules, False, -1
         self._level: deque[np.ndarray] = deque(maxlen=self._samples(r.smoothing))
         self._past: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=self._samples(r.before))
-        self._mean = self._square = np.zeros(0)
+        self._mean = self._square = np.zeros(0)  # of nothing: learned with the next sample
         self._held, self._told = 0, 0
         self._first = self._samples(r.wait) + self._samples(r.smoothing)
         self._during: list[tuple[np.ndarray, np.ndarray]] = []
@@ -113,6 +114,7 @@ class PassiveDetector:
         off, moved = np.abs(level - self._mean), np.abs(length - length[0])
         self.felt = False
         self._past.clear()
+        self._mean, self._first = np.zeros(0), self._sample + 1  # the arm still swings
         return Response(
             self._told,
             off.max(axis=0),

@@ -193,6 +193,7 @@ def run(
                     gains[13],
                     gains[14],
                 )
+                volts[0, m] = gains[16] * np.rint(volts[0, m] / gains[16])  # counts on the bus
                 out[cycle, m, 8] = volts[0, m]
         for i in range(hinges):
             angles[cycle, i] = qpos[i]
@@ -286,7 +287,8 @@ def run(
                 torque = gear * (added + rotor_damping * gear * rate[m] / radius)
                 own_inertia = p[P_motor_rotor_inertia]
                 own_inertia *= 1.0 + side[m] * p[P_motor_rotor_inertia_difference]
-                inertia = gear * gear * own_inertia / (radius * radius) + hung[m]
+                turning = gear * gear * own_inertia + p[P_winch_drum_inertia]
+                inertia = turning / (radius * radius) + hung[m]
                 own_damping = p[P_motor_rotor_damping]
                 own_damping *= 1.0 + side[m] * p[P_motor_rotor_damping_difference]
                 damping = gear * gear * (own_damping + rotor_damping) / (radius * radius)
@@ -359,7 +361,7 @@ def run(
                         * (1.0 + side[m] * p[P_motor_rotor_damping_difference])
                         * slip
                     )
-                    + hung[m] * accel
+                    + (p[P_winch_drum_inertia] / (radius_now[m] * radius_now[m]) + hung[m]) * accel
                 ) / scale
         if not (np.isfinite(rate[0] + rate[1]) and np.isfinite(qvel.sum())):
             return cycle

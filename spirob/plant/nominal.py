@@ -63,6 +63,9 @@ class Winch(Numbers):
     efficiency_difference: float = bounded(
         0.0, -0.2, 0.2, "1", "δη", "half of left minus right gear's efficiency, over their mean"
     )
+    drum_inertia: float = bounded(
+        0.0, 0.0, 5e-4, "kg·m²", "J_w", "inertia of the drum; behind a gear G² times less than J_m"
+    )
 
 
 class Tendon(Numbers):

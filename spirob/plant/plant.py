@@ -10,6 +10,7 @@ import numpy as np
 
 from spirob.control.law import CURRENT
 from spirob.control.schedule import Schedule
+from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.errors import SimulationError
@@ -33,7 +34,11 @@ STATE_ROWS = 26  # see `loop.run`; the last five of a loop on the host
 # rows of it that a trial begins with
 DISPLACEMENT, RATE, TURNED, SHORTENING, BEGUN, FIRST_ANGLE, HUNG = 3, 4, 5, 7, 15, 18, 19
 SETTLING = 1000  # cycles in which the arm comes to rest under currents, half of them to raise these
-LIGHT = {"motor.rotor_inertia": 1e-7, "motor.rotor_damping": 1e-6}  # rotors that hardly slow it
+LIGHT = {  # rotors that hardly slow it
+    "motor.rotor_inertia": 1e-7,
+    "motor.rotor_damping": 1e-6,
+    "winch.drum_inertia": 0.0,
+}
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -148,13 +153,14 @@ class Plant:
         return np.array([*law, 0.0, self.rig.winch.radius, *self._host()])
 
     def _host(self) -> tuple[float, ...]:
-        """What the host believes of the winding, its gains, limit [V] and latency [cycles]."""
+        """What the host believes of the winding; gains, limit [V], latency [cycles], count [V]."""
         host, placed, motor = self.rig.host, self.rig.placed(), self.rig.motor
         if host is None or placed is None:
             return ()
         emf = self.rig.drive.emf_compensation * motor.emf_constant
         believed = motor.resistance, motor.inductance, emf
-        return *believed, *placed.gains, self.rig.drive.voltage_limit, host.latency / CYCLE
+        more = self.rig.drive.voltage_limit, host.latency / CYCLE, VOLT_PER_COUNT
+        return *believed, *placed.gains, *more
 
     def _arm(self, p: np.ndarray) -> Arm:
         names = Arm.parameters()

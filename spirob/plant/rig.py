@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any
 
 from spirob.control.host_gains import Placed, placed
@@ -43,7 +42,7 @@ class Rig:
         """Gains of the host's loop by the nominal winding; ConfigError where they are unstable."""
         if self.host is None:
             return None
-        return _placed(self.host, self.motor.resistance, self.motor.inductance)
+        return placed(self.host, self.motor.resistance, self.motor.inductance)
 
     @classmethod
     def from_mapping(cls, settings: Mapping[str, object]) -> "Rig":
@@ -72,11 +71,6 @@ class Rig:
     def parts(self) -> list[tuple[str, Numbers]]:
         """The model's parts with their names, in the order of the parameter vector."""
         return [(c.owner, getattr(self, c.owner)) for c in COMPONENTS]
-
-
-@lru_cache(maxsize=64)
-def _placed(loop: HostLoop, resistance: float, inductance: float) -> Placed:
-    return placed(loop, resistance, inductance)
 
 
 def _loop(drive: Mapping[str, Any]) -> tuple[dict[str, Any], HostLoop | None]:

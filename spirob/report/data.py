@@ -45,6 +45,7 @@ class ReportData:
     predictions: pd.DataFrame | None = None
     experiments: dict[str, Any] | None = None
     contacts: dict[str, Any] | None = None
+    passive: dict[str, Any] | None = None
     transfer: dict[str, Any] | None = None
     sweep: dict[str, Any] | None = None
     trial: dict[str, Any] | None = None

@@ -20,8 +20,9 @@ AXES = {
     "filtered current over force": "force [N]",
     "angle response": "place of the hit [% of length]",
     "current peak": "place of the hit [% of length]",
-    "current after a hit": "time, the hit at 0.05 [s]",
-    "i** of the models, current of the robot": "time, the hit at 0.05 [s]",
+    "current after a hit": "time since the hit [s]",
+    "reconstructed current": "time since the hit [s]",
+    "amplitude of the current": "frequency [Hz]",
     "stiffness along the arm": "place [% of length]",
     "inertia along the arm": "place [% of length]",
     "give along the arm": "place [% of length]",
@@ -31,10 +32,12 @@ UPRIGHT = {
     "current over force": "current",
     "filtered current over force": "filtered current",
     "filtered": "filtered current",
+    "amplitude of the current": "amplitude",
     "stiffness along the arm": "stiffness of the hinge",
     "inertia along the arm": "inertia beyond",
     "give along the arm": "give of the arm",
 }
+NOTES = {"reconstructed current": "; i** of the models, the measured current of the robot"}
 POINTS = 12  # a line of fewer points shows them
 COLUMNS = 2
 ROW = 250  # pixels
@@ -62,7 +65,7 @@ def _overlay(curves: Sequence[dict[str, Any]], quantity: str, unit: str) -> go.F
         rows=down,
         cols=across,
         subplot_titles=plays if len(plays) > 1 else None,
-        vertical_spacing=0.16 / down,
+        vertical_spacing=0.24 / down,
         horizontal_spacing=0.12,
     )
     figure.update_layout(blank(80 + ROW * down).layout)
@@ -99,7 +102,7 @@ def _caption(quantity: str, curves: Sequence[dict[str, Any]]) -> str:
     upright = UPRIGHT.get(quantity, quantity).capitalize()
     over = AXES.get(quantity, "time [s]").partition(" [")[0]
     cut = "; single dynamics leaves the figure" if _limits(curves) is not None else ""
-    return f"{upright} over {over}{cut}"
+    return f"{upright} over {over}{NOTES.get(quantity, '')}{cut}"
 
 
 def _limits(curves: Sequence[dict[str, Any]]) -> tuple[float, float] | None:

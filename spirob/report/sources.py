@@ -84,6 +84,12 @@ SOURCES = {
         ("current", "filtered"),
         "the contact detector was not tested here",
     ),
+    "passive": Source(
+        "reports/metrics/passive.json",
+        "passive",
+        ("model",),
+        "pushes felt by the current were not played in this run",
+    ),
     "transfer": Source(
         "data/transfer/transfer.json",
         "transfer",

@@ -10,7 +10,10 @@ from can.interfaces import virtual
 
 from spirob.bench.wrap import wrap_trial
 from spirob.cli.main import main
-from tests.perceive.live.played import frames_and_features
+from spirob.perceive.model_file import save_model
+from spirob.perceive.passive_region import learned
+from tests.perceive.live.played import frames_and_features, pushed
+from tests.perceive.test_passive import drawn
 
 
 def play(channel, frames, sent_back):
@@ -50,6 +53,24 @@ def test_a_contact_is_printed_and_nothing_is_sent(tmp_path, capsys):
     assert "left   contact: +" in lines[0]
 
 
+def test_a_push_is_told_from_drives_that_take_voltages(tmp_path, capsys):
+    save_model(learned(*drawn(60, 0)), tmp_path / "regions.skops")
+    sent_back = []
+    player = threading.Thread(target=play, args=("pushed", pushed(tmp_path), sent_back))
+    player.start()
+    asked = ["--interface", "virtual", "--channel", "pushed", "--seconds", "4", "--gear", "1"]
+    asked += ["--drive", "gm6020", "--passive", str(tmp_path / "regions.skops")]
+    assert main(["watch", *asked, "--model", "none"]) == 0
+    player.join(timeout=10)
+    assert not player.is_alive()
+    assert sent_back == []
+    told = [line for line in capsys.readouterr().out.splitlines() if "push: " in line]
+    assert len(told) == 2
+    assert 0.9 < float(told[0].split()[0]) < 1.0
+    assert told[0].endswith("both   push: felt")
+    assert told[1].endswith("mA at most")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -59,6 +80,7 @@ def test_a_contact_is_printed_and_nothing_is_sent(tmp_path, capsys):
         ),
         (["--interface", "smoke", "--model", "none"], "no interface 'smoke'"),
         (["--interface", "virtual", "--model", "nowhere.skops"], "nowhere.skops"),
+        (["--interface", "virtual", "--model", "none", "--passive", "none.skops"], "none.skops"),
         (["--interface", "virtual", "--seconds", "nan"], "--seconds nan is out of range"),
         (["--interface", "virtual", "--gear", "0", "--model", "none"], "gear_ratio"),
         (["--interface", "virtual", "--drive", "none", "--model", "none"], "no drive 'none'"),

@@ -5,10 +5,11 @@ import pytest
 
 from spirob.bench import Trial
 from spirob.bench.simulate import simulate
+from spirob.errors import ConfigError
 from spirob.experiments import Side
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
-from spirob.experiments.host_periodic import HostPeriodic, highest, peak_interval
+from spirob.experiments.host_periodic import HostPeriodic, highest, mean_line, peak_interval
 from spirob.plant import Plant, Rig
 
 COUNT = 20 / 16384
@@ -87,11 +88,11 @@ def test_a_push_moves_the_current_of_a_loop_on_the_host_and_both_currents_are_to
         plant = Plant(Rig.from_mapping(one.rig()))
         sides = {}
         for place in (None, 0.95):
-            trial = Trial.from_plain(experiment._trial("t", place))
+            trial = Trial.from_plain(experiment.trial_at("t", place))
             trace = simulate(plant, trial, {})
             assert {"left.voltage", "left.arm_current"} <= set(trace.signals)
-            sides[experiment._play(one, place)] = {"base": Side.from_trace(trace)}
-        assert sides[experiment._play(one, 0.95)]["base"].arm_current is not None
+            sides[experiment.play_of(one, place)] = {"base": Side.from_trace(trace)}
+        assert sides[experiment.play_of(one, 0.95)]["base"].arm_current is not None
         peaks[one.share] = experiment._found(sides, one)["base"][0]["peak"]
     # what (12) feeds forward takes most of it away again, but not what came within the latency
     assert peaks[0.0] > 3 * peaks[1.0] > 3.0
@@ -113,3 +114,29 @@ def test_the_wheel_has_a_row_for_every_rule_and_set():
         assert rows[f"apparent period of {at}"]["met"]
         assert rows[f"interval between peaks of {at}"]["named"] == pytest.approx(0.4, rel=0.01)
     assert rows["apparent period of filtered, 5 Hz without back-EMF, at 25%"]["paper"] == 0.4
+
+
+def test_less_than_one_shot_is_refused():
+    with pytest.raises(ConfigError, match=r"experiments\.host_contact\.shots = 0: one at least"):
+        HostContact(shots=0)
+
+
+def test_several_shots_are_their_mean_and_a_signal_that_one_lacks_is_left_out():
+    one, other = pulse(4.0), pulse(8.0)
+    found = Side.mean([one, other])
+    assert found.current == pytest.approx(pulse(6.0).current)
+    assert found.command == pytest.approx(one.command)
+    assert found.arm_current is None
+    assert Side.mean([one, Side(None, *([one.velocity] * 3))]).current is None
+
+
+def test_irregular_returns_have_one_line_in_the_mean_spectrum():
+    rng = np.random.default_rng(1)
+    t = np.arange(12000) * 1e-3
+    gaps = rng.uniform(0.55, 0.65, 30).cumsum()
+    values = sum(np.exp(-(((t - at) / 0.1) ** 2)) for at in gaps) * 8.0 + rng.normal(size=len(t))
+    period, size = mean_line(values, 0.02, 1.5)
+    assert period == pytest.approx(0.6, rel=0.03)
+    assert size > 1.0
+    line = 3.0 * np.sin(2 * np.pi * t / 0.4)
+    assert mean_line(line, 0.02, 1.5) == pytest.approx((0.4, 3.0), rel=0.01)

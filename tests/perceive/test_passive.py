@@ -52,6 +52,12 @@ def test_two_pushes_are_two():
     assert [round(r.sample, -2) for r in told(current)[0]] == [1500, 2800]
 
 
+def test_an_arm_that_swings_on_is_pushed_once():
+    current, t = noisy(4.0, 2, sigma=0.002), np.arange(4000) * 1e-3 - 1.5
+    current[:, 0] += np.where(t > 0, 0.1 * np.exp(-t / 0.4) * np.sin(2 * np.pi * 3 * t), 0.0)
+    assert [round(r.sample, -2) for r in told(current)[0]] == [1500]
+
+
 @settings(max_examples=10, deadline=None)
 @given(st.floats(0.5, 20.0))
 def test_a_scale_changes_nothing(scale):
@@ -79,15 +85,20 @@ def test_regions_are_thirds_and_can_be_learned():
         "tip",
         "tip",
     ]
-    rng = np.random.default_rng(6)
-    places = rng.uniform(0.1, 1.0, 200)
-    pushes = [made(p, rng.uniform(0.5, 2.0)) for p in places]
+    pushes, places = drawn(200, 6)
     classifier = learned(pushes[:150], places[:150])
     right = classifier.predict([features(r) for r in pushes[150:]]) == [
         region(p) for p in places[150:]
     ]
     assert right.mean() > 0.9
     assert set(classifier.classes_) == set(REGIONS)
+
+
+def drawn(count, seed):
+    """Responses to pushes of drawn strengths, and their places."""
+    rng = np.random.default_rng(seed)
+    places = rng.uniform(0.1, 1.0, count)
+    return [made(p, rng.uniform(0.5, 2.0)) for p in places], places
 
 
 def made(place, strength):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from spirob.control.host_gains import Winding
 from spirob.control.host_loop import HostLoop, host_voltage
+from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.plant import Plant, Rig, assemble
 from spirob.plant.held import held_current
 from spirob.plant.nominal import Drive, Motor, Winch
@@ -73,6 +74,7 @@ def test_the_model_is_the_sampled_loop_to_the_last_cycle(latency, bandwidth):
     volts, current, integral, error, last = [0.0, 0.0, 0.0], 0.0, 0.0, None, 0.0
     for k in range(cycles):
         assert played.current[k, 0] == pytest.approx(current, abs=2e-4)
+        current = played.current[k, 0]
         error = 0.02 - current if error is None else error
         speed = played.velocity[k, 0] * 200.0 / 0.02
         gains = rig.placed().gains
@@ -80,7 +82,10 @@ def test_the_model_is_the_sampled_loop_to_the_last_cycle(latency, bandwidth):
             0.02, last, current, error, speed, integral, 1e-3, R, L, 0.0203, *gains, 24.0
         )
         last = 0.02
-        volts = [u, *volts[:2]]
+        sent = played.voltage[k, 0]  # in counts of the bus
+        assert sent / VOLT_PER_COUNT == pytest.approx(round(sent / VOLT_PER_COUNT), abs=1e-9)
+        assert abs(sent - u) <= 0.5001 * VOLT_PER_COUNT
+        volts = [sent, *volts[:2]]
         current = winding.decay * current + first * volts[whole] + second * volts[whole + 1]
         current -= (1 - winding.decay) / R * 0.0203 * speed
 
@@ -88,9 +93,12 @@ def test_the_model_is_the_sampled_loop_to_the_last_cycle(latency, bandwidth):
 def test_current_comes_to_its_command_and_voltage_to_what_it_takes():
     rig = Rig(winch=DIRECT.winch, gains=DIRECT.gains, host=HostLoop(bandwidth=20.0))
     played = Plant(rig).simulate(currents(np.full(1500, 0.8), 0.8), Scene())
-    assert played.current[-1] == pytest.approx([0.8, 0.8], abs=2e-3)
-    emf = rig.motor.emf_constant * played.velocity[-1] / rig.winch.radius
-    assert played.voltage[-1] == pytest.approx(R * played.current[-1] + emf, abs=2e-3)
+    # a count of the voltage is 5 mA, so that the loop goes to and fro between two of them
+    current, speed = played.current[-400:].mean(axis=0), played.velocity[-400:].mean(axis=0)
+    assert current == pytest.approx([0.8, 0.8], abs=1e-3)
+    assert np.abs(played.current[-400:] - 0.8).max() < VOLT_PER_COUNT / R
+    emf = rig.motor.emf_constant * speed / rig.winch.radius
+    assert played.voltage[-400:].mean(axis=0) == pytest.approx(R * current + emf, abs=2e-4)
 
 
 def test_pieces_and_mirror():

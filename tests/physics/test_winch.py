@@ -8,10 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spirob.effects.external.constant_force import ConstantForce
-from spirob.plant import Plant
+from spirob.experiments.direct_drive import ALUMINIUM, DRUM, DRUM_WIDTH, RADIUS
+from spirob.experiments.host_loop import GainSet
+from spirob.plant import Plant, Rig
 from spirob.plant.winch import demanded_tension, free_rate, one_sided_tensions
 from spirob.robot import Scene, Weights
-from tests.physics.playing import RIGS, currents
+from tests.physics.playing import RIGS, currents, rising, seconds
 
 STIFFNESS, DAMPING, STEP, GRAVITY = 4e4, 20.0, 5e-4, 9.81
 
@@ -127,3 +129,25 @@ def test_a_tendon_never_pushes_and_goes_slack_when_paid_out(rig):
     # slack is a state of its own: the winch runs ahead, the arm follows its own springs
     assert stretch[-1] < -1e-3
     assert np.all(response.tension[stretch < -1e-3, 0] == 0.0)
+
+
+@pytest.mark.parametrize("rig", RIGS.values(), ids=RIGS)
+def test_a_drum_is_inertia_that_the_gear_does_not_multiply(rig):
+    t = seconds(0.4)
+    schedule = currents(0.5 * rising(t, 0.2), 0.1)
+    plant, drum = Plant(rig), 2e-5
+    nominal, ratio = rig.motor.rotor_inertia, rig.winch.gear_ratio
+    one = plant.simulate(schedule, Scene(), {"winch.drum_inertia": drum})
+    same = {"motor.rotor_inertia": nominal + drum / ratio**2}
+    other = plant.simulate(schedule, Scene(), same)
+    for signal in ("current", "arm_current", "displacement", "tension"):
+        assert getattr(one, signal) == pytest.approx(getattr(other, signal), abs=1e-9)
+    without = plant.simulate(schedule, Scene())
+    assert np.abs(one.displacement - without.displacement).max() > 1e-9
+
+
+def test_the_drum_of_the_drawing_is_a_solid_cylinder():
+    r = (np.arange(20000) + 0.5) / 20000 * RADIUS
+    rings = 2 * np.pi * r * DRUM_WIDTH * ALUMINIUM * r**2 * RADIUS / 20000
+    assert pytest.approx(rings.sum(), rel=1e-6) == DRUM
+    assert Rig.from_mapping(GainSet(5.0, 0.0, 1e-3).rig()).winch.drum_inertia == DRUM

@@ -18,6 +18,7 @@ SHORT = [
     "identify=short",
     "diagnose=short",
     "perceive=short",
+    "passive=short",
     "experiments=short",
     "trial=short",
 ]

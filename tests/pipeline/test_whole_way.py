@@ -22,6 +22,7 @@ STAGES = {  # in the order in which they run: about how long each takes [s]
     "ask": 3,
     "decide": 4,
     "experiments": 6,
+    "passive": 5,
     "wraps": 5,
     "features": 5,
     "train": 4,
@@ -30,7 +31,17 @@ STAGES = {  # in the order in which they run: about how long each takes [s]
     "trial": 12,
     "report": 4,
 }
-METRICS = ["compare", "diagnose", "experiments", "identify", "score", "size", "transfer", "trial"]
+METRICS = [
+    "compare",
+    "diagnose",
+    "experiments",
+    "identify",
+    "passive",
+    "score",
+    "size",
+    "transfer",
+    "trial",
+]
 
 
 @pytest.fixture(scope="module")

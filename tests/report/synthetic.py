@@ -13,6 +13,7 @@ from tests.report.synthetic_results import (
     TRIAL,
     contacts,
     experiments,
+    passive,
     size,
     transfer,
 )
@@ -55,6 +56,7 @@ def _optional(root: Path, rng: np.random.Generator, overlay: pd.DataFrame) -> No
     _table(root, "data/features/predictions.parquet", _predictions(rng))
     _json(root, "reports/metrics/size.json", size())
     _json(root, "reports/metrics/contacts.json", contacts())
+    _json(root, "reports/metrics/passive.json", passive())
     _json(root, "reports/metrics/score.json", {"hidden": "capstan friction", "verdict_right": True})
     _json(root, "data/experiments/experiments.json", experiments())
     _json(root, "data/transfer/transfer.json", transfer())

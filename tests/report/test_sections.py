@@ -36,6 +36,7 @@ def test_sections_stand_in_the_order_of_the_page():
         "parameters",
         "experiments",
         "contacts",
+        "passive",
         "object_size",
         "size_study",
         "transfer",

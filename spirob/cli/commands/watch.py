@@ -3,7 +3,7 @@
 Watching only listens: nothing is sent, so it runs beside whatever drives the robot, on the emulator
 as a process (python -m spirob.emulator) as on real drives.  A contact is told by the paper's three
 rules on the raw current, from 0.7 s after a motion begins; a size when the tendon that wound in has
-stood for a second.
+stood for a second; with --passive a push of an arm whose motors hold their currents, from 0.8 s on.
 """
 
 import argparse
@@ -25,6 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="trained model of sizes, or 'none' for contacts alone (default: %(default)s)",
     )
+    parser.add_argument(
+        "--passive",
+        metavar="FILE",
+        help="tell pushes of an arm under held currents, and where, by data/passive/regions.skops",
+    )
     parser.add_argument("--motor", choices=("left", "right"), default="left", help="that wraps")
     parser.add_argument("--seconds", type=float, default=86400.0, help="or until Ctrl-C")
 
@@ -36,8 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.drives import find_drive
     from spirob.errors import ConfigError
     from spirob.logs import Transmission
-    from spirob.perceive.live import Watch
-    from spirob.perceive.model_file import load_model
+    from spirob.perceive.live import LivePush, Watch
+    from spirob.perceive.model_file import load_model, load_regions
 
     if not 0.05 <= arguments.seconds <= 86400:
         raise ConfigError(f"--seconds {arguments.seconds:g} is out of range [0.05, 86400]")
@@ -45,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         Transmission(gear_ratio=arguments.gear, winch_radius=arguments.radius),
         model=None if arguments.model == "none" else load_model(arguments.model),
         wraps=arguments.motor,
+        push=LivePush(load_regions(arguments.passive)) if arguments.passive else None,
     )
     drive = None if arguments.drive == "c620" else find_drive(arguments.drive)
     bus = open_bus(arguments.interface, arguments.channel, arguments.bitrate)

@@ -23,6 +23,7 @@ SLOWER = 0.25  # of the bandwidth: position is corrected without a swing
 def following(rig: Rig) -> Gains:
     """The gains for the rig's nominal numbers."""
     winch, motor = rig.winch, rig.motor
-    mass = motor.rotor_inertia * (winch.gear_ratio / winch.radius) ** 2
+    turning = motor.rotor_inertia * winch.gear_ratio**2 + winch.drum_inertia
+    mass = turning / winch.radius**2
     newton = winch.efficiency * winch.gear_ratio * motor.torque_constant / winch.radius
     return Gains(velocity=BANDWIDTH * mass / newton, integral=0.0, displacement=SLOWER * BANDWIDTH)

@@ -1,4 +1,4 @@
-"""Contact of either motor, and the size of what one of them wraps, from frames as they come."""
+"""Contact of either motor, the size of what one of them wraps, and pushes, from frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ from spirob.perceive.contact import ContactDetector, ContactSettings
 from spirob.perceive.features import extract
 from spirob.perceive.interval import CONFIDENCE, Estimate, estimate
 from spirob.perceive.live.grid import Grid, Sample
+from spirob.perceive.live.live_push import LivePush
 from spirob.perceive.live.live_wrap import LiveWrap
 from spirob.perceive.live.motion import Motion
 from spirob.perceive.size import SizeModel
@@ -28,8 +29,9 @@ FRAME_BYTES = 8
 class Told:
     """Something to be told.
 
-    seconds  since the first frame;  motor  left or right
-    kind     "contact", "size", "no size", or "gap" where the bus was silent for a while
+    seconds  since the first frame;  motor  left, right, or both
+    kind     "contact", "size", "no size", "push", "no push" where one was felt and the feedback is
+             missing, or "gap" where the bus was silent for a while
     text     in words
     """
 
@@ -47,6 +49,7 @@ class Watch:
 
     transmission  nominal gear and winch of both motors;  rules  of the contact detectors
     model         of sizes; None where only contacts are wanted;  wraps  the motor that wraps
+    push          tells pushes of motors that hold their currents; None where it is not wanted
     """
 
     def __init__(
@@ -56,6 +59,7 @@ class Watch:
         model: SizeModel | None = None,
         wraps: str = "left",
         confidence: float = CONFIDENCE,
+        push: LivePush | None = None,
     ):
         self.states = [MotorState() for _ in MOTORS]
         self.contact: list[str] = ["" for _ in MOTORS]  # what is touched now, in words
@@ -71,6 +75,7 @@ class Watch:
         self._wraps = MOTORS.index(wraps)
         self._wrap = LiveWrap(wraps)
         self._first_ns: int | None = None
+        self.push = push
 
     def take(self, frame: CanFrame) -> list[Told]:
         """Take in one frame; frames of others, and those of another length, say nothing."""
@@ -88,11 +93,15 @@ class Watch:
         for one in samples:
             found += self._contact(m, one) + self._size(m, one)
         seconds = (frame.stamp_ns - self._first_ns) / 1e9
-        return [Told(seconds, MOTORS[m], kind, text) for kind, text in found]
+        pushed = self.push.take(m, samples) if self.push else []
+        both = [Told(seconds, "both", kind, text) for kind, text in pushed]
+        return [Told(seconds, MOTORS[m], kind, text) for kind, text in found] + both
 
     def _broken(self, m: int) -> list[tuple[str, str]]:
         self._detectors[m].reset()
         self.contact[m] = ""
+        if self.push:
+            self.push.forget()
         if m == self._wraps:
             self._wrap.forget()
         return [("gap", "no feedback for a while; contact and size begin anew")]
