@@ -100,6 +100,22 @@ def contacts() -> dict:
     return signals
 
 
+def passive() -> dict:
+    """Pushes as the stage `passive` tells them; none was hit at the base of the robot."""
+    model = {
+        "pushes": 200,
+        "felt": {"all": 0.96, "outer": 1.0, "base": 0.84, "middle": 0.99, "tip": 1.0},
+        "false_alarms_per_minute": 0.0,
+        "minutes": 3.0,
+        "delay_ms": [33.0, 150.0],
+        "region_right": 0.93,
+        "regions": [[34, 2, 0], [8, 65, 1], [0, 3, 79]],
+    }
+    felt = {"all": 1.0, "outer": 1.0, "middle": 1.0, "tip": 1.0}
+    robot = {**model, "pushes": 44, "felt": felt, "regions": [[0, 0, 0], [6, 16, 2], [0, 0, 20]]}
+    return {"learned_from": 192, "model": model, "robot": robot}
+
+
 def _detector(contacts: int, hits: float, delay: float) -> dict:
     rates = {
         "contacts": contacts,
