@@ -26,6 +26,7 @@ BASE_WIDTH = 0.083704  # m; published width of the base unit
 GUIDE_HEIGHT_BASE = 0.9  # tendon height over half width at the base
 GUIDE_HEIGHT_TIP = 0.5  # the same at the tip
 UNITS = (2, 200)  # that an arm may have
+LEAST_GROWTH = 1e-3  # from which `a` says how wide an arm is
 ALIKE = 1e-12  # relative: ratios of neighbouring units that differ by less are one ratio
 
 
@@ -114,9 +115,7 @@ class Drawing:
                 key = KEYS.get(name, name)
                 said = f"{key} = {getattr(self, name):g} is out of range [{low:g}, {high:g}]"
                 raise ConfigError(f"geometry: {said}")
-        angle = np.rad2deg(self.turn / self.units)
-        if not 1.0 <= angle <= 90.0:
-            raise ConfigError(f"geometry: unit_angle_deg = {angle:g} is out of range [1, 90]")
+        _require_angle(self.turn / self.units)
         self._not_crossing()
 
     def _not_crossing(self) -> None:
@@ -151,6 +150,7 @@ class Drawing:
         if not UNITS[0] <= units <= UNITS[1]:
             raise ConfigError(f"geometry: units = {units} is out of range {list(UNITS)}")
         angle = np.deg2rad(numbers.pop("unit_angle_deg", np.rad2deg(SPIRAL_TURN / 24)))
+        _require_angle(angle)
         numbers |= _sizes(numbers, units, growth, angle)
         return cls(units=units, growth=growth, turn=units * angle, **numbers)
 
@@ -173,6 +173,11 @@ def spiral_arm(units: int = 24, size: float = 1.0) -> SpiralArm:
     size   scale of the whole arm; 1 is the 464 mm default design
     """
     return Drawing(length=size * ARM_LENGTH, base_width=size * BASE_WIDTH).arm(units)
+
+
+def _require_angle(angle: float) -> None:
+    if not 1.0 <= (degrees := np.rad2deg(angle)) <= 90.0:
+        raise ConfigError(f"geometry: unit_angle_deg = {degrees:g} is out of range [1, 90]")
 
 
 def _number(key: str, value: Any) -> float:
@@ -199,11 +204,12 @@ def _sizes(numbers: dict[str, float], units: int, b: float, angle: float) -> dic
     if a is None:
         length, width = numbers.get("length", ARM_LENGTH), numbers.get("base_width", BASE_WIDTH)
         return {"length": size * length, "base_width": size * width}
-    if a <= 0.0 or b <= 0.0:
-        raise ConfigError(f"geometry: a = {a:g}, b = {b:g}; both are above 0")
+    if a <= 0.0 or not LEAST_GROWTH <= b <= 1.0:
+        said = f"a = {a:g}, b = {b:g}; a is above 0, and b in [{LEAST_GROWTH:g}, 1] beside it"
+        raise ConfigError(f"geometry: {said}")
     turn, step = np.exp(2 * np.pi * b), np.exp(b * angle)
     chord = a * (turn + 1) / 2 * np.sqrt(1 + step**2 - 2 * step * np.cos(angle))
-    length = chord * (step**units - 1) / (step - 1)
+    length = chord * np.expm1(b * angle * units) / np.expm1(b * angle)
     width = a * (turn - 1) * step ** (units - 1)
     return {"length": float(size * length), "base_width": float(size * width)}
 

@@ -129,12 +129,14 @@ class Measured:
         half_width = np.exp(_through(middle, ends[:-1] + 0.5, np.log(whole.half_width)))
         origin = np.column_stack([whole.hinge_position, np.zeros(self.units)])
         mouths = np.stack([whole.guide_before + origin, whole.guide_after + origin], axis=1)
-        level = _through(hinge[:-1], *mouths.reshape(-1, 2).T)
+        line = mouths.reshape(-1, 2).T
         angle = np.diff(turned)
-        inset = np.tan(angle / 2) * level
-        behind = -whole.guide_before[0, 0] - np.tan(whole.unit_angle[0] / 2) * level[0]
-        before = np.column_stack([-inset, level])
-        before[0, 0] -= behind
+        inset = np.tan(angle / 2) * _through(hinge[:-1], *line)
+        before, after = (
+            np.column_stack([x, _through(hinge[:-1] + x, *line)]) for x in (-inset, inset)
+        )
+        face = np.tan(whole.unit_angle[0] / 2) * whole.guide_before[0, 1]
+        before[0] = whole.guide_before[0] + [face - inset[0], 0.0]  # as far behind its face
         return SpiralArm(
             unit_angle=angle,
             scale=half_width / half_width[0],
@@ -142,7 +144,7 @@ class Measured:
             hinge_position=hinge[:-1],
             half_width=half_width,
             guide_before=before,
-            guide_after=np.column_stack([inset, level]),
+            guide_after=after,
         )
 
 

@@ -41,10 +41,10 @@ def within_stroke(name: str, length: np.ndarray, current: np.ndarray, rig: ArmFi
         if wound.max() > most:
             k = int(np.argmax(wound > most))
             raise DataError(
-                f"{name}: '{columns.position.column}' has wound in {1e3 * wound[k]:.0f} mm at "
-                f"{1e-3 * k:.2f} s after the log begins, and reaches {1e3 * wound.max():.0f} mm, but "
-                f"the arm's whole stroke is {1e3 * whole:.0f} mm: unit, gear_ratio, drum or geometry "
-                "are wrong"
+                f"{name}: '{columns.position.column}' has wound in {1e3 * wound[k]:.0f} mm "
+                f"{1e-3 * k:.2f} s after the log begins, and {1e3 * wound.max():.0f} mm at most, "
+                f"but the arm's stroke is {1e3 * whole:.0f} mm: a unit, the gear, the drum or the "
+                "geometry is wrong"
             )
 
 
