@@ -18,6 +18,7 @@ from spirob.identify.near import near
 from spirob.identify.residual import Residual
 from spirob.machine.arm.determined import SCATTER, determined
 from spirob.machine.arm.shape import FREED, searched_shape
+from spirob.machine.arm.tolerated import TOLERANCES, gate
 
 PAYS = 0.8  # of the cost without: another shape is believed below that
 OTHER_DESIGN = 0.01  # smallest effect that counts there, as on any rig that is not our arm
@@ -47,7 +48,7 @@ def settled(
 ) -> Settled:
     """Shape and rows that count, with numbers fitted from where they start.
 
-    names  of the numbers;  free  those of `SHAPE` that may be searched for
+    names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
     """
     train, said = residuals["train"], []
     enough = complete(train, settings.floor)
@@ -59,6 +60,8 @@ def settled(
         if other.cost < PAYS * found.cost:
             found = other
             said.append(_told(other, [n for n in FREED if n in free], train))
+        found, told = _built(train, names, found, free, settings)
+        said += told
     kept = {}
     for role, residual in residuals.items():
         trials, share = determined(residual, found.changes, enough)
@@ -84,6 +87,26 @@ def _shaped(
     freed = [*names, *(n for n in FREED if n in free and n not in names)]
     start = searched_shape(train, found, free, settings.scale, progress)
     return _fitted(train, freed, start, settings)
+
+
+def _built(
+    train: Residual,
+    names: Sequence[str],
+    found: Fit,
+    free: Sequence[str],
+    settings: Settings,
+) -> tuple[Fit, list[str]]:
+    """The fit with what of the build the logs tell, where that pays, and what the gate says."""
+    asked = [n for n in TOLERANCES if n in free]
+    every = list(dict.fromkeys([*names, *asked]))
+    open_ = gate(near(train, found.changes), every, found.changes, asked, settings.scale)
+    if not open_.seen:
+        return found, open_.told(found.changes, train.table)
+    freed = list(dict.fromkeys([*names, *open_.seen]))
+    built = _fitted(train, freed, found.changes, settings)
+    if built.cost >= PAYS * found.cost:
+        return found, []
+    return built, open_.told(built.changes, train.table)
 
 
 def of_design(settings: Settings, numbers: Mapping[str, float]) -> Settings:
