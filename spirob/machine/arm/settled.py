@@ -13,6 +13,7 @@ import numpy as np
 
 from spirob.diagnosis.noise import complete
 from spirob.diagnosis.rungs import Settings
+from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.near import near
 from spirob.identify.residual import Residual
@@ -60,8 +61,6 @@ def settled(
         if other.cost < PAYS * found.cost:
             found = other
             said.append(_told(other, [n for n in FREED if n in free], train))
-        found, told = _built(train, names, found, free, settings)
-        said += told
     kept = {}
     for role, residual in residuals.items():
         trials, share = determined(residual, found.changes, enough)
@@ -72,7 +71,11 @@ def settled(
                 f"others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
                 f"than {residual.effort.shown(enough)}."
             )
-    return Settled(found.changes, kept, said)
+    numbers = found.changes
+    if free:
+        numbers, told = _built(kept["train"], names, numbers, free, settings)
+        said += told
+    return Settled(numbers, kept, said)
 
 
 def _shaped(
@@ -92,21 +95,20 @@ def _shaped(
 def _built(
     train: Residual,
     names: Sequence[str],
-    found: Fit,
+    numbers: Mapping[str, float],
     free: Sequence[str],
     settings: Settings,
-) -> tuple[Fit, list[str]]:
-    """The fit with what of the build the logs tell, where that pays, and what the gate says."""
+) -> tuple[dict[str, float], list[str]]:
+    """The numbers with what of the build the logs tell, where that pays, and what the gate says."""
     asked = [n for n in TOLERANCES if n in free]
-    every = list(dict.fromkeys([*names, *asked]))
-    open_ = gate(near(train, found.changes), every, found.changes, asked, settings.scale)
-    if not open_.seen:
-        return found, open_.told(found.changes, train.table)
-    freed = list(dict.fromkeys([*names, *open_.seen]))
-    built = _fitted(train, freed, found.changes, settings)
-    if built.cost >= PAYS * found.cost:
-        return found, []
-    return built, open_.told(built.changes, train.table)
+    close = near(train, numbers)
+    told = gate(close, list(dict.fromkeys([*names, *asked])), numbers, asked, settings.scale)
+    if told.seen:
+        freed = list(dict.fromkeys([*names, *told.seen]))
+        built = fit(close, freed, numbers, settings.scale, settings.patience, exact=False)
+        if built.cost < PAYS * robust_cost(close(numbers), settings.scale):
+            return built.changes, told.told(built.changes, train.table)
+    return dict(numbers), told.told(numbers, train.table)
 
 
 def of_design(settings: Settings, numbers: Mapping[str, float]) -> Settings:

@@ -1,4 +1,4 @@
-"""An arm of 13 units and another taper: from the emulated robot by a table of its units to a name."""
+"""An arm of 13 units and another taper: from the emulated robot by a table of units to a name."""
 
 import pandas as pd
 import pytest
