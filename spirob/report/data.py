@@ -59,7 +59,8 @@ class ReportData:
     @property
     def geometry(self) -> Geometry:
         """What the arm is, by the configuration's rig."""
-        return Rig.from_mapping((yaml.safe_load(self.config) or {}).get("rig", {})).geometry
+        rig = (yaml.safe_load(self.config) or {}).get("rig", {})
+        return Rig.from_mapping({k: v for k, v in rig.items() if k == "geometry"}).geometry
 
 
 def load(root: Path | str) -> ReportData:
