@@ -138,9 +138,10 @@ def hidden_of(config: Config) -> dict[str, Any]:
 
 
 def _experiments(config: Config) -> None:
+    geometry = Rig.from_mapping(config.rig).geometry
     for name, settings in config.experiments.items():
         with about(f"experiments.{name}"):
-            for play in experiment_from(name, settings).plays():
+            for play in experiment_from(name, settings, geometry).plays():
                 Trial.from_plain(play.trial)
                 Rig.from_mapping(merged(config.rig, play.rig))
 

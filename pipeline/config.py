@@ -20,6 +20,7 @@ from pipeline.schema import validated
 from pipeline.stage import HIDDEN, PUBLIC, entry, read_yaml
 from spirob.errors import ConfigError, SpirobError
 from spirob.logs.atomic import write_text
+from spirob.unit_table import with_table
 
 REFUSED = (HydraException, OmegaConfBaseException)
 NEAREST = 3  # keys that are named beside one that there is none of
@@ -48,7 +49,11 @@ def composed(root: Path, overrides: list[str]) -> Any:
 
 def _plain(folder: Path, overrides: list[str]) -> Any:
     with initialize_config_dir(version_base="1.3", config_dir=str(folder.resolve())):
-        return OmegaConf.to_container(compose("config", overrides), resolve=True)
+        plain: Any = OmegaConf.to_container(compose("config", overrides), resolve=True)
+    rig = plain.get("rig")
+    if isinstance(rig, dict) and isinstance(rig.get("geometry"), dict):
+        rig["geometry"] = with_table(rig["geometry"], folder / "rig")
+    return plain
 
 
 def _fault(folder: Path, overrides: list[str]) -> str:

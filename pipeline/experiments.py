@@ -23,6 +23,7 @@ from pipeline.stage import (
 )
 from spirob.ending import end_with_parent
 from spirob.experiments import Experiment, Play, Side, experiment_from
+from spirob.plant import Rig
 
 LOGS = Path("data/experiments/raw")
 COLUMNS = ("robot", "base", "named", "single", "paper", "aim", "met")
@@ -37,7 +38,7 @@ def stage(root: Path) -> None:
     models = {"base": {"effects": config.plant.effects, "changes": base["changes"]}, "named": named}
     written, metrics = {}, {}
     for name, settings in config.experiments.items():
-        experiment = experiment_from(name, settings)
+        experiment = experiment_from(name, settings, Rig.from_mapping(config.rig).geometry)
         sides = _played(root, config, hidden, models, experiment)
         rows = experiment.measure(sides)
         written[name] = {

@@ -105,6 +105,7 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
         machine = EmulatedRig(
             gear_ratio=rig.winch.gear_ratio,
             winch_radius=rig.winch.radius,
+            geometry=rig.geometry,
             gravity=(rig.arm.gravity_x, rig.arm.gravity_y),
             current_bandwidth=rig.drive.bandwidth,
             current_noise=robot.current_noise,

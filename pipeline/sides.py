@@ -183,7 +183,12 @@ def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str,
     It takes forces only: the commanded one, or nominal n times the current that was commanded.
     """
     arm = {k.partition(".")[2]: v for k, v in base["changes"].items() if k.startswith("arm.")}
-    bare = Rig(name=rig.name, units=rig.units, arm=replace(rig.arm, **arm))  # type: ignore[type-var]
+    bare = Rig(
+        name=rig.name,
+        geometry=rig.geometry,
+        cut=rig.cut,
+        arm=replace(rig.arm, **arm),  # type: ignore[type-var]
+    )
     played = sides.get("robot", sides["base"]).command[: trial.cycles]
     schedule = trial.schedule(len(played))
     force = rig.gains.newton_per_ampere * played

@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.schema import Config
 from spirob.bench.wrap import WrapSettings, wrap_trial
+from spirob.plant import Rig
 
 # Streams of the seed.  1, 3, 4 and 6 to 8 are used up: the errors on wraps drawn from them were
 # known when what the stack learns from was fixed, so that they cannot test it any more.
@@ -57,13 +58,13 @@ def _listed(
     config: Config, prefix: str, stream: int, sizes: Sequence[float], repeats: int
 ) -> list[dict[str, Any]]:
     """So many wraps of each diameter; each has its own draw of placement, speed and friction."""
-    perceive = config.perceive
+    perceive, geometry = config.perceive, Rig.from_mapping(config.rig).geometry
     trials = []
     for i, diameter in enumerate(sizes):
         for k in range(repeats):
             rng = np.random.default_rng([perceive.seed, stream, i, k])
             name = f"{prefix}_{1e3 * diameter:04.1f}mm_{k}"
-            trials.append(wrap_trial(name, "heldout", diameter, perceive.wrap, rng))
+            trials.append(wrap_trial(name, "heldout", diameter, perceive.wrap, rng, geometry))
     return trials
 
 
@@ -75,9 +76,10 @@ def _drawn(
     The n-th wrap depends on no other: a larger set begins with the smaller one.
     """
     sizes, settings = config.perceive.diameters, WrapSettings.from_mapping(given)
+    geometry = Rig.from_mapping(config.rig).geometry
     trials = []
     for k in range(count):
         rng = np.random.default_rng([config.perceive.seed, stream, k])
         diameter = float(rng.uniform(min(sizes), max(sizes)))
-        trials.append(wrap_trial(f"{prefix}_{k:05d}", "heldout", diameter, settings, rng))
+        trials.append(wrap_trial(f"{prefix}_{k:05d}", "heldout", diameter, settings, rng, geometry))
     return trials

@@ -42,6 +42,7 @@ from spirob.identify.differences import differences
 from spirob.identify.intervals import block_covariance
 from spirob.identify.scaling import Scaling
 from spirob.perceive.contact import ContactSettings
+from spirob.plant import Rig
 
 DRAWS = 40
 SEED = 0
@@ -65,7 +66,7 @@ def stage(root: Path) -> None:
     settings = config.experiments.get("active_contact")
     if config.robot.kind != "emulated" or settings is None:
         raise ConfigError("twins are of an emulated robot, and of the experiment active_contact")
-    contact = experiment_from("active_contact", settings)
+    contact = experiment_from("active_contact", settings, Rig.from_mapping(config.rig).geometry)
     assert isinstance(contact, ActiveContact)
     hidden = read_yaml(root / HIDDEN, "config") or {}
     named = read_json(root / "data/diagnosis/model.json", "decide")

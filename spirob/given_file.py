@@ -4,7 +4,7 @@ import os
 import stat
 from pathlib import Path
 
-from spirob.errors import DataError, MissingLog
+from spirob.errors import ConfigError, DataError, MissingLog
 
 
 def checked(path: Path | str, what: str) -> Path:
@@ -51,3 +51,15 @@ def content(path: Path | str, what: str, most: int) -> bytes:
     if len(found) > most:
         raise DataError(f"{path}: more than {most >> 10} KiB is no {what}")
     return found
+
+
+def inside(name: str, folder: Path, what: str) -> Path:
+    """`name` under `folder`; raises ConfigError where it leads out of it, by links too."""
+    try:
+        root = folder.resolve()
+        path = (root / name).resolve()
+    except (ValueError, OSError, RuntimeError):  # a NUL, too long a name, a loop of links
+        raise ConfigError(f"{what}: {name!r} is no path") from None
+    if Path(name).is_absolute() or not path.is_relative_to(root):
+        raise ConfigError(f"{what}: '{name}' leads out of {folder}")
+    return path

@@ -175,6 +175,17 @@ class Table:
         values |= {name: number.nominal for name, number in about.items()}
         return Table.of({**self.about, **about}, values)
 
+    def narrowed(self, about: Mapping[str, Parameter]) -> "Table":
+        """This table with other bounds of some numbers, which keep their values."""
+        values = dict(zip(self.names, self.values.tolist(), strict=True))
+        for name, number in about.items():
+            if not number.low <= values[name] <= number.high:
+                raise ConfigError(
+                    f"{name} = {values[name]:g} {number.unit} is out of range [{number.low:.3g}, "
+                    f"{number.high:.3g}] of this arm ({number.meaning})"
+                )
+        return Table.of({**self.about, **about}, values)
+
     def behind(self, gear_ratio: float) -> "Table":
         """This table for a machine with a gear of this ratio."""
         values = dict(zip(self.names, self.values.tolist(), strict=True))

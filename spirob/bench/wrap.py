@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from spirob.errors import ConfigError
-from spirob.geometry import ARM_LENGTH, SpiralArm, spiral_arm
+from spirob.geometry import PUBLISHED, SpiralArm
+from spirob.unit_table import Geometry
 
 SLOWEST = 1e-3  # m/s
 
@@ -86,8 +87,11 @@ def wrap_trial(
     diameter: float,
     settings: WrapSettings | Mapping[str, Any],
     rng: np.random.Generator,
+    geometry: Geometry = PUBLISHED,
 ) -> dict[str, Any]:
     """A wrap round a cylinder of `diameter` [m] as plain data for `Trial.from_plain`.
+
+    geometry  of the arm beside which the cylinder stands
 
     rng  draws placement, speed and friction; always four numbers, so that the n-th trial of a
          campaign does not depend on which variations are switched on.  The start is drawn from a
@@ -99,8 +103,8 @@ def wrap_trial(
     if not (np.isfinite(diameter) and diameter > 0):
         raise ConfigError(f"trial '{name}': a cylinder's diameter must be above 0, not {diameter}")
     along, across, faster, rougher = rng.uniform(-1.0, 1.0, 4).tolist()
-    x = settings.position * ARM_LENGTH + settings.placement * along
-    y = beside(spiral_arm(), x, diameter / 2 + settings.gap) + settings.placement * across
+    x = settings.position * geometry.length + settings.placement * along
+    y = beside(geometry.arm(), x, diameter / 2 + settings.gap) + settings.placement * across
     speed = settings.speed * (1 + settings.speed_variation * faster)
     winding, rest = _start(speed, settings, rng)
     return {

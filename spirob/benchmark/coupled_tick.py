@@ -40,7 +40,7 @@ class BareSteps:
 
     def __init__(self, plant: Plant, response: Response):
         rig = plant.rig
-        spec = build_spec(rig.arm, Scene(), rig.units, CYCLE / plant.substeps, tendons=True)
+        spec = build_spec(rig.arm, Scene(), rig.lengths(), CYCLE / plant.substeps, tendons=True)
         self._model = mujoco.MjModel.from_xml_string(spec.to_xml())
         self._data = mujoco.MjData(self._model)
         kind = mujoco.mjtState.mjSTATE_FULLPHYSICS

@@ -65,7 +65,7 @@ def fit(plant: Plant, trials: Sequence[Measurement], names: Sequence[str]) -> di
 def _machine(plant: Plant) -> mujoco.MjSpec:
     """The arm with its tendons, and their shortening as sensors."""
     rig = plant.rig
-    spec = build_spec(rig.arm, Scene(), rig.units, CYCLE / plant.substeps, tendons=True)
+    spec = build_spec(rig.arm, Scene(), rig.lengths(), CYCLE / plant.substeps, tendons=True)
     for motor in MOTORS:
         # an actuator's length is gear times the tendon's: -1 there, so it grows with shortening
         spec.add_sensor(

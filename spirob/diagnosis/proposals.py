@@ -14,9 +14,11 @@ import numpy as np
 from spirob.bench.simulate import simulate
 from spirob.bench.trial import Trial
 from spirob.errors import SimulationError
+from spirob.geometry import PUBLISHED
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, effort_rms
 from spirob.identify.residual import Residual
+from spirob.plant.holes import stroke
 from spirob.robot import MOTORS
 
 LIMIT = 5.0  # A
@@ -120,7 +122,12 @@ def proposal(
     one: Mapping[str, float],
     other: Mapping[str, float],
 ) -> Proposal | None:
-    """What an experiment of these trials would show; None where a model cannot play it."""
+    """What an experiment of these trials would show; None where a model cannot play it.
+
+    trials  with the lengths of the published arm, which are taken in proportion to its stroke
+    """
+    by = stroke(problem.plant.rig.geometry.arm()) / stroke(PUBLISHED.arm())
+    trials = tuple(_sized(trial, by) for trial in trials)
     try:
         apart = [_difference(problem, trial, one, other) for trial in trials]
     except SimulationError:
@@ -172,6 +179,17 @@ def bend(
             other: {"mode": "current", "current_limit": limit, "profile": pull},
         },
     }
+
+
+def _sized(trial: Mapping[str, Any], by: float) -> dict[str, Any]:
+    """A trial with the lengths of its moves so many times as large."""
+    motors = {}
+    for motor, plan in trial["motors"].items():
+        profile = dict(plan["profile"])
+        if profile["kind"] == "moves":
+            profile["waypoints"] = [[lasts, by * x] for lasts, x in profile["waypoints"]]
+        motors[motor] = {**plan, "profile": profile}
+    return {**trial, "motors": motors}
 
 
 def _difference(

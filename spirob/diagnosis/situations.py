@@ -20,12 +20,12 @@ def situations(residual: Residual, changes: Mapping[str, float]) -> list[dict[st
     changes  numbers of the model that says where the arm is
     """
     found = []
-    limit = residual.plant.rig.arm.limit_ratio * residual.plant.geometry.unit_angle
+    limit = residual.plant.rig.arm.limit_ratio * residual.plant.geometry.hinge_angle
     for k, trial in enumerate(residual.trials):
         response = residual.respond(changes, k)
         cycles = residual.cycles(trial)
         slack = response.tension[cycles] < SLACK
-        closed = np.abs(response.angles[cycles]).max(axis=1) > CLOSED * limit
+        closed = (np.abs(response.angles[cycles]) > CLOSED * limit).any(axis=1)
         for motor in residual.driven(trial):
             contact = {"curled to the end stop": closed}
             if trial.scene.touchable:

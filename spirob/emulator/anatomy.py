@@ -44,7 +44,7 @@ def anatomy(arm: SpiralArm) -> Anatomy:
     length = arm.unit_length
     x = (np.arange(SLICES) + 0.5) / SLICES * length[:, None]
     width = start[:, None] - slope[:, None] * x
-    height = np.minimum(width, np.minimum(x, length[:, None] - x) / face)
+    height = np.minimum(width, np.minimum(x, length[:, None] - x) / face[:, None])
     density = DENSITY * FILL * THICKNESS * 2 * width * (length / SLICES)[:, None]
     mass = (density * 2 * height).sum(axis=1)
     moment = (density * 2 * height * x).sum(axis=1)
@@ -63,8 +63,8 @@ def corners(arm: SpiralArm) -> tuple[np.ndarray, np.ndarray]:
     return corner_x, np.column_stack([first, last])
 
 
-def _shape(arm: SpiralArm) -> tuple[float, np.ndarray, np.ndarray]:
-    """tan α, and w₀ and σ of each unit."""
-    ratio = arm.scale[0] / arm.scale[1]
+def _shape(arm: SpiralArm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """tan α, w₀ and σ of each unit."""
+    ratio = arm.taper
     start = arm.half_width * 2 * ratio / (1 + ratio)
     return np.tan(arm.unit_angle / 2), start, (start - start / ratio) / arm.unit_length

@@ -17,7 +17,6 @@ from spirob.emulator.physics.layout import SCRATCH, STATE
 from spirob.emulator.physics.step import run_cycle
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
-from spirob.geometry import spiral_arm
 from spirob.robot import CYCLE_NS, MOTORS, Scene, Weights
 
 CYCLE = CYCLE_NS * 1e-9
@@ -44,7 +43,7 @@ class Machine:
         self.seed = seed
         self.dt = CYCLE / rig.steps_per_cycle
         self.drawn = truth.draw(self.generator("machine"))
-        arm = spiral_arm(HINGES, rig.size)
+        arm = rig.geometry.arm(HINGES)
         self.build = built(settings.build, arm, self.drawn, self.generator("build"))
         self.numbers = truth.machine(rig, self.build, self.dt)
         self.hidden = hidden.apply(settings, self.generator, self.numbers)

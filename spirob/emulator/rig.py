@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from spirob.emulator.build import AS_DESIGNED, require_build
 from spirob.errors import ConfigError
+from spirob.geometry import PUBLISHED
+from spirob.unit_table import Geometry
 
 M3508_RATIO = 3591 / 187  # 19.203, from published firmware of the motor
 STEPS_PER_CYCLE = 10  # 0.1 ms: two periods of the 20 kHz current loop
@@ -16,7 +18,7 @@ class EmulatedRig:
 
     gear_ratio         G, rotor turns a winch turn; 1 is direct drive
     winch_radius       nominal [m]
-    size               scale of the arm; 1 is the 464 mm default design
+    geometry           what the arm is: as drawn, or as measured
     gravity            components in the plane of the arm, x (base to tip) and y [m/s²];
                        (0, 0) is an arm on a smooth horizontal table
     current_bandwidth  of the drive's own current loop [Hz]
@@ -27,7 +29,7 @@ class EmulatedRig:
 
     gear_ratio: float = M3508_RATIO
     winch_radius: float = 0.020
-    size: float = 1.0
+    geometry: Geometry = PUBLISHED
     gravity: tuple[float, float] = (0.0, 0.0)
     current_bandwidth: float = 1000.0
     current_noise: float = 0.005
@@ -38,7 +40,6 @@ class EmulatedRig:
         ranges = {
             "gear_ratio": (1.0, 200.0),
             "winch_radius": (0.002, 0.1),
-            "size": (0.1, 10.0),
             "current_bandwidth": (50.0, 3000.0),
             "current_noise": (0.0, 0.2),
             "steps_per_cycle": (4, 1000),

@@ -10,11 +10,12 @@ import numpy as np
 
 from spirob.emulator.anatomy import anatomy
 from spirob.emulator.build import Build
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics.compiled import HINGES, SIDES
 from spirob.emulator.physics.layout import NUMBERS
 from spirob.emulator.rig import EmulatedRig
+from spirob.geometry import BASE_WIDTH
 
-HINGE_STIFFNESS = 0.15  # N·m/rad for the first of 24 hinges; twice that for one of 48
+HINGE_STIFFNESS = 0.15  # N·m/rad for the first hinge of the design, divided among those here
 STIFFNESS_EXPONENT = 1.5  # k ∝ s^e; published values lie between 1 and 3
 STOP_FRACTION = 0.96  # of the angle between the faces; before they are flush the cables jam
 STOP_STIFFNESS = 400.0  # N·m/rad at the base: the end stop gives 0.4° under 75 N
@@ -94,8 +95,10 @@ def _body(numbers, rig, build) -> None:
     mass = drawn["mass"] * body.mass
     beyond = np.concatenate([np.cumsum(mass[::-1])[::-1][1:], [0.0]])
     length = arm.unit_length
-    stiffness = 2 * HINGE_STIFFNESS * drawn["stiffness"] * arm.scale**STIFFNESS_EXPONENT
-    stop = STOP_STIFFNESS * rig.size * arm.scale
+    base = HINGES / rig.geometry.units * HINGE_STIFFNESS
+    stiffness = base * drawn["stiffness"] * arm.scale**STIFFNESS_EXPONENT
+    size = rig.geometry.arm().half_width[0] * 2 / BASE_WIDTH
+    stop = STOP_STIFFNESS * size * arm.scale
     fields = {
         "length": length,
         "first_moment": mass * body.centre + length * beyond,
@@ -105,7 +108,7 @@ def _body(numbers, rig, build) -> None:
         "damping": drawn["damping_time"] * stiffness,
         "hardening_power": 2.0,
         "creep_time": 1.0,
-        "stop_angle": STOP_FRACTION * arm.unit_angle,
+        "stop_angle": STOP_FRACTION * arm.hinge_angle,
         "stop_stiffness": stop,
         "stop_damping": STOP_TIME * stop,
         "corner_x": body.corner_x,

@@ -26,7 +26,6 @@ from spirob.experiments.onset import detected, onset
 from spirob.experiments.recoil import Recoil, Repeat
 from spirob.experiments.response import PERIOD
 from spirob.experiments.side import Side
-from spirob.geometry import ARM_LENGTH, spiral_arm
 from spirob.perceive.contact import ContactSettings
 
 RIGHT = 1
@@ -115,10 +114,10 @@ class ActiveContact(Experiment):
         left = plan("current", {"kind": "steps", "plateaus": pulls, "blend": 0.2})
         # without a peg the arm's touching itself is solved with other rounding, and slips come at
         # other times; out of reach, all is alike until the contact
-        x, y = ARM_LENGTH, -AWAY
+        x, y = self.geometry.length, -AWAY
         if place is not None:
-            x = place * ARM_LENGTH
-            y = -beside(spiral_arm(), x, self.diameter / 2 + self.gap)
+            x = place * self.geometry.length
+            y = -beside(self.geometry.arm(), x, self.diameter / 2 + self.gap)
         scene = {"cylinder": {"diameter": self.diameter, "x": float(x), "y": float(y)}}
         duration = self.begins + self.uncurl + self.recoil
         return trial(self._name(place, signal), duration, left, right, scene)

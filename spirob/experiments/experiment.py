@@ -11,6 +11,8 @@ import numpy as np
 from spirob.bench.reaction import Reaction
 from spirob.errors import ConfigError
 from spirob.experiments.side import Side
+from spirob.geometry import PUBLISHED
+from spirob.unit_table import Geometry
 
 EXPERIMENTS = (
     "delay",
@@ -63,11 +65,16 @@ class Play:
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment(ABC):
-    """Base of all experiments; a subclass is a frozen dataclass whose fields are its settings."""
+    """Base of all experiments; a subclass is a frozen dataclass whose fields are its settings.
+
+    geometry  of the arm, by whose length places count; no setting
+    """
 
     title: ClassVar[str]
     about: ClassVar[str] = ""  # what the report says of it, in a sentence or two
     motor: ClassVar[int] = 0  # the one that is looked at
+
+    geometry: Geometry = PUBLISHED
 
     @abstractmethod
     def plays(self) -> list[Play]:
@@ -82,7 +89,7 @@ class Experiment(ABC):
         """What the report draws: `{play, quantity, unit, side, x, y}`, thinned."""
 
 
-def experiment_from(name: str, given: Any) -> Experiment:
+def experiment_from(name: str, given: Any, geometry: Geometry = PUBLISHED) -> Experiment:
     """An experiment with the settings of a preset; raises ConfigError naming experiment and key."""
     if name not in EXPERIMENTS:
         raise ConfigError(f"no experiment '{name}'; known: {', '.join(EXPERIMENTS)}")
@@ -90,13 +97,13 @@ def experiment_from(name: str, given: Any) -> Experiment:
     kind: type[Experiment] = getattr(module, name.title().replace("_", ""))
     if not isinstance(given, Mapping):
         raise ConfigError(f"experiments.{name} must be a mapping of settings, not {given!r}")
-    known = {about.name: about for about in fields(kind)}
+    known = {about.name: about for about in fields(kind) if about.name != "geometry"}
     for key, value in given.items():
         if key not in known:
             raise ConfigError(f"experiments.{name} has no key '{key}'; it has: {', '.join(known)}")
         _require_number(f"experiments.{name}.{key}", value, known[key].default)
     values = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
-    return kind(**values)
+    return kind(geometry=geometry, **values)
 
 
 def _require_number(where: str, value: Any, default: Any) -> None:

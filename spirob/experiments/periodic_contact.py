@@ -16,7 +16,6 @@ from spirob.experiments.direct_drive import both, difference, direct
 from spirob.experiments.experiment import Experiment, Play, Sides, curve, row, trial
 from spirob.experiments.response import amplitude, strongest_period
 from spirob.experiments.side import WINDOW, Side
-from spirob.geometry import ARM_LENGTH, spiral_arm
 from spirob.trace import moving_average
 
 PAPER = (0.4, 0.35, 0.15)  # s, from base to tip
@@ -66,10 +65,10 @@ class PeriodicContact(Experiment):
         """A trial with a contact at a place, or without any, as plain data."""
         scene = None
         if place is not None:
-            x = place * ARM_LENGTH
+            x = place * self.geometry.length
             off = self.diameter / 2 + self.radius - self.depth
             about = {"diameter": self.diameter, "radius": self.radius, "period": self.period}
-            y = beside(spiral_arm(), x, off)
+            y = beside(self.geometry.arm(), x, off)
             scene = {"peg": {**about, "x": float(x), "y": float(y), "phase": float(np.pi / 2)}}
         return trial(name, self.duration, **both(self.current), scene=scene)
 

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.geometry import ARM_LENGTH, spiral_arm
+from spirob.geometry import PUBLISHED
 from spirob.plant.body import hinge_stiffness, unit_inertia
 from spirob.plant.nominal import Arm
+from spirob.unit_table import Geometry
 
 
 @dataclass(frozen=True)
@@ -29,14 +30,16 @@ class Profile:
     give: np.ndarray
 
 
-def profile(places: Sequence[float], arm: Arm | None = None) -> Profile:
+def profile(
+    places: Sequence[float], arm: Arm | None = None, geometry: Geometry = PUBLISHED
+) -> Profile:
     """Of places in (0, 1], as shares of the arm's length from the base."""
-    arm, geometry = arm or Arm(), spiral_arm()
-    hinge, k = geometry.hinge_position, hinge_stiffness(arm, geometry)
-    mass, inertia = unit_inertia(arm, geometry)
-    centre = hinge + geometry.unit_length / 2
+    arm, whole = arm or Arm(), geometry.arm()
+    hinge, k = whole.hinge_position, hinge_stiffness(arm, whole)
+    mass, inertia = unit_inertia(arm, whole)
+    centre = hinge + whole.unit_length / 2
     rows = []
-    for x in ARM_LENGTH * np.asarray(places, dtype=float):
+    for x in geometry.length * np.asarray(places, dtype=float):
         last = int(np.flatnonzero(hinge < x)[-1])
         beyond = slice(last, None)
         about = inertia[beyond] + mass[beyond] * (centre[beyond] - hinge[last]) ** 2

@@ -21,7 +21,6 @@ from spirob.experiments.experiment import Experiment, Play, Sides, curve, row, t
 from spirob.experiments.profile import profile
 from spirob.experiments.response import smooth
 from spirob.experiments.side import Side
-from spirob.geometry import ARM_LENGTH, spiral_arm
 
 SHIFT = (0.3, 0.6)  # s after the hit: the paper's steady shift
 PEAK = 0.3  # s after the hit
@@ -123,8 +122,8 @@ class SingleContact(Experiment):
         """A trial with a contact at a place, or without any, as plain data."""
         scene = None
         if place is not None:
-            x = place * ARM_LENGTH
-            y = beside(spiral_arm(), x, self.diameter / 2 + self.speed * self.hit)
+            x = place * self.geometry.length
+            y = beside(self.geometry.arm(), x, self.diameter / 2 + self.speed * self.hit)
             about = {"diameter": self.diameter, "mass": self.mass, "vx": 0.0, "vy": -self.speed}
             scene = {"ball": {**about, "x": float(x), "y": float(y)}}
         return trial(name, self.duration, **both(self.current), scene=scene)
@@ -193,7 +192,7 @@ class SingleContact(Experiment):
                     continue
                 values = np.array([r[key] for r in found])
                 out.append(curve(f"{fastest:g} Hz", quantity, "counts", s, at, values, 1))
-        along = profile(self.places)
+        along = profile(self.places, geometry=self.geometry)
         for key, unit in PROFILE:
             values = getattr(along, key)
             out.append(curve("nominal arm", f"{key} along the arm", unit, "single", at, values, 1))

@@ -55,6 +55,8 @@ def diagnose(
         told, folder, who = described(rig, "rig"), Path(), "rig"
     else:
         (told, folder), who = load_rig(rig), str(rig)
+    if isinstance(told, ArmFile):
+        told = told.beside(folder)
     names = files(told.effects, folder, effects)
     ran = [f"{name}: was run, as an effect of your own." for name in names if name.endswith(".py")]
     with failures_told(who):

@@ -18,7 +18,6 @@ from defusedxml.ElementTree import fromstring
 
 from spirob import given_file
 from spirob.errors import ConfigError
-from spirob.machine.inside import inside
 
 LARGEST = 2**20  # bytes of a model file
 MESHES = 2**23  # bytes of all its meshes
@@ -52,7 +51,7 @@ def load(name: str, folder: Path) -> mujoco.MjModel:
 
     Raises MissingLog where there is none, DataError and ConfigError where it is not read.
     """
-    path = inside(name, folder, "body.mjcf")
+    path = given_file.inside(name, folder, "body.mjcf")
     tree = _parsed(given_file.content(path, "model", LARGEST), path)
     folders = _folders(tree)
     _only_what_moves(tree, path)
@@ -125,7 +124,7 @@ def _meshes(tree: Element, path: Path, beside: str, stripped: bool) -> dict[str,
         if (name := mesh.attrib.pop("file", None)) is None:
             continue
         given = Path(beside) / (Path(name).name if stripped else name)
-        file = inside(str(given), path.parent, "file")
+        file = given_file.inside(str(given), path.parent, "file")
         left = MESHES - sum(map(len, found.values()))
         plain = f"{len(found)}{file.suffix}"
         found[plain] = given_file.content(file, "mesh", left)

@@ -15,8 +15,8 @@ import numpy as np
 from spirob import given_file
 from spirob.effects import Effect, all_effects, find_effects, load_file, sampling
 from spirob.errors import EffectError
+from spirob.given_file import inside
 from spirob.logs.readers.apart import Crashed, apart
-from spirob.machine.inside import inside
 from spirob.machine.kernel_loop import loop_of
 
 LONGEST = 15.0  # s of computing: an import and a compilation take two or three

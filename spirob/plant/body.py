@@ -10,7 +10,7 @@ cost of a step.  `tendons=True` adds them for export, so that other tools see th
 import mujoco
 import numpy as np
 
-from spirob.geometry import SpiralArm, spiral_arm
+from spirob.geometry import SpiralArm
 from spirob.plant.holes import with_holes
 from spirob.plant.nominal import Arm, Holes
 from spirob.plant.objects import ARM_BIT, OBJECT_BIT, add_objects
@@ -20,8 +20,10 @@ OUTLINE_RADIUS = 0.1  # capsule radius over half width
 
 
 def hinge_stiffness(arm: Arm, geometry: SpiralArm) -> np.ndarray:
-    """k_i = k_1 s_i^e [N·m/rad], (N,)."""
-    return arm.base_stiffness * geometry.scale**arm.stiffness_exponent
+    """k_i = k_1 s_i^e exp(4c u_i(1 - u_i)) [N·m/rad], (N,), with u_i from 0 to 1 along the arm."""
+    along = np.linspace(0.0, 1.0, geometry.units)
+    profile = np.exp(4.0 * arm.stiffness_bow * along * (1.0 - along))
+    return arm.base_stiffness * geometry.scale**arm.stiffness_exponent * profile
 
 
 def unit_inertia(arm: Arm, geometry: SpiralArm) -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +47,7 @@ def unit_inertia(arm: Arm, geometry: SpiralArm) -> tuple[np.ndarray, np.ndarray]
 def build_spec(
     arm: Arm,
     scene: Scene,
-    units: int,
+    geometry: SpiralArm,
     timestep: float,
     tendons: bool = False,
     tip_mass: float = 0.0,
@@ -57,7 +59,6 @@ def build_spec(
 
     Masses in kg, lengths in m, angles in rad; gravity from `arm.gravity_x`, `arm.gravity_y`.
     """
-    geometry = spiral_arm(units)
     run = with_holes(geometry, holes or Holes())
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -65,7 +66,7 @@ def build_spec(
     mass, inertia = unit_inertia(arm, geometry)
     stiffness = hinge_stiffness(arm, geometry)
     parent = spec.worldbody
-    for i in range(units):
+    for i in range(geometry.units):
         offset = 0.0 if i == 0 else geometry.unit_length[i - 1]
         if tendons:
             _add_guides(parent, run.guide_before[i] + [offset, 0], f"before_{i}")
@@ -82,7 +83,7 @@ def build_spec(
         _add_tip(parent, geometry.unit_length[-1], tip_mass)
     add_objects(spec, scene, geometry)
     if tendons:
-        _add_tendons(spec, units)
+        _add_tendons(spec, geometry.units)
     return spec
 
 
@@ -93,7 +94,7 @@ def _set_options(spec: mujoco.MjSpec, arm: Arm, timestep: float) -> None:
 
 
 def _add_hinge(body, i: int, arm: Arm, geometry: SpiralArm, stiffness: float) -> None:
-    limit = arm.limit_ratio * geometry.unit_angle
+    limit = arm.limit_ratio * geometry.hinge_angle[i]
     joint = body.add_joint(
         name=f"hinge_{i}",
         type=mujoco.mjtJoint.mjJNT_HINGE,
@@ -112,7 +113,7 @@ def _add_hinge(body, i: int, arm: Arm, geometry: SpiralArm, stiffness: float) ->
 def _add_outline(body, i: int, arm: Arm, geometry: SpiralArm) -> None:
     """Both edges and the four slanted faces; without these a tip enters the base from behind."""
     w, length = geometry.half_width[i], geometry.unit_length[i]
-    slope, radius = np.tan(geometry.unit_angle / 2), OUTLINE_RADIUS * w
+    slope, radius = np.tan(geometry.unit_angle[i] / 2), OUTLINE_RADIUS * w
     height = w - radius
     inset = height * slope + radius
     far = max(length - inset, inset + 1e-4)

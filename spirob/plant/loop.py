@@ -112,7 +112,7 @@ def run(
     misread = np.zeros(motors)  # what the current sensor says less the current [A]
     last_command = np.zeros(motors)
     if begun[0] == 0.0:
-        radius_now[:] = p[P_winch_radius]
+        radius_now[:] = p[P_winch_radius] * (1.0 + side * p[P_winch_radius_difference])
     for i in range(hinges):
         rest[i], _ = guide_length(
             1.0, 0.0, 1.0, guides[0, i], guides[1, i], guides[2, i], guides[3, i], guides[4, i]
@@ -229,7 +229,7 @@ def run(
                         total += arm[n, i] * solved[m, i]
                     mobility[n, m] = total
             for m in range(motors):
-                radius = p[P_winch_radius]
+                radius = p[P_winch_radius] * (1.0 + side[m] * p[P_winch_radius_difference])
                 # @ port winch.radius -> radius
                 radius_now[m] = radius
                 rotor_speed = gear * rate[m] / radius

@@ -66,6 +66,9 @@ class Winch(Numbers):
     drum_inertia: float = bounded(
         0.0, 0.0, 5e-4, "kg·m²", "J_w", "inertia of the drum; behind a gear G² times less than J_m"
     )
+    radius_difference: float = bounded(
+        0.0, -0.05, 0.05, "1", "δr", "half of left minus right drum's radius, over their mean"
+    )
 
 
 class Tendon(Numbers):
@@ -89,6 +92,9 @@ class Arm(Numbers):
     )
     stiffness_exponent: float = bounded(
         1.5, 0.5, 3.5, "1", "e", "stiffness falls as size to this power", DESIGN
+    )
+    stiffness_bow: float = bounded(
+        0.0, -1.0, 1.0, "1", "c", "log of the stiffness half-way, over what the power law gives"
     )
     damping_time: float = bounded(
         0.02,
@@ -126,16 +132,17 @@ class Arm(Numbers):
 
 
 class Holes(Numbers):
-    """Where the tendons' holes lie on the units, from the drawing's (`plant.holes`)."""
+    """Where the tendons' holes lie on the units, from the drawing's; a rig's arm narrows the bounds
+    (`plant.holes`)."""
 
     owner = "holes"
 
     shift: float = bounded(
-        0.0, -0.2, 0.2, "1", "σ", "shift of each unit's hole to the tip, over the unit's length"
+        0.0, -0.5, 0.5, "1", "σ", "shift of each unit's hole to the tip, over the unit's length"
     )
     height: float = bounded(1.0, 0.6, 1.1, "1", "κ", "height of all holes, over the drawing's")
     mount: float = bounded(
-        0.0, -0.01, 0.03, "m", "x_0", "how far the mount's hole lies behind the mount's face"
+        0.0, -0.1, 0.3, "m", "x_0", "how far the mount's hole lies behind the mount's face"
     )
 
 

@@ -14,12 +14,11 @@ from spirob.drives.volts import VOLT_PER_COUNT
 from spirob.effects import Effect
 from spirob.effects.individual import differences
 from spirob.errors import SimulationError
-from spirob.geometry import spiral_arm
 from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_of
-from spirob.plant.holes import with_holes
+from spirob.plant.holes import room, with_holes
 from spirob.plant.nominal import Arm, Holes
 from spirob.plant.objects import launch
 from spirob.plant.outline import bow, outlines
@@ -27,6 +26,7 @@ from spirob.plant.rest import Torque, rest_pose
 from spirob.plant.rig import Rig
 from spirob.plant.tendon import guides, shortenings
 from spirob.robot import CYCLE_NS, Scene, Weights
+from spirob.unit_table import Geometry
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
@@ -39,6 +39,7 @@ LIGHT = {  # rotors that hardly slow it
     "motor.rotor_damping": 1e-6,
     "winch.drum_inertia": 0.0,
 }
+Shape = tuple[Geometry, int]  # what the arm is, and into how many units the model cuts it
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -91,7 +92,8 @@ class Plant:
         owners = [*rig.parts(), *((e.name(), e(**e.neutral)) for e in self.effects)]
         own = {f"{e.name()}.{f}": a for e in effects for f, a in differences(e).items()}
         self.table = Table(owners).joined(own).behind(rig.winch.gear_ratio)
-        self.geometry = spiral_arm(rig.units)
+        self.table = self.table.narrowed(room(rig.geometry.arm()))
+        self.geometry = rig.lengths()
         self._run = assemble(self.effects, self.table.names, rig.host is not None)
         self._states = np.array([e.state[s] for e, s in memory_rows(self.effects)])
         self._scatter: bytes = b""
@@ -166,6 +168,12 @@ class Plant:
         names = Arm.parameters()
         return Arm(**{f: float(p[self.table.position(f"arm.{f}")]) for f in names})
 
+    def _compiled(
+        self, p: np.ndarray, scene: Scene, timestep: float, tip_mass: float
+    ) -> mujoco.MjModel:
+        shape = self.rig.geometry, self.rig.units
+        return _compiled(self._arm(p), scene, shape, timestep, tip_mass, self._scatter)
+
     def _holes(self, p: np.ndarray) -> Holes:
         names = Holes.parameters()
         return Holes(**{f: float(p[self.table.position(f"holes.{f}")]) for f in names})
@@ -198,7 +206,7 @@ class Session:
         hinges = plant.rig.units
         self._step = CYCLE / plant.substeps
         tip_mass = plant._at_tip(p)
-        model = _compiled(plant._arm(p), scene, hinges, self._step, tip_mass, plant._scatter)
+        model = plant._compiled(p, scene, self._step, tip_mass)
         bends = float(p[plant.table.position("arm.bends_per_hinge")])
         self._outline = outlines(model, hinges)
         self._heights = model.geom_pos[self._outline, 1]
@@ -236,7 +244,7 @@ class Session:
         torques = plant._at_hinges(p)
         if not (torques or arm.gravity_x or arm.gravity_y):
             return
-        bare = _compiled(arm, Scene(), hinges, self._step, tip_mass, plant._scatter)
+        bare = plant._compiled(p, Scene(), self._step, tip_mass)
         # every trial of an evaluation begins alike
         pose = _pose(bare, self._units.tobytes(), self._stiffness.tobytes(), torques)
         self._data.qpos[:hinges] = pose
@@ -312,9 +320,10 @@ class Session:
 
 @lru_cache(maxsize=512)
 def _compiled(
-    arm: Arm, scene: Scene, units: int, timestep: float, tip_mass: float, scatter: bytes
+    arm: Arm, scene: Scene, shape: Shape, timestep: float, tip_mass: float, scatter: bytes
 ) -> mujoco.MjModel:
-    model = build_spec(arm, scene, units, timestep, tip_mass=tip_mass).compile()
+    geometry, units = shape[0].arm(shape[1]), shape[1]
+    model = build_spec(arm, scene, geometry, timestep, tip_mass=tip_mass).compile()
     if scatter:
         factors = np.frombuffer(scatter)
         model.dof_damping[:units] *= factors

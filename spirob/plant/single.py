@@ -40,7 +40,7 @@ def single_dynamics(
     Raises SimulationError naming the time at which a state becomes non-finite.
     """
     step = CYCLE / substeps
-    spec = build_spec(rig.arm, scene or Scene(), rig.units, step, True, holes=rig.holes)
+    spec = build_spec(rig.arm, scene or Scene(), rig.lengths(), step, True, holes=rig.holes)
     model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     data = mujoco.MjData(model)

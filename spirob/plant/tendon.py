@@ -70,7 +70,8 @@ def guide_length(side, sine, cosine, product, gap_squared, sine_open, cosine_ope
     sine_half = max(0.0, sine_open * cosine - side * cosine_open * sine)
     cosine_half = cosine_open * cosine + side * sine_open * sine
     length = math.sqrt(gap_squared + 4.0 * product * sine_half * sine_half)
-    return bends * length, 2.0 * product * sine_half * cosine_half / length
+    lever = 2.0 * product * sine_half * cosine_half / max(length, 1e-12)  # guides that have met
+    return bends * length, lever
 
 
 def pose_tendons(qpos, qvel, columns, rest, arm, shortening, shortening_rate, work):

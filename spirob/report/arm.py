@@ -6,15 +6,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from spirob.geometry import SpiralArm, spiral_arm
+from spirob.geometry import PUBLISHED, SpiralArm
 from spirob.report.packing import pack, stride
+from spirob.unit_table import Geometry
 
 MOST_FRAMES = 900  # of one trial: half a minute at 30 frames a second
 BUDGET = 700_000  # bytes of base64 for all trials together
 HINGE = re.compile(r"q\d+")
 
 
-def payload(motion: pd.DataFrame, posture: pd.DataFrame | None = None) -> dict[str, Any]:
+def payload(
+    motion: pd.DataFrame,
+    posture: pd.DataFrame | None = None,
+    geometry: Geometry = PUBLISHED,
+) -> dict[str, Any]:
     """The model's motion and, where the robot's own is known, that on top of it.
 
     Geometry in mm, and for each trial its times and angles [rad], frame after frame.
@@ -23,34 +28,36 @@ def payload(motion: pd.DataFrame, posture: pd.DataFrame | None = None) -> dict[s
     shown = [str(name) for name in motion["trial"].unique()]
     robot = None
     if posture is not None and len(kept := posture[posture["trial"].isin(shown)]):
-        robot = _body(kept, most)
-    return _body(motion, most) | {"robot": robot}
+        robot = _body(kept, most, geometry)
+    return _body(motion, most, geometry) | {"robot": robot}
 
 
-def apart(motion: pd.DataFrame, posture: pd.DataFrame) -> np.ndarray:
+def apart(
+    motion: pd.DataFrame, posture: pd.DataFrame, geometry: Geometry = PUBLISHED
+) -> np.ndarray:
     """Distance of the model's tip from the robot's over all frames of all trials [m]."""
     found = []
     for name, rows in motion.groupby("trial", sort=False):
         seen = posture[posture["trial"] == name].sort_values("time")
         if len(seen) < 2:
             continue
-        times, ours = _tips(rows.sort_values("time"))
-        known, theirs = _tips(seen)
+        times, ours = _tips(rows.sort_values("time"), geometry)
+        known, theirs = _tips(seen, geometry)
         both = [np.interp(times, known, theirs[:, k]) for k in (0, 1)]
         found.append(np.hypot(ours[:, 0] - both[0], ours[:, 1] - both[1]))
     return np.concatenate(found) if found else np.zeros(0)
 
 
-def _tips(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+def _tips(rows: pd.DataFrame, geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and positions of the tip [m] (frames, 2)."""
     names = hinges(rows)
     heading = np.cumsum(rows[names].to_numpy(float), axis=1)
-    length = spiral_arm(len(names)).unit_length
+    length = geometry.arm(len(names)).unit_length
     tip = np.stack([np.cos(heading) @ length, np.sin(heading) @ length], axis=1)
     return rows["time"].to_numpy(float), tip
 
 
-def _body(motion: pd.DataFrame, budget: int) -> dict[str, Any]:
+def _body(motion: pd.DataFrame, budget: int, geometry: Geometry) -> dict[str, Any]:
     names = hinges(motion)
     groups = list(motion.groupby("trial", sort=False))
     most = int(min(MOST_FRAMES, budget / (8 / 3 * len(names) * max(len(groups), 1))))
@@ -65,7 +72,7 @@ def _body(motion: pd.DataFrame, budget: int) -> dict[str, Any]:
                 "angles": pack(kept[names].to_numpy(float).ravel()),
             }
         )
-    return {"geometry": _geometry(spiral_arm(len(names))), "trials": trials}
+    return {"geometry": _geometry(geometry.arm(len(names))), "trials": trials}
 
 
 def hinges(table: pd.DataFrame) -> list[str]:
@@ -75,7 +82,7 @@ def hinges(table: pd.DataFrame) -> list[str]:
 
 def _geometry(arm: SpiralArm) -> dict[str, Any]:
     return {
-        "faceSlope": round(float(np.tan(arm.unit_angle / 2)), 6),
+        "faceSlope": np.round(np.tan(arm.unit_angle / 2), 6).tolist(),
         "length": _millimetres(arm.unit_length),
         "halfWidth": _millimetres(arm.half_width),
         "guideBefore": _millimetres(arm.guide_before),

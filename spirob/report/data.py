@@ -12,12 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import yaml
 
 from spirob.errors import DataError, MissingChannel, MissingLog
+from spirob.plant import Rig
 from spirob.report.film import NoClip, film
 from spirob.report.loops import read_loops
 from spirob.report.provenance import Provenance, collect
 from spirob.report.sources import SOURCES, Source
+from spirob.unit_table import Geometry
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,12 @@ class ReportData:
     loops: dict[str, dict[str, Any]] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
 
+    @property
+    def geometry(self) -> Geometry:
+        """What the arm is, by the configuration's rig."""
+        rig = (yaml.safe_load(self.config) or {}).get("rig", {})
+        return Rig.from_mapping({k: v for k, v in rig.items() if k == "geometry"}).geometry
+
 
 def load(root: Path | str) -> ReportData:
     """Read all sources under `root`.
@@ -87,7 +96,7 @@ def with_clip(data: ReportData) -> ReportData:
     if data.motion is None:
         return data
     try:
-        return replace(data, clip=film(data.motion))
+        return replace(data, clip=film(data.motion, data.geometry))
     except NoClip as reason:
         return replace(
             data, absent=data.absent | {"clip": f"There is no rendered video: {reason}."}

@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from spirob.geometry import PUBLISHED
 from spirob.report.arm import hinges
+from spirob.unit_table import Geometry
 
 RATE = 12.5  # frames a second
 LONGEST = 8.0  # s
@@ -22,7 +24,7 @@ class NoClip(Exception):
     """Why there is no clip, in a sentence."""
 
 
-def film(motion: pd.DataFrame) -> bytes:
+def film(motion: pd.DataFrame, geometry: Geometry = PUBLISHED) -> bytes:
     """The first trial of the motion as an animated WebP.
 
     Raises NoClip where Pillow or OpenGL is absent, or the clip grows too large.
@@ -30,8 +32,9 @@ def film(motion: pd.DataFrame) -> bytes:
     if importlib.util.find_spec("PIL") is None:
         raise NoClip("Pillow, which writes it, is not installed (pip install pillow)")
     with tempfile.TemporaryDirectory() as folder:
-        source, target = Path(folder, "angles.npy"), Path(folder, "clip.webp")
-        np.save(source, _angles(motion))
+        source, target = Path(folder, "motion.npz"), Path(folder, "clip.webp")
+        angles = _angles(motion)
+        np.savez(source, angles=angles, **vars(geometry.arm(angles.shape[1])))
         _render(source, target)
         clip = target.read_bytes()
     if len(clip) > LARGEST:

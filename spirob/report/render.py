@@ -1,9 +1,10 @@
 """Renders the arm's motion with MuJoCo; run as a process of its own, as `film` does.
 
-    python -m spirob.report.render ANGLES.npy CLIP.webp
+    python -m spirob.report.render MOTION.npz CLIP.webp
 
-ANGLES holds hinge angles [rad], (frames, N).  A graphics driver that is broken may end the
-process instead of raising, and MUJOCO_GL must be set before MuJoCo is imported.
+MOTION holds `angles` of the hinges [rad], (frames, N), and the lengths of a `SpiralArm`.  A broken
+graphics driver may end the process instead of raising, and MUJOCO_GL must be set before MuJoCo is
+imported.
 """
 
 import argparse
@@ -13,7 +14,7 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from spirob.geometry import SpiralArm, spiral_arm
+from spirob.geometry import SpiralArm
 from spirob.plant.body import build_spec
 from spirob.plant.nominal import Arm
 from spirob.report.film import RATE
@@ -26,11 +27,11 @@ PLAIN = (0.62, 0.76, 0.88, 1.0)
 FLANK = (0.0, 0.45, 0.70, 1.0)
 
 
-def render(angles: np.ndarray) -> list[Image.Image]:
+def render(angles: np.ndarray, geometry: SpiralArm) -> list[Image.Image]:
     """A picture for each row of hinge angles [rad], seen from above."""
-    model = _model(angles.shape[1])
+    model = _model(geometry)
     data = mujoco.MjData(model)
-    camera = _camera(spiral_arm(angles.shape[1]))
+    camera = _camera(geometry)
     pictures = []
     with mujoco.Renderer(model, HEIGHT, WIDTH) as renderer:
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
@@ -44,10 +45,10 @@ def render(angles: np.ndarray) -> list[Image.Image]:
     return pictures
 
 
-def _model(units: int) -> mujoco.MjModel:
+def _model(geometry: SpiralArm) -> mujoco.MjModel:
     """The arm of the plant, each unit filled with its trapezoid."""
-    arm, geometry = Arm(), spiral_arm(units)
-    spec = build_spec(arm, Scene(), units, 1e-3)
+    arm = Arm()
+    spec = build_spec(arm, Scene(), geometry, 1e-3)
     spec.visual.headlight.ambient = [0.5, 0.5, 0.5]
     spec.visual.headlight.diffuse = [0.5, 0.5, 0.5]
     spec.visual.rgba.haze = [1, 1, 1, 1]
@@ -59,7 +60,7 @@ def _model(units: int) -> mujoco.MjModel:
         width=16,
         height=16,
     )
-    for i in range(units):
+    for i in range(geometry.units):
         body = spec.body(f"unit_{i}")
         for geom in body.geoms:
             geom.rgba = FLANK
@@ -71,7 +72,7 @@ def _model(units: int) -> mujoco.MjModel:
 def _prism(geometry: SpiralArm, i: int, thickness: float) -> np.ndarray:
     """Corners of a unit [m], (12, 3)."""
     w, length = geometry.half_width[i], geometry.unit_length[i]
-    inset = w * np.tan(geometry.unit_angle / 2)
+    inset = w * np.tan(geometry.unit_angle[i] / 2)
     gap = GAP * length
     flat = [(gap, 0.0), (length - gap, 0.0)]
     flat += [(x, y) for y in (w, -w) for x in (inset + gap, length - inset - gap)]
@@ -88,7 +89,9 @@ def _camera(geometry: SpiralArm) -> mujoco.MjvCamera:
 
 def main(source: str, target: str) -> None:
     """Render the angles in one file into the clip in another."""
-    first, *rest = render(np.load(source, allow_pickle=False))
+    with np.load(source, allow_pickle=False) as motion:
+        angles, lengths = motion["angles"], {k: v for k, v in motion.items() if k != "angles"}
+    first, *rest = render(angles, SpiralArm(**lengths))
     shown = round(1e3 / RATE)  # ms
     first.save(
         Path(target), save_all=True, append_images=rest, duration=shown, loop=0, quality=QUALITY
@@ -99,7 +102,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("angles", metavar="ANGLES.npy")
+    parser.add_argument("motion", metavar="MOTION.npz")
     parser.add_argument("clip", metavar="CLIP.webp")
     given = parser.parse_args()
-    main(given.angles, given.clip)
+    main(given.motion, given.clip)

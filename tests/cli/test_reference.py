@@ -17,7 +17,7 @@ def test_what_it_says_is_what_the_module_says(name):
     own = {
         key: value
         for key, value in vars(module).items()
-        if getattr(value, "__module__", "") == name and not key.startswith("_")
+        if getattr(value, "__module__", "") == name and callable(value) and key[0] != "_"
     }
     assert {member.name for member in FOUND[name].members} == set(own)
     for key, value in own.items():

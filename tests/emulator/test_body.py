@@ -41,7 +41,8 @@ def disturbed(machine, **rig):
 
 def test_arm_weighs_what_its_volume_says():
     arm = spiral_arm(N)
-    unit, face = 5, np.tan(arm.unit_angle / 2)
+    unit = 5
+    face = np.tan(arm.unit_angle[unit] / 2)
     body = anatomy(arm)
     length = arm.unit_length[unit]
     ratio = arm.scale[0] / arm.scale[1]

@@ -47,7 +47,7 @@ def test_constant_tension_curls_every_hinge_to_its_own_equilibrium(machine, rati
     for i in (0, 12, 24, 40, 47):
 
         def residual(q, i=i):
-            stop = p["stop_stiffness"][0, i] * max(q - p["stop_angle"][0], 0.0)
+            stop = p["stop_stiffness"][0, i] * max(q - p["stop_angle"][0, i], 0.0)
             return p["stiffness"][0, i] * q + stop - tension * lever(i, q)
 
         expected = brentq(residual, 0.0, np.deg2rad(14.95))

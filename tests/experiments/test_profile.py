@@ -15,7 +15,7 @@ PLACES = (0.2, 0.5, 0.95)
 
 @pytest.fixture(scope="module")
 def straight():
-    model = build_spec(Arm(), Scene(), 24, 1e-3).compile()
+    model = build_spec(Arm(), Scene(), spiral_arm(24), 1e-3).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return model, data

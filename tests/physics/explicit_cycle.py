@@ -21,7 +21,7 @@ def explicit_cycle(rig, torque, duration, smoothing=0.0):
     smoothing  of θ̈ by a first-order low pass: 0 none, 0.99 strong
     Returns (time of divergence [s] or None, rate of the tendon by step [m/s]).
     """
-    model = build_spec(rig.arm, Scene(), rig.units, STEP, tendons=True).compile()
+    model = build_spec(rig.arm, Scene(), rig.lengths(), STEP, tendons=True).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     square = (rig.winch.gear_ratio / rig.winch.radius) ** 2
@@ -45,7 +45,7 @@ def explicit_cycle(rig, torque, duration, smoothing=0.0):
 
 def tendon_inertia(rig):
     """1/(J M⁻¹ Jᵀ) of the straight arm at the left tendon [kg]."""
-    model = build_spec(rig.arm, Scene(), rig.units, STEP, tendons=True).compile()
+    model = build_spec(rig.arm, Scene(), rig.lengths(), STEP, tendons=True).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     pull = np.zeros((1, model.nv))

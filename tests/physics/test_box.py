@@ -19,7 +19,7 @@ from tests.physics.playing import RIGS, currents, rising, seconds
 EFFICIENCY, INERTIA, DAMPING = (0.6, 1.0), (5e-6, 5e-4), (1e-5, 1e-3)
 CORNERS = list(itertools.product(EFFICIENCY, INERTIA, DAMPING))
 PLANTS = {name: Plant(rig) for name, rig in RIGS.items()}
-MEET = spiral_arm().unit_angle  # where the guides of a hinge meet
+MEET = spiral_arm().unit_angle[0]  # where the guides of a hinge meet
 # loaded, let go, snapped taut again, pulled into the end stop
 LEFT = np.repeat([1.0, -2.0, 2.0, 5.0], [700, 300, 500, 1000])
 RIGHT = np.repeat([0.3, 0.3, -2.0, 0.0], [700, 300, 500, 1000])

@@ -46,7 +46,7 @@ def static_curl(arm, force):
         lifted = mass @ (centres(angles) @ gravity)
         return 1e3 * (0.5 * stiffness @ angles**2 + force * left_length(angles) - lifted)
 
-    stop = arm.limit_ratio * GEOMETRY.unit_angle
+    stop = arm.limit_ratio * GEOMETRY.hinge_angle[0]
     found = optimize.minimize(
         energy,
         np.full(24, 0.05),

@@ -11,7 +11,7 @@ from spirob.plant.tendon import guide_length, guides, half_angle, small_angle
 from spirob.robot import MOTORS, Scene
 
 UNITS = 24
-LIMIT = 0.96 * spiral_arm(UNITS).unit_angle
+LIMIT = 0.96 * spiral_arm(UNITS).unit_angle[0]
 GUIDES = guides(spiral_arm(UNITS))
 
 
@@ -70,7 +70,7 @@ def test_two_tendons_push_a_hinge_over_with_the_tangent_of_half_its_gap(bends):
 
 @pytest.mark.parametrize(("exported", "tolerance"), [(False, 1e-12), (True, 1e-6)])
 def test_lengths_and_jacobian_are_those_of_spatial_tendons(exported, tolerance):
-    spec = build_spec(Arm(), Scene(), UNITS, 5e-4, tendons=True)
+    spec = build_spec(Arm(), Scene(), spiral_arm(UNITS), 5e-4, tendons=True)
     # the MJCF text holds seven digits
     model = mujoco.MjModel.from_xml_string(spec.to_xml()) if exported else spec.compile()
     data = mujoco.MjData(model)
@@ -101,7 +101,7 @@ def dense_jacobian(model, data):
 
 
 def test_past_the_angle_where_the_guides_meet_the_tendon_turns_the_hinge_no_further():
-    angle = spiral_arm(UNITS).unit_angle
+    angle = spiral_arm(UNITS).unit_angle[0]
     at, _ = lengths(1.0, np.full(UNITS, angle))
     beyond, lever = lengths(1.0, np.full(UNITS, angle + 0.05))
     assert lever == pytest.approx(0.0, abs=1e-15)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from spirob.control.law import CURRENT
 from spirob.control.schedule import Schedule
+from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_factor, chain_of, chain_solve, chain_step, is_free
@@ -25,7 +26,7 @@ STEP = 5e-4
 def arm(scene=None, tip_mass=0.0, **changes):
     """A compiled arm and its chain."""
     body = replace(RIG.arm, **changes)
-    model = build_spec(body, scene or Scene(), UNITS, STEP, tip_mass=tip_mass).compile()
+    model = build_spec(body, scene or Scene(), spiral_arm(UNITS), STEP, tip_mass=tip_mass).compile()
     return model, chain_of(model, UNITS, outlines(model, UNITS), np.zeros(UNITS))
 
 

@@ -8,7 +8,7 @@ from spirob.geometry import ARM_LENGTH, SPIRAL_GROWTH, SPIRAL_TURN, spiral_arm
 
 def curled(arm):
     """Corners of the elastic axis with every hinge turned by Δθ, as complex numbers."""
-    heading = arm.unit_angle * np.arange(arm.units)
+    heading = arm.unit_angle[0] * np.arange(arm.units)
     return np.concatenate([[0.0], np.cumsum(arm.unit_length * np.exp(1j * heading))])
 
 
@@ -17,7 +17,7 @@ def test_fully_curled_the_axis_lies_on_the_logarithmic_spiral(units):
     arm = spiral_arm(units)
     corners = curled(arm)
     # a turn by Δθ and a shrinking by exp(-bΔθ) carry each unit into the next: about one pole
-    carry = np.exp((1j - SPIRAL_GROWTH) * arm.unit_angle)
+    carry = np.exp((1j - SPIRAL_GROWTH) * arm.unit_angle[0])
     pole = corners[1] / (1.0 - carry)
     about = corners - pole
     assert np.allclose(about[1:] / about[:-1], carry, rtol=1e-9)
@@ -31,14 +31,14 @@ def test_fully_curled_the_axis_lies_on_the_logarithmic_spiral(units):
 def test_cut_finer_it_is_the_same_arm(units):
     arm = spiral_arm(units)
     assert arm.unit_length.sum() == pytest.approx(ARM_LENGTH)
-    assert arm.unit_angle * units == pytest.approx(SPIRAL_TURN)
+    assert arm.unit_angle[0] * units == pytest.approx(SPIRAL_TURN)
     assert np.diff(arm.hinge_position) == pytest.approx(arm.unit_length[:-1])
 
 
 def test_the_guides_of_a_hinge_coincide_when_its_faces_meet():
     arm = spiral_arm()
     x, y = arm.guide_after.T
-    turn = np.exp(1j * arm.unit_angle)
+    turn = np.exp(1j * arm.unit_angle[0])
     turned = (x + 1j * y) * turn
     before = arm.guide_before[:, 0] + 1j * arm.guide_before[:, 1]
     # on one ray from the hinge, apart by the tendon's slope over one face alone

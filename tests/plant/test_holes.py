@@ -5,7 +5,7 @@ import pytest
 
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant
-from spirob.plant.holes import with_holes
+from spirob.plant.holes import room, with_holes
 from spirob.plant.nominal import Holes
 from spirob.plant.tendon import guides, shortenings
 from spirob.robot import Scene
@@ -57,7 +57,8 @@ def test_lengths_are_those_between_the_mouths():
 @pytest.mark.parametrize("number", ["shift", "height", "mount"])
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_model_plays_at_the_bounds(number, end):
-    value = getattr(Holes.parameters()[number], end)
+    about = Holes.parameters() | {n.partition(".")[2]: a for n, a in room(ARM).items()}
+    value = getattr(about[number], end)
     still = currents(np.full(300, 0.3), 0.2)
     found = Plant(GEARED).simulate(still, Scene(), {f"holes.{number}": value})
     assert np.isfinite(found.angles).all()

@@ -16,7 +16,7 @@ from spirob.robot import Cylinder, Scene
 from tests.physics.playing import winding
 
 RIG = Rig()
-FINE = replace(RIG, units=2 * RIG.units)
+FINE = replace(RIG, cut=2 * RIG.units)
 BENDS = "arm.bends_per_hinge"
 
 
@@ -84,7 +84,7 @@ def deepest(arm, angles):
     along = np.column_stack([np.cos(heading), np.sin(heading)])
     across = np.column_stack([-along[:, 1], along[:, 0]])
     base = np.vstack([[0.0, 0.0], np.cumsum(arm.unit_length[:, None] * along, axis=0)[:-1]])
-    slope = np.tan(arm.unit_angle / 2)
+    slope = np.tan(arm.unit_angle[0] / 2)
     found = 0.0
     for own in range(arm.units):
         w, length = arm.half_width[own], arm.unit_length[own]
@@ -96,7 +96,7 @@ def deepest(arm, angles):
                     continue
                 way = point - base[other]
                 u, v = way @ along[other], abs(way @ across[other])
-                sunk = np.cos(arm.unit_angle / 2) * np.minimum(
+                sunk = np.cos(arm.unit_angle[0] / 2) * np.minimum(
                     u - slope * v, arm.unit_length[other] - u - slope * v
                 )
                 found = max(found, min(sunk, arm.half_width[other] - v))

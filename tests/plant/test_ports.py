@@ -211,7 +211,7 @@ def test_a_tilted_mount_is_gravity_in_the_plane(plant, roll, pitch):
 def test_the_weight_at_each_hinge_is_that_of_the_body():
     arm, mass = Arm(gravity_x=0.0, gravity_y=9.80665), 0.05
     geometry = spiral_arm(24)
-    model = build_spec(arm, Scene(), 24, 5e-4, tip_mass=mass).compile()
+    model = build_spec(arm, Scene(), spiral_arm(24), 5e-4, tip_mass=mass).compile()
     data = mujoco.MjData(model)
     data.qpos[:] = np.random.default_rng(3).uniform(-0.4, 0.4, 24)
     mujoco.mj_forward(model, data)
@@ -226,7 +226,9 @@ def test_the_weight_at_each_hinge_is_that_of_the_body():
 def test_a_payload_weighs_what_it_should(plant):
     # held in a level plane it loads nothing; with gravity across, its whole lever
     arm = Arm(gravity_y=9.80665)
-    bare, loaded = (build_spec(arm, Scene(), 24, 5e-4, tip_mass=m).compile() for m in (0.0, 0.05))
+    bare, loaded = (
+        build_spec(arm, Scene(), spiral_arm(24), 5e-4, tip_mass=m).compile() for m in (0.0, 0.05)
+    )
     torques = []
     for model in (bare, loaded):
         data = mujoco.MjData(model)

@@ -34,7 +34,7 @@ NUMBERS = {
     "hardening_power": (),  # n [-]
     "creep_share": (CREEP_ARMS, HINGES),  # g [-]
     "creep_time": (CREEP_ARMS,),  # τ [s]
-    "stop_angle": (),  # [rad]
+    "stop_angle": (HINGES,),  # [rad]
     "stop_stiffness": (HINGES,),  # [N·m/rad]
     "stop_damping": (HINGES,),  # [N·m·s/rad]
 }
@@ -108,7 +108,7 @@ def hinges(p, s, w, h):
         k = p.stiffness[i]
         harder = 0.0
         if p.hardening[i] > 0.0:
-            harder = p.hardening[i] * abs(u / p.stop_angle) ** p.hardening_power
+            harder = p.hardening[i] * abs(u / p.stop_angle[i]) ** p.hardening_power
         slope = k * (1.0 + (1.0 + p.hardening_power) * harder)
         moment = -k * u * (1.0 + harder)
         for m in range(CREEP_ARMS):
@@ -118,7 +118,7 @@ def hinges(p, s, w, h):
         moment -= (h * slope + p.damping[i]) * rate
         implicit = h * slope + p.damping[i]
         side = 1.0 if w.q[i] > 0.0 else -1.0
-        beyond = side * w.q[i] - p.stop_angle
+        beyond = side * w.q[i] - p.stop_angle[i]
         stiff = h * p.stop_stiffness[i] + p.stop_damping[i]
         if beyond > 0.0 or beyond + h * side * rate > 0.0:
             moment -= side * (p.stop_stiffness[i] * beyond + stiff * side * rate)

@@ -12,6 +12,7 @@ roles.py        which logs, or parts of one, are fitted, chosen by, held out
 blocks.py       a part of a log, played from rest and compared from where it begins
 settled.py      what the search stands on: the arm's shape, and the rows that count
 shape.py        holes and stiffness of an arm of another design, searched for
+tolerated.py    what of the arm's build the logs tell beyond its tolerances
 evolve.py       the lowest valley of a cost over a few numbers
 determined.py   rows that the arm's numbers determine, whichever its hinges
 diagnosis.py    the arm's own search and verdict, as the document of a rig

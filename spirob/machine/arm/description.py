@@ -1,6 +1,7 @@
 """The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
@@ -13,6 +14,7 @@ from spirob.machine.arm.motors import MotorColumns
 from spirob.machine.rig import TIME_UNITS, Bounded, Column, Effects, Entry
 from spirob.plant import Rig
 from spirob.plant.nominal import COMPONENTS
+from spirob.unit_table import with_table
 
 PARTS = {component.owner for component in COMPONENTS}
 PLACELESS = {  # keys of other rigs -> why the arm has none
@@ -29,8 +31,8 @@ class ArmFile(Entry):
     """A whole description.
 
     left, right  the two motors; the left one bends the arm to the left
-    arm          numbers of the machine that are not nominal, as in `conf/rig`: {winch: {...}, ...};
-                 of a controller's gains nothing is used
+    arm          what of the machine is not nominal, as in `conf/rig`: {winch: {...}, geometry:
+                 {...}}; of a controller's gains nothing is used
     fit          numbers of the model to fit; None: from where and between what the model has them.
                  A list of names is read as a mapping of each to None
     known        numbers of the model, or of effects that it holds, by name; they are not fitted
@@ -115,6 +117,14 @@ class ArmFile(Entry):
     def motors(self) -> dict[str, MotorColumns]:
         """Both motors by name, in the order of the model."""
         return {"left": self.left, "right": self.right}
+
+    def beside(self, folder: Path) -> "ArmFile":
+        """The same with the table of its arm's units read, where it names one in this folder."""
+        geometry = self.arm.get("geometry")
+        if not isinstance(geometry, dict):
+            return self
+        arm = {**self.arm, "geometry": with_table(geometry, folder)}
+        return self.model_copy(update={"arm": arm})
 
     def machine(self) -> Rig:
         """The machine, with a controller that follows a motion.

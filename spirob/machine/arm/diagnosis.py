@@ -26,6 +26,7 @@ from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import roles
 from spirob.machine.arm.settled import of_design, settled
 from spirob.machine.arm.shape import SHAPE
+from spirob.machine.arm.tolerated import TOLERANCES
 from spirob.machine.own_effects import chosen
 from spirob.plant import Plant
 
@@ -79,7 +80,11 @@ def searched(
     kept = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)
     residuals = {role: Residual(plant, found, kept) for role, found in trials.items()}
     # who says what is fitted has said that the rest is as it is
-    free = [] if "fit" in rig.model_fields_set else [n for n in SHAPE if n not in rig.known]
+    free = (
+        []
+        if "fit" in rig.model_fields_set
+        else [n for n in (*SHAPE, *TOLERANCES) if n not in rig.known]
+    )
     ground = settled(residuals, names, start, free, settings, progress)
     if said is not None:
         said += ground.said

@@ -16,7 +16,7 @@ from spirob.control.schedule import Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
 from spirob.logs.readers import Table
-from spirob.machine.arm.beginning import at_rest, first_angles, held
+from spirob.machine.arm.beginning import BEGUN, at_rest, first_angles, held, within_stroke
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
@@ -25,7 +25,6 @@ from spirob.machine.rig import Column
 from spirob.robot import MOTORS, Scene
 
 CYCLE = 1e-3  # s, of the model
-BEGIN = 0.05  # s at the beginning, in which the arm has to stand
 ROOM = 2.0  # times the largest current: the model's command never reaches its limit
 
 
@@ -42,10 +41,11 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
     length, current = (_both(values, kind) for kind in ("position", "effort"))
     motion = np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in length.T])
     velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
-    begin = slice(0, round(BEGIN / CYCLE))
+    begin = slice(0, BEGUN)
     zero = np.median(length[begin], axis=0)
     at_rest(name, velocity[begin], velocity)
     _currents(name, current, rig, said)
+    within_stroke(name, length - zero, current, rig)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
     given = _given(values, rig)

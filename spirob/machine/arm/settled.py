@@ -13,11 +13,13 @@ import numpy as np
 
 from spirob.diagnosis.noise import complete
 from spirob.diagnosis.rungs import Settings
+from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.near import near
 from spirob.identify.residual import Residual
 from spirob.machine.arm.determined import SCATTER, determined
 from spirob.machine.arm.shape import FREED, searched_shape
+from spirob.machine.arm.tolerated import TOLERANCES, gate
 
 PAYS = 0.8  # of the cost without: another shape is believed below that
 OTHER_DESIGN = 0.01  # smallest effect that counts there, as on any rig that is not our arm
@@ -47,7 +49,7 @@ def settled(
 ) -> Settled:
     """Shape and rows that count, with numbers fitted from where they start.
 
-    names  of the numbers;  free  those of `SHAPE` that may be searched for
+    names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
     """
     train, said = residuals["train"], []
     enough = complete(train, settings.floor)
@@ -69,7 +71,11 @@ def settled(
                 f"others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
                 f"than {residual.effort.shown(enough)}."
             )
-    return Settled(found.changes, kept, said)
+    numbers = found.changes
+    if free:
+        numbers, told = _built(kept["train"], names, numbers, free, settings)
+        said += told
+    return Settled(numbers, kept, said)
 
 
 def _shaped(
@@ -84,6 +90,25 @@ def _shaped(
     freed = [*names, *(n for n in FREED if n in free and n not in names)]
     start = searched_shape(train, found, free, settings.scale, progress)
     return _fitted(train, freed, start, settings)
+
+
+def _built(
+    train: Residual,
+    names: Sequence[str],
+    numbers: Mapping[str, float],
+    free: Sequence[str],
+    settings: Settings,
+) -> tuple[dict[str, float], list[str]]:
+    """The numbers with what of the build the logs tell, where that pays, and what the gate says."""
+    asked = [n for n in TOLERANCES if n in free]
+    close = near(train, numbers)
+    told = gate(close, list(dict.fromkeys([*names, *asked])), numbers, asked, settings.scale)
+    if told.seen:
+        freed = list(dict.fromkeys([*names, *told.seen]))
+        built = fit(close, freed, numbers, settings.scale, settings.patience, exact=False)
+        if built.cost < PAYS * robust_cost(close(numbers), settings.scale):
+            return built.changes, told.told(built.changes, train.table)
+    return dict(numbers), told.told(numbers, train.table)
 
 
 def of_design(settings: Settings, numbers: Mapping[str, float]) -> Settings:

@@ -22,13 +22,14 @@ from spirob.identify.residual import Residual
 from spirob.identify.scaling import STRENGTH, Scaling
 from spirob.machine.arm.evolve import evolved
 
-# What is drawn, and between what; of the stiffness a factor on what the first fit has
-SHAPE = {
+# What is drawn, and between what, None for the arm's own bounds; of the stiffness a factor on what
+# the first fit has
+SHAPE: dict[str, tuple[float, float] | None] = {
     "arm.base_stiffness": (0.7, 1.5),
     "arm.stiffness_exponent": (1.2, 1.8),
     "arm.bends_per_hinge": (0.8, 2.0),
-    "holes.shift": (-0.2, 0.2),
-    "holes.mount": (-0.01, 0.03),
+    "holes.shift": None,
+    "holes.mount": None,
 }
 FREED = ("arm.stiffness_exponent", "holes.shift", "holes.mount")  # fitted then, beside the usual
 LENGTH = 40.0  # A/m: a millimetre counts as much as what a wrong valley leaves of the current
@@ -47,7 +48,12 @@ def searched_shape(
     found  a fit without them, of the stiffness too;  free  those of `SHAPE` that may be drawn
     scale  of the robust loss [A]
     """
-    shape = {name: ends for name, ends in SHAPE.items() if name in free}
+    about = train.table.about
+    shape = {
+        name: ends or (about[name].low, about[name].high)
+        for name, ends in SHAPE.items()
+        if name in free
+    }
     heavy = near(replace(train, length=LENGTH), found.changes)
     assert isinstance(heavy, Residual)
     scaling = Scaling(train.table, list(found.estimates))

@@ -19,10 +19,10 @@ function Body({ length, halfWidth, faceSlope, guideBefore, guideAfter }) {
     return found;
   }
   function outline(pose, i) {
-    const w = halfWidth[i], taper = i + 1 < units ? (halfWidth[i + 1] / w) ** 0.25 : 0.977;
-    const wide = w / taper, slim = w * taper, end = length[i];
-    return [[0, 0], [wide * faceSlope, wide], [end - slim * faceSlope, slim], [end, 0],
-      [end - slim * faceSlope, -slim], [wide * faceSlope, -wide]].map(([a, b]) => place(pose, a, b));
+    const k = Math.min(i, units - 2), taper = (halfWidth[k + 1] / halfWidth[k]) ** 0.25;
+    const wide = halfWidth[i] / taper, slim = halfWidth[i] * taper, end = length[i], slope = faceSlope[i];
+    return [[0, 0], [wide * slope, wide], [end - slim * slope, slim], [end, 0],
+      [end - slim * slope, -slim], [wide * slope, -wide]].map(([a, b]) => place(pose, a, b));
   }
   // Both flanks as one closed line: what is seen of an arm from afar.
   function silhouette(found) {

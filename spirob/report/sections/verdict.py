@@ -41,7 +41,9 @@ class Verdict(Section):
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
             "ladder": ladder_plot(rungs, noise_floor, unit),
-            "arm": None if data.motion is None else arm.payload(data.motion, data.posture),
+            "arm": None
+            if data.motion is None
+            else arm.payload(data.motion, data.posture, data.geometry),
             "clip": None if data.clip is None else base64.b64encode(data.clip).decode("ascii"),
             "no_clip": data.absent.get("clip", NOT_ASKED),
             "no_arm": data.absent.get("motion", ""),
@@ -131,7 +133,7 @@ def apart_sentence(data: ReportData) -> str:
     """How far the tips of robot and model are apart; empty where one of them is not known."""
     if data.motion is None or data.posture is None:
         return ""
-    distances = 1e3 * arm.apart(data.motion, data.posture)
+    distances = 1e3 * arm.apart(data.motion, data.posture, data.geometry)
     if not len(distances):
         return ""
     middle, most = (f"{value:.0f}" for value in (np.median(distances), distances.max()))
