@@ -191,7 +191,7 @@ def _search(
         for r, own in ((ready.train, []), (ready.test, alone))
     )
     names = [*(f"rig.{name}" for name in rig.fit), *fitted]
-    names += [f"{e.name()}.{f}" for e in ready.own for f in e.parameters()]
+    names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]
     if names == ["rig.delay"]:
         raise ConfigError("fit: name at least one number to fit, such as viscous")
     table = train.table

@@ -1,0 +1,161 @@
+"""Drafts of a law beside a fitted model: terms with factors, to first order in the fitted numbers.
+
+Each fold is predicted from the others and the held-out trials from all, as everywhere in the search
+(`regression`); a draft is judged by the same questions as an effect (`worth`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.diagnosis.evidence import block_errors
+from spirob.identify.differences import slopes_ahead
+from spirob.identify.scaling import Scaling
+from spirob.machine.composed.term import Term
+from spirob.machine.composed.track import Track
+from spirob.machine.models import STEP, Model
+from spirob.machine.regression import error, left_out, products, step
+from spirob.machine.screening import room
+from spirob.machine.search import Search
+
+
+NOTHING = 1e-6  # of the residual: a column so small says nothing of it
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Terms with the factors of their parts; errors as those of a `Model`."""
+
+    terms: tuple[Term, ...]
+    factors: tuple[np.ndarray, ...]
+    left: np.ndarray
+    errors: np.ndarray
+    heldout: np.ndarray
+
+    @property
+    def mean_square(self) -> float:
+        """Of the folds left out."""
+        return float(np.mean(self.left**2))
+
+    @property
+    def heldout_square(self) -> float:
+        """Of the held-out trials."""
+        return float(np.mean(self.heldout**2))
+
+    @property
+    def richness(self) -> int:
+        """Numbers and memories."""
+        return sum(term.richness for term in self.terms)
+
+
+class Drafts:
+    """All drafts beside one fitted model, and the columns of their terms."""
+
+    def __init__(self, search: Search, model: Model):
+        self.search, self.model = search, model
+        self.track = Track(search.train, model.fit.changes)
+        self.held = Track(search.heldout, model.fit.changes)
+        self.ranges = self.track.ranges()
+        self.folds = search.models.folds
+        self._low, self._high = room(search.train.table, model.fit)
+        self._slopes = _heldout_slopes(search, model)
+        self._columns: dict[Term, np.ndarray] = {}
+
+    def made(self, terms: Sequence[Term]) -> Draft:
+        """The draft of these terms."""
+        base, residual = self.model.fit.jacobian, self.model.fit.residual
+        columns = [self.columns(term) for term in terms]
+        whole = np.hstack([base, *columns])
+        bounds = self.bounds(whole.shape[1])
+        left = left_out(whole, residual, self.folds, *bounds)
+        moved = step(products(whole, residual, self.folds), *bounds)
+        held = [term.columns(self.held, self.ranges) for term in terms]
+        after = self.model.heldout + np.hstack([self._slopes, *held]) @ moved
+        ends = np.cumsum([base.shape[1], *(c.shape[1] for c in columns)])
+        factors = [moved[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        train = self.search.train
+        errors = block_errors(left, train.edges, train.block)
+        return Draft(tuple(terms), tuple(factors), left, errors, after)
+
+    def columns(self, term: Term) -> np.ndarray:
+        """What the parts of a term make of the residual, (N, parts)."""
+        if term not in self._columns:
+            self._columns[term] = term.columns(self.track, self.ranges)
+        return self._columns[term]
+
+    def error(self, beside: Sequence[Term], term: Term) -> float:
+        """Mean square of the folds left out with one more term, without keeping its columns."""
+        own = term.columns(self.track, self.ranges)
+        whole = np.hstack([self.model.fit.jacobian, *(self.columns(t) for t in beside), own])
+        sums = products(whole, self.model.fit.residual, self.folds)
+        return error(sums, *self.bounds(whole.shape[1])) / len(self.folds)
+
+    def offers(self, found: Sequence[Term]) -> "Offers":
+        """Terms to be added, with the products of all their columns."""
+        return Offers(self, found)
+
+    def bounds(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Of so many coefficients: those of the fitted numbers first, the others are free."""
+        free = np.full(count - len(self._low), np.inf)
+        return np.concatenate([self._low, -free]), np.concatenate([self._high, free])
+
+
+class Offers:
+    """The terms of the grammar beside one model; the samples are gone through once."""
+
+    def __init__(self, drafts: Drafts, found: Sequence[Term]):
+        self.drafts = drafts
+        base, residual = drafts.model.fit.jacobian, drafts.model.fit.residual
+        columns = [term.columns(drafts.track, drafts.ranges) for term in found]
+        least = NOTHING * (float(np.sqrt(np.mean(residual**2))) + 1e-300)
+        shown = [bool(np.all(np.sqrt(np.mean(c**2, axis=0)) > least)) for c in columns]
+        self.terms = [t for t, one in zip(found, shown, strict=True) if one]
+        kept = [c for c, one in zip(columns, shown, strict=True) if one]
+        self._whole, self._own = np.hstack([base, *kept]), base.shape[1]
+        self._sums = products(self._whole, residual, drafts.folds)
+        ends = self._own + np.cumsum([0, *(c.shape[1] for c in kept)])
+        self._cells = [range(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+    def errors(self, beside: Sequence[Term]) -> np.ndarray:
+        """Mean square of the folds left out with each term added, (terms,)."""
+        drafts, known, sums = self.drafts, list(range(self._own)), self._sums
+        if beside:
+            further = np.hstack([drafts.columns(term) for term in beside])
+            known += range(self._whole.shape[1], self._whole.shape[1] + further.shape[1])
+            sums = self._with(further)
+        found = []
+        for own in self._cells:
+            cells = [*known, *own, -1]
+            part = sums[:, cells][:, :, cells]
+            found.append(error(part, *drafts.bounds(len(cells) - 1)) / len(drafts.folds))
+        return np.array(found)
+
+    def _with(self, further: np.ndarray) -> np.ndarray:
+        """The products with further columns, (N, b), which stand before the residual."""
+        residual, folds = self.drafts.model.fit.residual, self.drafts.folds
+        ends = np.flatnonzero(np.diff(folds)) + 1
+        parts = zip(
+            *(np.split(a, ends) for a in (self._whole, residual[:, None], further)), strict=True
+        )
+        n, b = self._whole.shape[1], further.shape[1]
+        sums = np.empty((len(self._sums), n + b + 1, n + b + 1))
+        for k, (whole, last, more) in enumerate(parts):
+            sums[k, :n, :n] = self._sums[k, :n, :n]
+            sums[k, -1, :n] = sums[k, :n, -1] = self._sums[k, :n, -1]
+            sums[k, -1, -1] = self._sums[k, -1, -1]
+            sums[k, n:-1, :n] = more.T @ whole
+            sums[k, :n, n:-1] = sums[k, n:-1, :n].T
+            sums[k, n:-1, n:-1] = more.T @ more
+            sums[k, n:-1, -1:] = more.T @ last
+            sums[k, -1:, n:-1] = sums[k, n:-1, -1:].T
+        return sums
+
+
+def _heldout_slopes(search: Search, model: Model) -> np.ndarray:
+    """How the held-out residual moves with the coordinates of the fitted numbers, (M, numbers)."""
+    scaling = Scaling(search.heldout.table, list(model.fit.estimates))
+    names = set(scaling.names)
+    fixed = {name: value for name, value in model.fit.changes.items() if name not in names}
+    at = scaling.scaled(model.fit.changes)
+    return slopes_ahead(search.heldout, scaling, at, fixed, model.heldout, STEP)
