@@ -22,6 +22,8 @@ from spirob.machine.search import Search
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
 
+LARGE = 1.5  # times the residual: a term that is larger is mostly cancelled by another
+
 
 @dataclass(frozen=True)
 class Draft:
@@ -60,6 +62,8 @@ class Drafts:
         self.folds = search.models.folds
         self._low, self._high = room(search.train.table, model.fit)
         self._slopes = _heldout_slopes(search, model)
+        slopes = model.fit.jacobian
+        self._span = np.linalg.qr(slopes / (np.linalg.norm(slopes, axis=0) + 1e-300))[0]
         self._columns: dict[Term, np.ndarray] = {}
 
     def made(self, terms: Sequence[Term]) -> Draft:
@@ -90,6 +94,19 @@ class Drafts:
         whole = np.hstack([self.model.fit.jacobian, *(self.columns(t) for t in beside), own])
         sums = products(whole, self.model.fit.residual, self.folds)
         return error(sums, *self.bounds(whole.shape[1])) / len(self.folds)
+
+    def balanced(self, draft: Draft) -> bool:
+        """Whether no term is much larger than all that there is to explain.
+
+        Such terms cancel one another, and say nothing outside of the motion that taught them.  Each
+        is taken beside what the fitted numbers can make of it.
+        """
+        size = np.linalg.norm(self.model.fit.residual)
+        for term, factors in zip(draft.terms, draft.factors, strict=True):
+            shown = self.columns(term) @ factors
+            if np.linalg.norm(shown - self._span @ (self._span.T @ shown)) > LARGE * size:
+                return False
+        return True
 
     def offers(self, found: Sequence[Term]) -> "Offers":
         """Terms to be added, with the products of all their columns."""

@@ -9,8 +9,8 @@ from scipy.optimize import minimize
 from spirob.machine.composed.draft import Draft, Drafts, Offers
 from spirob.machine.composed.grammar import terms
 from spirob.machine.composed.term import Term
-from spirob.machine.search import Search
 from spirob.machine.models import Model
+from spirob.machine.search import Search
 
 MOST = 4  # terms
 FINALISTS = 6  # of a round, whose numbers are refined
@@ -23,7 +23,7 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
 
     A term is added where it passes the questions of `worth` and the held-out trials agree; of those
     that do about as well the one of fewest numbers.  Whatever is no longer needed beside the others
-    goes again.
+    goes again.  One term at most remembers.
     """
     drafts = Drafts(search, model)
     current = drafts.made(())
@@ -34,7 +34,7 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
         grown = _best(drafts, drafts.offers(grammar), current)
         if grown is None:
             break
-        kept = _needed(drafts, grown)
+        kept = _needed(drafts, _settled(drafts, grown))
         if kept.terms == current.terms or kept.mean_square >= current.mean_square:
             break
         current = kept
@@ -44,12 +44,15 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
 def _best(drafts: Drafts, offers: Offers, current: Draft) -> Draft | None:
     """The draft with one more term, None where none matters."""
     worth = drafts.search.worth
+    remembers = any(term.memory for term in current.terms)
     errors = offers.errors(current.terms)
+    errors[[remembers and term.memory is not None for term in offers.terms]] = np.inf
     made = []
     for k in _finalists(offers.terms, errors):
         term = _refined(drafts, current.terms, offers.terms[k])
         made.append(drafts.made((*current.terms, term)))
     passed = [d for d in made if worth.matters(current, d) and not worth.denied(current, d)]
+    passed = [d for d in passed if drafts.balanced(d)]
     return _simplest(drafts, passed) if passed else None
 
 
@@ -65,6 +68,15 @@ def _simplest(drafts: Drafts, passed: Sequence[Draft]) -> Draft:
     best = min(passed, key=lambda d: d.mean_square)
     equal = [d for d in passed if d is best or not drafts.search.worth.clearly(d, best)]
     return min(equal, key=lambda d: (d.richness, d.mean_square))
+
+
+def _settled(drafts: Drafts, draft: Draft) -> Draft:
+    """The numbers of each earlier term once more, now that the last one is there."""
+    found = list(draft.terms)
+    for k, term in enumerate(found[:-1]):
+        found[k] = _refined(drafts, [t for t in found if t is not term], term)
+    better = drafts.made(found)
+    return better if better.mean_square < draft.mean_square else draft
 
 
 def _needed(drafts: Drafts, draft: Draft) -> Draft:

@@ -97,7 +97,7 @@ class Term:
         """Texts of its columns: of a product, one for each part of the shape that has several."""
         made = ["1.0"]
         for shape in self.shapes:
-            made = [f"{a}*{_closed(b)}" if a != "1.0" else b for a in made for b in shape.parts]
+            made = [f"{a}*{closed(b)}" if a != "1.0" else b for a in made for b in shape.parts]
         return made
 
     @property
@@ -135,5 +135,5 @@ def _evaluated(text: str, known: Mapping[str, object]) -> np.ndarray:
     return np.asarray(eval(text, {"__builtins__": {}}, dict(known)), dtype=float)
 
 
-def _closed(text: str) -> str:
+def closed(text: str) -> str:
     return f"({text})" if any(mark in text for mark in " +-*/") else text
