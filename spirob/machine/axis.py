@@ -18,7 +18,9 @@ from spirob.machine.differing import KINDS, may_differ
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import judge, likely, weigh
+from spirob.machine.composed import Composed, composed
+from spirob.machine.composed.beyond import beyond
+from spirob.machine.judgement import judge, likely, structured, weigh
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
 from spirob.machine.models import Model, label
@@ -218,10 +220,14 @@ def _finish(done: _Searched) -> Diagnosis:
     if chosen is not bare:
         search.progress(f"what follows from the motion beside {label(bare.effects)}")
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
-    judgement = judge(search, found, low, rest, doubts(search, found, rest), weighed)
+    warnings = doubts(search, found, rest)
+    judgement = judge(search, found, low, rest, warnings, weighed)
+    law = None if warnings else _law(search, found, rest, judgement.kind)
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
+    notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
+    written["composed"] = plain(law.document) if law else None
     curves = None
     if ready.rig.predict != "effort":
         motion, curves = predicted(search, found)
@@ -233,7 +239,17 @@ def _finish(done: _Searched) -> Diagnosis:
         gate.sentence,
         laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
         curves,
+        law,
     )
+
+
+def _law(search: Search, found: Found, rest: Ceiling, kind: str) -> Composed | None:
+    """The law of what no name explains: of all that is left where there is none."""
+    if kind == "unknown":
+        return composed(search, found, found.rungs[0])
+    if kind in ("named", "undecided") and structured(search, found, rest):
+        return composed(search, found, found.chosen)
+    return None
 
 
 def _stroke(recordings: list[Recording]) -> float:
