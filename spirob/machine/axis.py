@@ -1,6 +1,6 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,12 +14,12 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import as_usual, with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
+from spirob.machine.composed import Composed, composed
+from spirob.machine.composed.beyond import beyond
 from spirob.machine.differing import KINDS, may_differ
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.composed import Composed, composed
-from spirob.machine.composed.beyond import beyond
 from spirob.machine.judgement import judge, likely, structured, weigh
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
@@ -54,6 +54,7 @@ class _Ready:
     sizes: Sizes
     rest_speed: float
     said: list[str]
+    without: Collection[str] = ()
 
 
 @dataclass(frozen=True)
@@ -78,16 +79,18 @@ def diagnose_recordings(
     settings: Settings | None = None,
     progress: Callable[[str], None] = lambda text: None,
     own: Sequence[type[Effect]] | None = None,
+    without: Collection[str] = (),
 ) -> Diagnosis:
     """Diagnose a machine from trials that are read already.
 
-    own  the effects that the model holds, where they are found already
+    own      the effects that the model holds, where they are found already
+    without  effects that are no candidates, to see what is said where the library lacks them
     """
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
     settings = settings or Settings()
     held = chosen(files(rig.effects, folder)) if own is None else own
-    ready = _ready(rig, folder, train, test, held)
+    ready = _ready(rig, folder, train, test, held, without)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         done = _searched(ready, settings, progress)
@@ -117,12 +120,24 @@ def diagnose_recordings(
         return _finish(done)
 
 
+def base_model(
+    rig: RigFile, folder: Path, train: list[Recording], test: list[Recording]
+) -> tuple[Search, Model]:
+    """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
+    ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
+    with threadpool_limits(1):
+        search, _ = _search(ready, Settings(), lambda text: None)
+        return search, search.models.fitted((), {})
+
+
 def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
     """The same logs, read as those of a sensor at the load."""
     assert ready.rig.position is not None
     position = ready.rig.position.model_copy(update={"side": "load"})
     rig = ready.rig.model_copy(update={"position": position})
-    own, possible, excluded = _library(rig, ready.body, ready.train, held, ready.sizes)
+    own, possible, excluded = _library(
+        rig, ready.body, ready.train, held, ready.sizes, ready.without
+    )
     return replace(ready, rig=rig, own=own, possible=possible, excluded=excluded)
 
 
@@ -144,18 +159,19 @@ def _ready(
     train: list[Recording],
     test: list[Recording],
     held: Sequence[type[Effect]],
+    without: Collection[str],
 ) -> _Ready:
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
     repairs += said
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
-    own, possible, excluded = _library(rig, body, train, held, sizes)
+    own, possible, excluded = _library(rig, body, train, held, sizes, without)
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
     rig, train, test = with_delay(rig, train, test, rest)
-    return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs)
+    return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs, without)
 
 
 def _library(
@@ -164,12 +180,14 @@ def _library(
     train: list[Recording],
     held: Sequence[type[Effect]],
     sizes: Sizes,
+    without: Collection[str],
 ) -> tuple[list[type[Effect]], list[type[Effect]], dict[str, str]]:
     """The laws of the effects that the model holds, of those that may act, why others may not."""
     turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
     side = (rig.position and rig.position.side) or "motor"
     own = for_axis(held, turned, side)
-    library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
+    whole = [e for e in all_effects().values() if e.name() not in without]
+    library = [*own, *(e for e in for_axis(whole, turned, side) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)

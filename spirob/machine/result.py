@@ -80,6 +80,11 @@ class Diagnosis:
         return str(self.document["next_experiment"])
 
     @property
+    def composed(self) -> pd.DataFrame | None:
+        """Rows of held-out samples of a composed law, for the page."""
+        return None if self.law is None else self.law.drawing
+
+    @property
     def notes(self) -> list[str]:
         """What was repaired, left out or found odd in logs and description."""
         return list(self.document["repairs"])

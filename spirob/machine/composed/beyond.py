@@ -18,7 +18,9 @@ SAID = {
 
 
 def beyond(
-    problems: Sequence[InverseProblem], effects: Sequence[type[Effect]], changes: Mapping[str, float]
+    problems: Sequence[InverseProblem],
+    effects: Sequence[type[Effect]],
+    changes: Mapping[str, float],
 ) -> list[str]:
     """Sentences, one for each signal of each law that leaves its range in some log."""
     said = []

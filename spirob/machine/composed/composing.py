@@ -56,7 +56,11 @@ class _Fitted:
 
 
 def composed(search: Search, found: Found, base: Model) -> Composed | None:
-    """The law of what `base` leaves; None where no term is needed, or the file does not hold."""
+    """The law of what `base` leaves; None where no term is needed, or the file does not hold.
+
+    It has to explain what no set of effects explains: not the model alone, and not the one that the
+    search chose, likely or not.
+    """
     drafted = compose(search, base)
     if drafted is None:
         return None
@@ -64,14 +68,13 @@ def composed(search: Search, found: Found, base: Model) -> Composed | None:
     law = law_of(draft, drafts.ranges, search.train.sizes.torque)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         one = _pruned(search, base, law, found.offers[0].effect, Path(folder))
-        if not search.worth.matters(base, one.model) or search.worth.denied(base, one.model):
-            return None
+        for other in (base, found.chosen):
+            if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
+                return None
         return _told(search, found, base, one)
 
 
-def _pruned(
-    search: Search, base: Model, law: Law, rival: type[Effect], folder: Path
-) -> _Fitted:
+def _pruned(search: Search, base: Model, law: Law, rival: type[Effect], folder: Path) -> _Fitted:
     """The law, fitted in full, without terms that then no longer matter beside the others."""
     worth, one = search.worth, _fitted(search, base, law, rival, folder / "0")
     while law.terms > 1:
@@ -91,9 +94,7 @@ def _pruned(
     return one
 
 
-def _fitted(
-    search: Search, base: Model, law: Law, rival: type[Effect], folder: Path
-) -> _Fitted:
+def _fitted(search: Search, base: Model, law: Law, rival: type[Effect], folder: Path) -> _Fitted:
     """A law written, loaded and fitted together with a model."""
     name = _name(search)
     folder.mkdir()
@@ -190,9 +191,7 @@ def _nearest(
     return best
 
 
-def _band(
-    problems: tuple[InverseProblem, InverseProblem], model: Model, name: str
-) -> np.ndarray:
+def _band(problems: tuple[InverseProblem, InverseProblem], model: Model, name: str) -> np.ndarray:
     """Half the 95 % interval of the law on the held-out trials, (M,)."""
     train, held = problems
     names = list(model.fit.estimates)

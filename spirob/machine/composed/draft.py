@@ -6,6 +6,7 @@ Each fold is predicted from the others and the held-out trials from all, as ever
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,12 +14,12 @@ from spirob.diagnosis.evidence import block_errors
 from spirob.identify.differences import slopes_ahead
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.term import Term
-from spirob.machine.composed.track import Track
+from spirob.machine.composed.track import Track, ranges_of
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP, Model
 from spirob.machine.regression import error, left_out, products, step
 from spirob.machine.screening import room
 from spirob.machine.search import Search
-
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
 
@@ -56,9 +57,9 @@ class Drafts:
 
     def __init__(self, search: Search, model: Model):
         self.search, self.model = search, model
-        self.track = Track(search.train, model.fit.changes)
-        self.held = Track(search.heldout, model.fit.changes)
-        self.ranges = self.track.ranges()
+        self.track = Track.of(search.train, model.fit.changes)
+        self._held = Track.of(search.heldout, model.fit.changes)
+        self.ranges = ranges_of(self.track, search.train)
         self.folds = search.models.folds
         self._low, self._high = room(search.train.table, model.fit)
         self._slopes = _heldout_slopes(search, model)
@@ -74,10 +75,10 @@ class Drafts:
         bounds = self.bounds(whole.shape[1])
         left = left_out(whole, residual, self.folds, *bounds)
         moved = step(products(whole, residual, self.folds), *bounds)
-        held = [term.columns(self.held, self.ranges) for term in terms]
+        held = [self._shown(self.search.heldout, self._held, term) for term in terms]
         after = self.model.heldout + np.hstack([self._slopes, *held]) @ moved
         ends = np.cumsum([base.shape[1], *(c.shape[1] for c in columns)])
-        factors = [moved[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        factors = [moved[a:b] for a, b in pairwise(ends)]
         train = self.search.train
         errors = block_errors(left, train.edges, train.block)
         return Draft(tuple(terms), tuple(factors), left, errors, after)
@@ -85,12 +86,22 @@ class Drafts:
     def columns(self, term: Term) -> np.ndarray:
         """What the parts of a term make of the residual, (N, parts)."""
         if term not in self._columns:
-            self._columns[term] = term.columns(self.track, self.ranges)
+            self._columns[term] = self.fresh(term)
         return self._columns[term]
+
+    def fresh(self, term: Term) -> np.ndarray:
+        """The same, of a term that is not kept."""
+        return self._shown(self.search.train, self.track, term)
+
+    def _shown(self, problem: InverseProblem, track: Track, term: Term) -> np.ndarray:
+        changes = self.model.fit.changes
+        return np.column_stack(
+            [problem.shown(-values, changes) for values in term.along(track, self.ranges)]
+        )
 
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""
-        own = term.columns(self.track, self.ranges)
+        own = self.fresh(term)
         whole = np.hstack([self.model.fit.jacobian, *(self.columns(t) for t in beside), own])
         sums = products(whole, self.model.fit.residual, self.folds)
         return error(sums, *self.bounds(whole.shape[1])) / len(self.folds)
@@ -124,7 +135,7 @@ class Offers:
     def __init__(self, drafts: Drafts, found: Sequence[Term]):
         self.drafts = drafts
         base, residual = drafts.model.fit.jacobian, drafts.model.fit.residual
-        columns = [term.columns(drafts.track, drafts.ranges) for term in found]
+        columns = [drafts.fresh(term) for term in found]
         least = NOTHING * (float(np.sqrt(np.mean(residual**2))) + 1e-300)
         shown = [bool(np.all(np.sqrt(np.mean(c**2, axis=0)) > least)) for c in columns]
         self.terms = [t for t, one in zip(found, shown, strict=True) if one]
@@ -132,7 +143,7 @@ class Offers:
         self._whole, self._own = np.hstack([base, *kept]), base.shape[1]
         self._sums = products(self._whole, residual, drafts.folds)
         ends = self._own + np.cumsum([0, *(c.shape[1] for c in kept)])
-        self._cells = [range(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        self._cells = [range(a, b) for a, b in pairwise(ends)]
 
     def errors(self, beside: Sequence[Term]) -> np.ndarray:
         """Mean square of the folds left out with each term added, (terms,)."""

@@ -87,15 +87,11 @@ def _speeds(ranges: Ranges, odd: bool) -> list[Shape]:
     found = [DIRECTION, PLAIN["drag"]] if odd else [PLAIN["share"], PLAIN["lift"]]
     found += [made("power", "share**p", "p", p, (0.05, 4.0)) for p in POWERS]
     found += [made("fading", "exp(-(speed/f)**2)", "f", s * fast, wide) for s in SPEEDS]
-    found += [
-        made("settling", "Abs(speed)/(Abs(speed) + s)", "s", s * fast, wide) for s in SPEEDS
-    ]
+    found += [made("settling", "Abs(speed)/(Abs(speed) + s)", "s", s * fast, wide) for s in SPEEDS]
     return found
 
 
-def _places(
-    ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]
-) -> list[Shape]:
+def _places(ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]) -> list[Shape]:
     middle, half = ranges.middle, ranges.half
     found = [PLAIN["far"], PLAIN["far2"], PLAIN["far3"]]
     round_again = 0.0 < ranges.turn < 2 * half
@@ -107,7 +103,9 @@ def _places(
     for centre in np.linspace(middle - half, middle + half, SPOTS + 2)[1:-1]:
         for width in WIDTHS:
             numbers = ("c", float(centre)), ("w", width * way)
-            found.append(Shape("turning spot" if round_again else "spot", "place", (text,), numbers, box))
+            found.append(
+                Shape("turning spot" if round_again else "spot", "place", (text,), numbers, box)
+            )
     low, high = 2 * np.pi / (2 * half), FINEST * 2 * np.pi / (2 * half)
     box_of = ((2 * half / FINEST, 4 * half),)
     for order in peaks(residual, signals["place"], 0.5 * low, high):

@@ -83,9 +83,7 @@ def _needed(drafts: Drafts, draft: Draft) -> Draft:
     """Without terms that no longer matter beside the others."""
     worth = drafts.search.worth
     while len(draft.terms) > 1:
-        lesser = [
-            drafts.made([t for t in draft.terms if t is not term]) for term in draft.terms
-        ]
+        lesser = [drafts.made([t for t in draft.terms if t is not term]) for term in draft.terms]
         weak = [d for d in lesser if not worth.matters(d, draft) or worth.denied(d, draft)]
         if not weak:
             return draft

@@ -135,9 +135,7 @@ class Law:
                 key: values.get(f"{NUMBERS[key].field}_{k}", old)
                 for key, old in part.numbers.items()
             }
-            heights = {
-                j: values.get(f"height_{k}_{j + 1}", old) for j, old in part.heights.items()
-            }
+            heights = {j: values.get(f"height_{k}_{j + 1}", old) for j, old in part.heights.items()}
             amplitude = values.get(f"amplitude_{k}", part.amplitude)
             parts.append(Part(part.term, amplitude, part.text, numbers, heights))
         return Law(tuple(parts), self.ranges, self.size)
@@ -151,9 +149,7 @@ class Law:
             most = MOST * max(abs(part.amplitude), self.size)
             least = 0.0 if part.brakes and self.brakes else -most
             meaning = f"size of term {k}"
-            yield LawNumber(
-                f"amplitude_{k}", f"A_{k}", "N·m", meaning, part.amplitude, least, most
-            )
+            yield LawNumber(f"amplitude_{k}", f"A_{k}", "N·m", meaning, part.amplitude, least, most)
             for key, value in part.numbers.items():
                 about = NUMBERS[key]
                 low, high = _PHASES if key in ("a", "b") else part.term.box[key]
@@ -229,7 +225,9 @@ def _product(term: Term, several: Shape | None, text: str) -> str:
 def inlined(text: str) -> str:
     """A text in the arguments of a kernel alone."""
     return re.sub(
-        r"[A-Za-z_]\w*", lambda m: f"({SHORT[m.group()]})" if m.group() in SHORT else m.group(), text
+        r"[A-Za-z_]\w*",
+        lambda m: f"({SHORT[m.group()]})" if m.group() in SHORT else m.group(),
+        text,
     )
 
 

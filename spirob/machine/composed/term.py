@@ -114,10 +114,6 @@ class Term:
         """The same with other numbers of its shapes."""
         return Term(tuple(s.at(values) for s in self.shapes))
 
-    def columns(self, track: Track, ranges: Ranges) -> np.ndarray:
-        """What each of its parts makes of the residual, (N, parts)."""
-        return np.column_stack([track.column(v) for v in self.along(track, ranges)])
-
     def along(self, track: Track, ranges: Ranges) -> list[np.ndarray]:
         """Each of its parts along the motion, (n,)."""
         known = {**track.values(ranges), **self.numbers}

@@ -1,7 +1,8 @@
 """The signals that a composed law may read, along all trials, and the sizes in which they count."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -63,49 +64,50 @@ class Ranges:
         }
 
 
+@dataclass(frozen=True)
 class Track:
-    """All samples of all pieces of one role in a row, (n,)."""
+    """All samples of all pieces of one role in a row.
 
-    def __init__(self, problem: InverseProblem, changes: Mapping[str, float]):
-        self.problem, self.changes = problem, dict(changes)
-        asked = problem.asked
+    signals  argument -> (n,);  starts  (pieces + 1,) where memory begins anew
+    steps    (pieces,) sample periods [s];  placed  whether the log has a position
+    """
+
+    signals: dict[str, np.ndarray]
+    starts: np.ndarray
+    steps: np.ndarray
+    placed: bool = True
+
+    @classmethod
+    def of(cls, problem: InverseProblem, changes: Mapping[str, float]) -> "Track":
+        """The motion of a problem's trials, as the model with these numbers sees it."""
         vector = problem.table.vector(problem.completed(changes))
-        motion = asked.seen(vector)
-        self.signals = {"place": motion.q, "speed": motion.v, "time": motion.seconds}
-        self.signals["load"] = asked.load(motion, vector)
-        self.starts, self.steps = motion.starts, motion.steps
-        self.placed = problem.rig.position is not None
+        motion = problem.asked.seen(vector)
+        signals = {"place": motion.q, "speed": motion.v, "time": motion.seconds}
+        signals["load"] = problem.asked.load(motion, vector)
+        return cls(signals, motion.starts, motion.steps, problem.rig.position is not None)
 
-    def ranges(self) -> Ranges:
-        """Of this motion, of what is compared of it."""
-        used = {
-            name: self.problem.thinned(values) for name, values in self.signals.items()
-        }
-        place, turns = used["place"], self.problem.sizes.axis_unit == "rad"
-        low, high = float(place.min()), float(place.max())
-        return Ranges(
-            0.5 * (low + high),
-            max(0.5 * (high - low), 1e-9),
-            float(np.abs(used["speed"]).max()) or 1.0,
-            float(np.abs(used["load"]).max()) or 1.0,
-            float(used["time"].max()) or 1.0,
-            self.problem.rest_speed,
-            2 * np.pi if turns else 0.0,
-        )
-
-    def values(self, ranges: Ranges) -> dict[str, np.ndarray | float | Callable[..., np.ndarray]]:
+    def values(self, ranges: Ranges) -> dict[str, Any]:
         """What the text of a shape may name, each (n,) or a number."""
-        known = {**FUNCTIONS, **self.signals, **vars(ranges)}
+        known: dict[str, Any] = {**FUNCTIONS, **self.signals, **vars(ranges)}
         for name, text in SHORT.items():
             known[name] = eval(text, {"__builtins__": {}}, known)  # of this file, never of another
         return known
 
-    def remembered(
-        self, kind: str, followed: np.ndarray, reach: float
-    ) -> np.ndarray:
+    def remembered(self, kind: str, followed: np.ndarray, reach: float) -> np.ndarray:
         """A memory along the motion, (n,), begun anew in each piece."""
         return memory.along(kind, followed, reach, self.starts, self.steps)
 
-    def column(self, values: np.ndarray) -> np.ndarray:
-        """What a braking torque (n,) makes of the residual, (N,)."""
-        return self.problem.shown(-np.asarray(values, float), self.changes)
+
+def ranges_of(track: Track, problem: InverseProblem) -> Ranges:
+    """The ranges of the samples that are compared."""
+    used = {name: problem.thinned(values) for name, values in track.signals.items()}
+    low, high = float(used["place"].min()), float(used["place"].max())
+    return Ranges(
+        0.5 * (low + high),
+        max(0.5 * (high - low), 1e-9),
+        float(np.abs(used["speed"]).max()) or 1.0,
+        float(np.abs(used["load"]).max()) or 1.0,
+        float(used["time"].max()) or 1.0,
+        problem.rest_speed,
+        2 * np.pi if problem.sizes.axis_unit == "rad" else 0.0,
+    )

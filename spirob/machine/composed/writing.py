@@ -77,8 +77,7 @@ def written(
     taught = {a: ends for a, ends in law.ranges.taught().items() if a in reads}
     state, evolution, arguments = "", "", [*reads]
     if law.memory is not None:
-        k, shape = law.memory
-        memory = MEMORIES[shape.memory]
+        memory = MEMORIES[law.memory[1].memory]
         state = f"    state = {{{memory.name!r}: 0.0}}\n"
         rate = memory.evolution.format(**_filled(law, "symbol"))
         evolution = f"    evolution = {{{memory.name!r}: {_wrapped(rate, 8)}}}\n"
