@@ -14,6 +14,7 @@ from scipy.optimize import least_squares
 
 from spirob.campaign.case import Drawn
 from spirob.campaign.recorder import AHEAD
+from spirob.campaign.simulators.bench import SPRINGS
 from spirob.campaign.simulators.laws import drive, level, memory, passive, remember
 from spirob.campaign.simulators.motion import FINE
 from spirob.errors import SpirobError
@@ -28,6 +29,7 @@ from spirob.machine.rig import RigFile
 PASSES = 2  # the load follows from the numbers, which move once the law is there
 PARTS = (0.3, 0.6, 1.0, 1.6)  # of the drawn way: no two simulators turn friction round alike
 OWN = (0.001, 0.003, 0.01, 0.03)  # of half the stroke, where the way is the simulator's own
+SLOW = (0.1, 0.3, 3.0, 10.0, 1.0)  # times the speed of rest
 RUBBING = ("level", "excess", "by_load", "by_drive", "drift", "spot", "one_way", "power_level")
 NOT_OF_THE_MOMENT = ("soft", "play", "payload", "offset", "gain", "lag", "latency", "eccentric")
 WHOLE_TURN = 2 * np.pi
@@ -47,33 +49,43 @@ def least(made: Drawn, folder: Path) -> float | None:
 def _base(
     made: Drawn, logs: list[dict[str, np.ndarray]], folder: Path
 ) -> tuple[InverseProblem, InverseProblem, Model]:
-    rig = RigFile.model_validate(made.rig)
+    known = {**made.rig.get("known", {}), "delay": made.about["delay"]}
+    rig = RigFile.model_validate({**made.rig, "known": known})
     read = [prepare(f"log_{k}", columns, rig) for k, columns in enumerate(logs)]
     search, model = base_model(rig, folder, read[:-1], read[-1:])
     return search.train, search.heldout, model
 
 
+Turn = tuple[str, float]  # how friction turns round: kind, and way or speed of it
+
+
 def _with_law(made: Drawn, folder: Path) -> float:
-    """Of the ways over which its friction may turn round, the one that fits the training logs."""
+    """With friction that turns round as fits the training logs best."""
     train, heldout, model = _base(made, [*made.train, made.test], folder)
-    half = 0.5 * train.sizes.stroke
-    given = made.hidden.way
-    ways = [given * part for part in PARTS] if given else [0.0, *(half * part for part in OWN)]
-    rubs = any(getattr(made.hidden, name) for name in RUBBING)
-    fits = [_fitted(made, train, model, way) for way in (ways if rubs else [0.0])]
-    _, way, changes, factor = min(fits, key=lambda one: one[0])
-    after = heldout(changes) + factor * _shown(made, heldout, changes, way)
+    fits = [_fitted(made, train, model, turn) for turn in _turns(made, train)]
+    _, turn, changes, factor = min(fits, key=lambda one: one[0])
+    after = heldout(changes) + factor * _shown(made, heldout, changes, turn)
     return float(np.sqrt(np.mean(after**2)))
 
 
+def _turns(made: Drawn, train: InverseProblem) -> list[Turn]:
+    given, half = made.hidden.way, 0.5 * train.sizes.stroke
+    if not any(getattr(made.hidden, name) for name in RUBBING):
+        return [("speed", train.rest_speed)]
+    if given:
+        return [("row", given), *(("way", given * part) for part in PARTS)]
+    ways: list[Turn] = [("way", half * part) for part in OWN]
+    return ways + [("speed", part * train.rest_speed) for part in SLOW]
+
+
 def _fitted(
-    made: Drawn, train: InverseProblem, model: Model, way: float
-) -> tuple[float, float, dict[str, float], float]:
-    """Cost, way, numbers of the rig and factor of the law."""
+    made: Drawn, train: InverseProblem, model: Model, turn: Turn
+) -> tuple[float, Turn, dict[str, float], float]:
+    """Cost, how friction turns round, numbers of the rig and factor of the law."""
     scaling = Scaling(train.table, list(model.fit.estimates))
     changes, factor, cost = dict(model.fit.changes), 1.0, np.inf
     for _ in range(PASSES):
-        shown = _shown(made, train, changes, way)
+        shown = _shown(made, train, changes, turn)
 
         def missed(u: np.ndarray, shown: np.ndarray = shown) -> np.ndarray:
             return train(scaling.physical(u[:-1])) + u[-1] * shown
@@ -83,11 +95,11 @@ def _fitted(
         found = least_squares(missed, start, bounds=ends, x_scale="jac")
         changes, factor = scaling.physical(found.x[:-1]), float(found.x[-1])
         cost = float(found.cost)
-    return cost, way, changes, factor
+    return cost, turn, changes, factor
 
 
 def _shown(
-    made: Drawn, problem: InverseProblem, changes: dict[str, float], way: float
+    made: Drawn, problem: InverseProblem, changes: dict[str, float], turn: Turn
 ) -> np.ndarray:
     """What the hidden law makes of the residual, (N,)."""
     vector = problem.table.vector(problem.completed(changes))
@@ -102,12 +114,31 @@ def _shown(
         t, v = motion.seconds[rows] + begun, motion.v[rows]
         q = motion.q[rows] + _shift(made, name, t[0], motion.q[rows][0])
         period = float(motion.steps[k])
-        share = np.tanh(v / problem.rest_speed)
-        if way > 0.0:
-            share = along("bristle", v, way, np.array([0, len(v)]), np.array([period]))
-        signals = np.array([q, v, t, load[rows], constant * motion.effort[rows], share])
+        rub = _turned(v, period, turn)
+        signals = np.array([q, v, t, load[rows], constant * motion.effort[rows], rub])
         _law(torque[rows], signals, period, memory(), made.hidden)
     return problem.shown(-scale * torque, changes)
+
+
+def _turned(v: np.ndarray, period: float, turn: Turn) -> np.ndarray:
+    """Dry friction over its level, (n,)."""
+    kind, size = turn
+    if kind == "speed":
+        return np.asarray(np.tanh(v / size))
+    if kind == "way":
+        return along("bristle", v, size, np.array([0, len(v)]), np.array([period]))
+    return _row(v, period, size, SPRINGS)
+
+
+@njit(cache=True)
+def _row(v, period, way, springs):
+    """Of springs that slip one after the other."""
+    bends, out = np.zeros(len(springs)), np.empty(len(v))
+    for k in range(len(v)):
+        for i in range(len(springs)):
+            bends[i] = min(max(bends[i] + period * v[k] / (way * springs[i]), -1.0), 1.0)
+        out[k] = bends.mean()
+    return out
 
 
 def _shift(made: Drawn, name: str, t: float, q: float) -> float:
