@@ -6,8 +6,6 @@ remembers is a bristle, a spring that yields, or what follows a signal slowly.  
 start from a grid; those of waves where the residual's spectrum has peaks.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from spirob.diagnosis.periodogram import peaks
@@ -16,12 +14,13 @@ from spirob.machine.composed.track import Ranges
 
 SPOTS, WIDTHS = 16, (0.06, 0.15, 0.35)  # places of a spot; its half widths over half of the way
 FINEST = 100.0  # waves in the way
-CURVES = (6, 10, 16)  # knots
+CURVES = (6, 12, 24)  # knots
 SPEEDS = (0.08, 0.2, 0.5)  # of the fastest, at which something fades or is half there
 POWERS = (0.3, 0.6, 1.5)
 PERIODS = (0.5, 0.8, 1.2, 1.8)  # of the longest trial
 DECAYS = (0.1, 0.3, 1.0)  # of the same
 WAYS = (0.01, 0.03, 0.1, 0.3, 0.8)  # of half of the way, in which a bristle turns round
+SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
 WAY = "way"
 
@@ -150,8 +149,8 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
     found = []
     for kind in ("bristle", "spring"):
         for way in WAYS:
-            box = ((0.002 * half, 4.0 * half),)
-            shape = Shape(kind, "memory", ("bend",), (("r", way * half),), box, kind, "speed")
+            numbers, box = (("r", way * half),), (_reach(half),)
+            shape = Shape(kind, "memory", ("bend",), numbers, box, kind, "speed")
             found.append(Term((shape,)))
             if kind == "bristle":
                 found.append(Term((shape, PLAIN["weight"])))
@@ -168,6 +167,12 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
     return found
 
 
-def simplest_first(found: Sequence[Term]) -> list[Term]:
-    """The poorest terms first."""
-    return sorted(found, key=lambda term: term.richness)
+def bristled(term: Term, ranges: Ranges) -> list[Term]:
+    """The term with bristles of several short ways for its direction, none where it has none."""
+    half = ranges.half
+    found = [term.bristled(way * half, _reach(half)) for way in SHORT_WAYS]
+    return [one for one in found if one is not None]
+
+
+def _reach(half: float) -> tuple[float, float]:
+    return 0.0005 * half, 4.0 * half

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from spirob.machine.composed.draft import Draft, Drafts, Offers
-from spirob.machine.composed.grammar import terms
+from spirob.machine.composed.grammar import bristled, terms
 from spirob.machine.composed.term import Term
 from spirob.machine.models import Model
 from spirob.machine.search import Search
@@ -34,11 +34,13 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
         grown = _best(drafts, drafts.offers(grammar), current)
         if grown is None:
             break
-        kept = _needed(drafts, _settled(drafts, grown))
+        kept = _needed(drafts, _bristled(drafts, _settled(drafts, grown)))
         if kept.terms == current.terms or kept.mean_square >= current.mean_square:
             break
         current = kept
-    return (drafts, current) if current.terms else None
+    if not current.terms:
+        return None
+    return drafts, _exchanged(drafts, current, signals)
 
 
 def _best(drafts: Drafts, offers: Offers, current: Draft) -> Draft | None:
@@ -77,6 +79,37 @@ def _settled(drafts: Drafts, draft: Draft) -> Draft:
         found[k] = _refined(drafts, [t for t in found if t is not term], term)
     better = drafts.made(found)
     return better if better.mean_square < draft.mean_square else draft
+
+
+def _bristled(drafts: Drafts, draft: Draft) -> Draft:
+    """With a bristle for the direction of one of its terms, where that is clearly better."""
+    if any(term.memory for term in draft.terms):
+        return draft
+    made = []
+    for k, term in enumerate(draft.terms):
+        beside = [t for t in draft.terms if t is not term]
+        tried = bristled(term, drafts.ranges)
+        if tried:
+            first = min(tried, key=lambda t: drafts.error(beside, t))
+            turned = _refined(drafts, beside, first)
+            made.append(drafts.made([*draft.terms[:k], turned, *draft.terms[k + 1 :]]))
+    worth = drafts.search.worth
+    better = [d for d in made if worth.clearly(draft, d) and not worth.denied(draft, d)]
+    return min(better, key=lambda d: d.mean_square) if better else draft
+
+
+def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> Draft:
+    """With another term for each where that is clearly better, or as good and simpler.
+
+    The first term was chosen while the others were missing.
+    """
+    for k in range(len(draft.terms) if len(draft.terms) > 1 else 0):
+        beside = drafts.made([t for j, t in enumerate(draft.terms) if j != k])
+        grammar = terms(drafts.ranges, beside.left, signals, drafts.track.placed)
+        other = _best(drafts, drafts.offers(grammar), beside)
+        if other is not None:
+            draft = _simplest(drafts, [draft, other])
+    return draft
 
 
 def _needed(drafts: Drafts, draft: Draft) -> Draft:

@@ -29,6 +29,7 @@ HELD = {  # name in the texts -> symbol, unit, meaning
     "turn": ("x_t", "m", "a whole turn"),
 }
 BRAKING = {"way", "line", "drag", "power", "fading", "settling", "bristle", "spring"}
+ALONE = (("bristle",), ("spring",))  # memories that take energy out of every closed motion
 NEVER_BELOW = {"steady", "spot", "turning spot", "decay", "weight", "far2", "late", "late2"}
 
 
@@ -62,7 +63,12 @@ class Part:
 
     @property
     def brakes(self) -> bool:
-        """Whether it takes energy out of the motion at every place, speed and time."""
+        """Whether it takes energy out of the motion at every place, speed and time.
+
+        A bristle gives back what it stored; times anything that changes meanwhile it may give more.
+        """
+        if self.term.memory is not None and self.term.kinds not in ALONE:
+            return False
         kinds = [k for k in self.term.kinds if k not in BRAKING]
         one = len(kinds) == len(self.term.kinds) - 1
         return self.amplitude > 0.0 and one and all(k in NEVER_BELOW for k in kinds)

@@ -4,6 +4,7 @@ Units therefore hold by construction.  A shape is a text in the names of `track`
 evaluated along a motion, stands in the equation of a written law, and in its kernel.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -113,6 +114,26 @@ class Term:
     def at(self, values: Mapping[str, float]) -> "Term":
         """The same with other numbers of its shapes."""
         return Term(tuple(s.at(values) for s in self.shapes))
+
+    def bristled(self, reach: float, box: tuple[float, float]) -> "Term | None":
+        """The same with a bristle for its direction: it turns round over a way, not at a speed.
+
+        None where it has no direction, or remembers already.
+        """
+        for k, shape in enumerate(self.shapes):
+            parts = tuple(re.sub(r"\bway\b", "bend", part) for part in shape.parts)
+            if self.memory is None and parts != shape.parts:
+                turned = replace(
+                    shape,
+                    kind="bristle" if shape.kind == "way" else shape.kind,
+                    parts=parts,
+                    numbers=(*shape.numbers, ("r", reach)),
+                    box=(*shape.box, box),
+                    memory="bristle",
+                    followed="speed",
+                )
+                return Term((*self.shapes[:k], turned, *self.shapes[k + 1 :]))
+        return None
 
     def along(self, track: Track, ranges: Ranges) -> list[np.ndarray]:
         """Each of its parts along the motion, (n,)."""

@@ -1,6 +1,7 @@
 """A composed law in words: what shape it has."""
 
 from spirob.machine.composed.law import Law, Part
+from spirob.machine.composed.memory import MEMORIES
 from spirob.machine.scaling import Sizes
 
 PHRASES = {  # kind of a shape -> what is said of it
@@ -84,8 +85,10 @@ def told(law: Law, sizes: Sizes) -> str:
 def _phrase(part: Part, sizes: Sizes) -> str:
     shown = {key: _shown(key, value, sizes) for key, value in part.numbers.items()}
     shown |= {"p": part.numbers["p"]} if "p" in part.numbers else {}
-    kinds = part.term.kinds
-    return " ".join(PHRASES.get(kind, CURVE).format(**shown) for kind in kinds)
+    phrases = [PHRASES.get(kind, CURVE) for kind in part.term.kinds]
+    if part.term.memory is not None and part.term.memory.kind not in MEMORIES:
+        phrases += [PHRASES["bristle"]] if part.term.memory.memory == "bristle" else []
+    return " ".join(phrase.format(**shown) for phrase in phrases)
 
 
 def _shown(key: str, value: float, sizes: Sizes) -> str:
