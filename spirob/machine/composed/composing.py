@@ -67,21 +67,33 @@ def composed(search: Search, found: Found, base: Model) -> Composed | None:
     drafts, draft = drafted
     law = law_of(draft, drafts.ranges, search.train.sizes.torque)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
-        one = _pruned(search, base, law, found.offers[0].effect, Path(folder))
+        beside = _Beside(search, base, drafts.point.changes, found.offers[0].effect, Path(folder))
+        one = _pruned(beside, law)
         for other in (base, found.chosen):
             if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
                 return None
         return _told(search, found, base, one)
 
 
-def _pruned(search: Search, base: Model, law: Law, rival: type[Effect], folder: Path) -> _Fitted:
+@dataclass(frozen=True)
+class _Beside:
+    """What a law is fitted beside: the model, where its numbers begin, and room for files.
+
+    rival  that the files name until the nearest effect is known
+    """
+
+    search: Search
+    base: Model
+    start: dict[str, float]
+    rival: type[Effect]
+    folder: Path
+
+
+def _pruned(beside: _Beside, law: Law) -> _Fitted:
     """The law, fitted in full, without terms that then no longer matter beside the others."""
-    worth, one = search.worth, _fitted(search, base, law, rival, folder / "0")
+    worth, one = beside.search.worth, _fitted(beside, law, "whole")
     while law.terms > 1:
-        lesser = [
-            _fitted(search, base, law.without(k), rival, folder / f"{law.terms}-{k}")
-            for k in range(law.terms)
-        ]
+        lesser = [_fitted(beside, law.without(k), f"{law.terms}-{k}") for k in range(law.terms)]
         weak = [
             f
             for f in lesser
@@ -94,16 +106,17 @@ def _pruned(search: Search, base: Model, law: Law, rival: type[Effect], folder: 
     return one
 
 
-def _fitted(search: Search, base: Model, law: Law, rival: type[Effect], folder: Path) -> _Fitted:
+def _fitted(beside: _Beside, law: Law, where: str) -> _Fitted:
     """A law written, loaded and fitted together with a model."""
-    name = _name(search)
-    folder.mkdir()
-    path = folder / f"{name}.py"
-    path.write_text(written(law, told(law, search.train.sizes), rival), encoding="utf-8")
+    search, name = beside.search, _name(beside.search)
+    path = beside.folder / where / f"{name}.py"
+    path.parent.mkdir()
+    path.write_text(written(law, told(law, search.train.sizes), beside.rival), encoding="utf-8")
     (effect,) = load_file(path).values()
     train, heldout = (_with(problem, effect) for problem in (search.train, search.heldout))
     models = Models(train, heldout, search.models.base, search.progress)
-    model = models.fitted((*base.effects, effect), base.fit.changes | law.changes(name))
+    start = beside.start | law.changes(name)
+    model = models.fitted((*beside.base.effects, effect), start)
     own = {n.split(".", 1)[1]: e.value for n, e in model.fit.estimates.items() if _of(n, name)}
     return _Fitted(law.at(own), name, effect, (train, heldout), model)
 

@@ -4,7 +4,7 @@ Each fold is predicted from the others and the held-out trials from all, as ever
 (`regression`); a draft is judged by the same questions as an effect (`worth`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,13 +14,13 @@ from spirob.diagnosis.evidence import block_errors
 from spirob.identify.differences import slopes_ahead
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.term import Term
-from spirob.machine.composed.track import Track, ranges_of
+from spirob.machine.composed.track import Ranges, Track, ranges_of
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import STEP, Model
+from spirob.machine.models import STEP
 from spirob.machine.regression import error, left_out, products, step
-from spirob.machine.screening import room
 from spirob.machine.search import Search
 
+TINY = 1e-9  # of a coordinate: room that a bound leaves at least
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
 
 LARGE = 1.5  # times the residual: a term that is larger is mostly cancelled by another
@@ -28,10 +28,14 @@ LARGE = 1.5  # times the residual: a term that is larger is mostly cancelled by 
 
 @dataclass(frozen=True)
 class Draft:
-    """Terms with the factors of their parts; errors as those of a `Model`."""
+    """Terms with the factors of their parts; errors as those of a `Model`.
+
+    moved  by how much the coordinates of the fitted numbers move with it
+    """
 
     terms: tuple[Term, ...]
     factors: tuple[np.ndarray, ...]
+    moved: np.ndarray
     left: np.ndarray
     errors: np.ndarray
     heldout: np.ndarray
@@ -52,36 +56,84 @@ class Draft:
         return sum(term.richness for term in self.terms)
 
 
-class Drafts:
-    """All drafts beside one fitted model, and the columns of their terms."""
+@dataclass(frozen=True)
+class Point:
+    """Numbers of the fitted model, without the law, and what follows to first order.
 
-    def __init__(self, search: Search, model: Model):
-        self.search, self.model = search, model
-        self.track = Track.of(search.train, model.fit.changes)
-        self._held = Track.of(search.heldout, model.fit.changes)
-        self.ranges = ranges_of(self.track, search.train)
+    residual, heldout  (N,) and (M,);  jacobian, slopes  of them by the coordinates of the numbers
+    low, high          how far each coordinate may move
+    """
+
+    changes: dict[str, float]
+    residual: np.ndarray
+    jacobian: np.ndarray
+    heldout: np.ndarray
+    slopes: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def point_of(search: Search, names: Sequence[str], changes: Mapping[str, float]) -> Point:
+    """The point of these changes, of which the named numbers are fitted."""
+    scaling = Scaling(search.train.table, list(names))
+    fixed = {name: value for name, value in changes.items() if name not in set(names)}
+    at = np.clip(scaling.scaled(changes), scaling.low, scaling.high)
+    inside = {**fixed, **scaling.physical(at)}
+    parts = []
+    for problem in (search.train, search.heldout):
+        value = problem(inside)
+        parts += [value, slopes_ahead(problem, scaling, at, fixed, value, STEP)]
+    low, high = np.minimum(scaling.low - at, -TINY), np.maximum(scaling.high - at, TINY)
+    return Point(inside, *parts, low, high)
+
+
+class Drafts:
+    """All drafts beside a model at a point, and the columns of their terms.
+
+    ranges  that teach the law, where they are known already
+    """
+
+    def __init__(
+        self,
+        search: Search,
+        names: Sequence[str],
+        changes: Mapping[str, float],
+        ranges: Ranges | None = None,
+    ):
+        self.search, self.names = search, list(names)
+        self.point = point_of(search, names, changes)
+        self.track = Track.of(search.train, self.point.changes)
+        self._held = Track.of(search.heldout, self.point.changes)
+        self.ranges = ranges or ranges_of(self.track, search.train)
         self.folds = search.models.folds
-        self._low, self._high = room(search.train.table, model.fit)
-        self._slopes = _heldout_slopes(search, model)
-        slopes = model.fit.jacobian
+        slopes = self.point.jacobian
         self._span = np.linalg.qr(slopes / (np.linalg.norm(slopes, axis=0) + 1e-300))[0]
         self._columns: dict[Term, np.ndarray] = {}
 
+    def moved(self, draft: Draft) -> "Drafts":
+        """The same at the numbers that a draft asks for beside itself."""
+        scaling = Scaling(self.search.train.table, self.names)
+        at = scaling.scaled(self.point.changes) + draft.moved
+        fixed = {n: v for n, v in self.point.changes.items() if n not in set(self.names)}
+        asked = scaling.physical(np.clip(at, scaling.low, scaling.high))
+        return Drafts(self.search, self.names, {**fixed, **asked}, self.ranges)
+
     def made(self, terms: Sequence[Term]) -> Draft:
         """The draft of these terms."""
-        base, residual = self.model.fit.jacobian, self.model.fit.residual
+        base, residual = self.point.jacobian, self.point.residual
         columns = [self.columns(term) for term in terms]
         whole = np.hstack([base, *columns])
         bounds = self.bounds(whole.shape[1])
         left = left_out(whole, residual, self.folds, *bounds)
         moved = step(products(whole, residual, self.folds), *bounds)
         held = [self._shown(self.search.heldout, self._held, term) for term in terms]
-        after = self.model.heldout + np.hstack([self._slopes, *held]) @ moved
+        after = self.point.heldout + np.hstack([self.point.slopes, *held]) @ moved
         ends = np.cumsum([base.shape[1], *(c.shape[1] for c in columns)])
         factors = [moved[a:b] for a, b in pairwise(ends)]
         train = self.search.train
         errors = block_errors(left, train.edges, train.block)
-        return Draft(tuple(terms), tuple(factors), left, errors, after)
+        own = moved[: base.shape[1]]
+        return Draft(tuple(terms), tuple(factors), own, left, errors, after)
 
     def columns(self, term: Term) -> np.ndarray:
         """What the parts of a term make of the residual, (N, parts)."""
@@ -94,7 +146,7 @@ class Drafts:
         return self._shown(self.search.train, self.track, term)
 
     def _shown(self, problem: InverseProblem, track: Track, term: Term) -> np.ndarray:
-        changes = self.model.fit.changes
+        changes = self.point.changes
         return np.column_stack(
             [problem.shown(-values, changes) for values in term.along(track, self.ranges)]
         )
@@ -102,8 +154,8 @@ class Drafts:
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""
         own = self.fresh(term)
-        whole = np.hstack([self.model.fit.jacobian, *(self.columns(t) for t in beside), own])
-        sums = products(whole, self.model.fit.residual, self.folds)
+        whole = np.hstack([self.point.jacobian, *(self.columns(t) for t in beside), own])
+        sums = products(whole, self.point.residual, self.folds)
         return error(sums, *self.bounds(whole.shape[1])) / len(self.folds)
 
     def balanced(self, draft: Draft) -> bool:
@@ -112,7 +164,7 @@ class Drafts:
         Such terms cancel one another, and say nothing outside of the motion that taught them.  Each
         is taken beside what the fitted numbers can make of it.
         """
-        size = np.linalg.norm(self.model.fit.residual)
+        size = np.linalg.norm(self.point.residual)
         for term, factors in zip(draft.terms, draft.factors, strict=True):
             shown = self.columns(term) @ factors
             if np.linalg.norm(shown - self._span @ (self._span.T @ shown)) > LARGE * size:
@@ -125,8 +177,9 @@ class Drafts:
 
     def bounds(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Of so many coefficients: those of the fitted numbers first, the others are free."""
-        free = np.full(count - len(self._low), np.inf)
-        return np.concatenate([self._low, -free]), np.concatenate([self._high, free])
+        low, high = self.point.low, self.point.high
+        free = np.full(count - len(low), np.inf)
+        return np.concatenate([low, -free]), np.concatenate([high, free])
 
 
 class Offers:
@@ -134,7 +187,7 @@ class Offers:
 
     def __init__(self, drafts: Drafts, found: Sequence[Term]):
         self.drafts = drafts
-        base, residual = drafts.model.fit.jacobian, drafts.model.fit.residual
+        base, residual = drafts.point.jacobian, drafts.point.residual
         columns = [drafts.fresh(term) for term in found]
         least = NOTHING * (float(np.sqrt(np.mean(residual**2))) + 1e-300)
         shown = [bool(np.all(np.sqrt(np.mean(c**2, axis=0)) > least)) for c in columns]
@@ -161,7 +214,7 @@ class Offers:
 
     def _with(self, further: np.ndarray) -> np.ndarray:
         """The products with further columns, (N, b), which stand before the residual."""
-        residual, folds = self.drafts.model.fit.residual, self.drafts.folds
+        residual, folds = self.drafts.point.residual, self.drafts.folds
         ends = np.flatnonzero(np.diff(folds)) + 1
         parts = zip(
             *(np.split(a, ends) for a in (self._whole, residual[:, None], further)), strict=True
@@ -178,12 +231,3 @@ class Offers:
             sums[k, n:-1, -1:] = more.T @ last
             sums[k, -1:, n:-1] = sums[k, n:-1, -1:].T
         return sums
-
-
-def _heldout_slopes(search: Search, model: Model) -> np.ndarray:
-    """How the held-out residual moves with the coordinates of the fitted numbers, (M, numbers)."""
-    scaling = Scaling(search.heldout.table, list(model.fit.estimates))
-    names = set(scaling.names)
-    fixed = {name: value for name, value in model.fit.changes.items() if name not in names}
-    at = scaling.scaled(model.fit.changes)
-    return slopes_ahead(search.heldout, scaling, at, fixed, model.heldout, STEP)

@@ -36,9 +36,10 @@ PLAIN = {
     "drag": _one("drag", "speed", "way*share**2"),
     "lift": _one("lift", "speed", "share**2"),
     "steady": _one("steady", "", "1.0"),
-    "far": _one("far", "place", "far"),
-    "far2": _one("far2", "place", "far**2"),
-    "far3": _one("far3", "place", "far**3"),
+    "far": _one("far", "place", "away"),
+    "far2": _one("far2", "place", "away**2"),
+    "far3": _one("far3", "place", "away**3"),
+    "cubic": _one("cubic", "place", "away", "away**2", "away**3"),
     "late": _one("late", "time", "late"),
     "late2": _one("late2", "time", "late**2"),
     "weight": _one("weight", "load", "Abs(pull)"),
@@ -92,7 +93,7 @@ def _speeds(ranges: Ranges, odd: bool) -> list[Shape]:
 
 def _places(ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]) -> list[Shape]:
     middle, half = ranges.middle, ranges.half
-    found = [PLAIN["far"], PLAIN["far2"], PLAIN["far3"]]
+    found = [PLAIN["far"], PLAIN["far2"], PLAIN["far3"], PLAIN["cubic"]]
     round_again = 0.0 < ranges.turn < 2 * half
     text = "exp(-0.5*((place - c)/w)**2)"
     if round_again:
@@ -124,7 +125,7 @@ def _times(ranges: Ranges) -> list[Shape]:
     long = ranges.long
     found = [PLAIN["late"], PLAIN["late2"]]
     waves = "cos(2*pi*time/T)", "sin(2*pi*time/T)"
-    box = ((0.05 * long, 4.0 * long),)
+    box = ((0.05 * long, 2.0 * long),)
     found += [Shape("tide", "time", waves, (("T", p * long),), box) for p in PERIODS]
     box = ((0.01 * long, 3.0 * long),)
     found += [Shape("decay", "time", ("exp(-time/d)",), (("d", d * long),), box) for d in DECAYS]
@@ -156,7 +157,7 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
                 found.append(Term((shape, PLAIN["weight"])))
     box = ((0.001 * long, 3.0 * long),)
     followed = {"way": "direction", "share": "speed", "pull": "load", "pull*pull": "heat"}
-    followed |= {"far": "place"} if placed else {}
+    followed |= {"away": "place"} if placed else {}
     for text, name in followed.items():
         for delay in DELAYS:
             numbers = (("e", delay * long),)

@@ -15,6 +15,7 @@ from spirob.machine.search import Search
 MOST = 4  # terms
 FINALISTS = 6  # of a round, whose numbers are refined
 REFINED = 25  # steps for each number of a shape
+MOVES = 4  # of the fitted numbers, once a term is there
 SETTLED = 1e-3  # relative, of the mean square: a refinement ends
 
 
@@ -25,7 +26,7 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
     that do about as well the one of fewest numbers.  Whatever is no longer needed beside the others
     goes again.  One term at most remembers.
     """
-    drafts = Drafts(search, model)
+    drafts = Drafts(search, list(model.fit.estimates), model.fit.changes)
     current = drafts.made(())
     signals = {n: search.train.thinned(v) for n, v in drafts.track.signals.items()}
     while len(current.terms) < MOST:
@@ -37,10 +38,28 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
         kept = _needed(drafts, _bristled(drafts, _settled(drafts, grown)))
         if kept.terms == current.terms or kept.mean_square >= current.mean_square:
             break
-        current = kept
+        drafts, current = _moved(drafts, kept)
     if not current.terms:
         return None
     return drafts, _exchanged(drafts, current, signals)
+
+
+def _moved(drafts: Drafts, draft: Draft) -> tuple[Drafts, Draft]:
+    """The draft at the numbers that it asks for, as long as that lowers its error.
+
+    Without the law the numbers were fitted to something else: most of all the delay, of which the
+    residual is no linear function.
+    """
+    for _ in range(MOVES):
+        other = drafts.moved(draft)
+        after = other.made(draft.terms)
+        if after.mean_square >= draft.mean_square:
+            break
+        settled = after.mean_square > (1.0 - SETTLED) * draft.mean_square
+        drafts, draft = other, after
+        if settled:
+            break
+    return drafts, draft
 
 
 def _best(drafts: Drafts, offers: Offers, current: Draft) -> Draft | None:
@@ -107,7 +126,7 @@ def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> 
         beside = drafts.made([t for j, t in enumerate(draft.terms) if j != k])
         grammar = terms(drafts.ranges, beside.left, signals, drafts.track.placed)
         other = _best(drafts, drafts.offers(grammar), beside)
-        if other is not None:
+        if other is not None and other.heldout_square <= draft.heldout_square:
             draft = _simplest(drafts, [draft, other])
     return draft
 

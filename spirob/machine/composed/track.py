@@ -21,6 +21,7 @@ FUNCTIONS = {
     "pi": np.pi,
 }
 SHORT = {  # what stands for a signal in a law, and what it is in the arguments of a kernel
+    "away": "(place - middle)/half",
     "far": "Max(-1.0, Min(1.0, (place - middle)/half))",
     "way": "tanh(speed/rest_speed)",
     "line": "speed/fast",

@@ -1,5 +1,7 @@
 """A composed law is an effect like any other: its file does what was composed, and is sound."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,7 +60,7 @@ def law(*names):
     chosen = [TERMS[name][0] for name in names]
     factors = [rng.uniform(0.2, 0.6, len(term.parts)) for term in chosen]
     empty = np.zeros(1)
-    draft = Draft(tuple(chosen), tuple(factors), empty, empty, empty)
+    draft = Draft(tuple(chosen), tuple(factors), empty, empty, empty, empty)
     return draft, law_of(draft, ranges(TERMS[names[0]][1]), 0.5)
 
 
@@ -112,7 +114,7 @@ def test_what_may_drive_the_motion_is_called_no_friction(names, brakes):
 
 def test_a_friction_that_would_drive_is_none():
     draft, _ = law("way")
-    turned = Draft(draft.terms, (-draft.factors[0],), draft.left, draft.errors, draft.heldout)
+    turned = replace(draft, factors=(-draft.factors[0],))
     assert not law_of(turned, ranges(0.0), 0.5).brakes
 
 
