@@ -79,12 +79,13 @@ def point_of(search: Search, names: Sequence[str], changes: Mapping[str, float])
     fixed = {name: value for name, value in changes.items() if name not in set(names)}
     at = np.clip(scaling.scaled(changes), scaling.low, scaling.high)
     inside = {**fixed, **scaling.physical(at)}
-    parts = []
-    for problem in (search.train, search.heldout):
+
+    def along(problem: InverseProblem) -> tuple[np.ndarray, np.ndarray]:
         value = problem(inside)
-        parts += [value, slopes_ahead(problem, scaling, at, fixed, value, STEP)]
+        return value, slopes_ahead(problem, scaling, at, fixed, value, STEP)
+
     low, high = np.minimum(scaling.low - at, -TINY), np.maximum(scaling.high - at, TINY)
-    return Point(inside, *parts, low, high)
+    return Point(inside, *along(search.train), *along(search.heldout), low, high)
 
 
 class Drafts:

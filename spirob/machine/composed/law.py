@@ -203,7 +203,8 @@ def law_of(draft: Draft, ranges: Ranges, size: float) -> Law:
 
 def _part(term: Term, factors: np.ndarray) -> Part:
     several = next((s for s in term.shapes if len(s.parts) > 1), None)
-    numbers, heights = dict(term.numbers), {}
+    numbers = dict(term.numbers)
+    heights: dict[int, float] = {}
     if several is None:
         return Part(term, float(factors[0]), _product(term, None, ""), numbers, heights)
     if len(several.parts) == 2:  # a wave: A·cos(x - φ) in place of its cosine and sine

@@ -10,10 +10,10 @@ PHRASES = {  # kind of a shape -> what is said of it
     "share": "in proportion to speed, the same way in both directions",
     "drag": "that grows with the square of speed",
     "lift": "with the square of speed, the same way in both directions",
-    "power": "that grows with the power {p:.2g} of speed",
+    "power": "that grows with the power {p} of speed",
     "fading": "that fades beyond {f} in speed",
     "settling": "that levels off beyond {s} in speed",
-    "even power": "with the power {p:.2g} of speed, the same way in both directions",
+    "even power": "with the power {p} of speed, the same way in both directions",
     "even fading": "that fades beyond {f} in speed, the same way in both directions",
     "even settling": "that levels off beyond {s} in speed, the same way in both directions",
     "steady": "the same everywhere",
@@ -86,7 +86,6 @@ def told(law: Law, sizes: Sizes) -> str:
 
 def _phrase(part: Part, sizes: Sizes) -> str:
     shown = {key: _shown(key, value, sizes) for key, value in part.numbers.items()}
-    shown |= {"p": part.numbers["p"]} if "p" in part.numbers else {}
     phrases = [PHRASES.get(kind, CURVE) for kind in part.term.kinds]
     if part.term.memory is not None and part.term.memory.kind not in MEMORIES:
         phrases += [PHRASES["bristle"]] if part.term.memory.memory == "bristle" else []
@@ -94,6 +93,8 @@ def _phrase(part: Part, sizes: Sizes) -> str:
 
 
 def _shown(key: str, value: float, sizes: Sizes) -> str:
+    if key == "p":
+        return f"{value:.2g}"
     units = {"c": "m", "w": "m", "L": "m", "f": "rad/s", "s": "rad/s", "r": "rad"}
     unit = sizes.unit(units[key]) if key in units else "s"
     return f"{value:.3g} {unit}"
