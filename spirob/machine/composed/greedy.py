@@ -41,7 +41,7 @@ def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
         drafts, current = _moved(drafts, kept)
     if not current.terms:
         return None
-    return drafts, _exchanged(drafts, current, signals)
+    return _moved(drafts, _exchanged(drafts, current, signals))
 
 
 def _moved(drafts: Drafts, draft: Draft) -> tuple[Drafts, Draft]:
@@ -120,9 +120,10 @@ def _bristled(drafts: Drafts, draft: Draft) -> Draft:
 def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> Draft:
     """With another term for each where that is clearly better, or as good and simpler.
 
-    The first term was chosen while the others were missing.
+    The first term was chosen while the others were missing, and the numbers were fitted to
+    something else.
     """
-    for k in range(len(draft.terms) if len(draft.terms) > 1 else 0):
+    for k in range(len(draft.terms)):
         beside = drafts.made([t for j, t in enumerate(draft.terms) if j != k])
         grammar = terms(drafts.ranges, beside.left, signals, drafts.track.placed)
         other = _best(drafts, drafts.offers(grammar), beside)
