@@ -40,17 +40,20 @@ LESS = (0.2, 0.6)  # of what the library's effect shows: what the one beside it 
 class Case:
     """What is hidden, in which machine.
 
-    kind  of the library or not, two or three by +, or "none"; "two", "three" and "beside" are drawn
+    kind     of the library or not, two or three by +, or "none"; "two", "three", "beside" are drawn
+    without  the right effects, and what says a part of them, are no candidates
     """
 
     simulator: str
     kind: str
     seed: int
+    without: bool = False
 
     @property
     def name(self) -> str:
         """By which its result is found again."""
-        return f"{self.simulator}-{self.kind}-{self.seed}"
+        lacking = "-without" if self.without else ""
+        return f"{self.simulator}-{self.kind}-{self.seed}{lacking}"
 
     def kinds(self) -> tuple[str, ...]:
         """What is hidden."""
@@ -76,6 +79,8 @@ class Drawn:
 
     truth  plain data: groups of names of which one each must be named, names that may stand
            besides, names that say a part, whether the logs can show it, share of each kind
+    bare   logs of the same machine, plans and noise with nothing hidden, the last held out
+    machine, hidden, played  what was drawn, and its motions before anything is read
     """
 
     rig: dict[str, Any]
@@ -84,6 +89,10 @@ class Drawn:
     test: dict[str, np.ndarray]
     truth: dict[str, Any]
     about: dict[str, Any]
+    bare: list[dict[str, np.ndarray]]
+    machine: Machine
+    hidden: Hidden
+    played: list[Motion]
 
 
 def together(kinds: Sequence[str]) -> bool:
@@ -108,6 +117,7 @@ def drawn(case: Case) -> Drawn:
         fields, shares[kind] = _adjusted(simulator, machine, recorder, plans, made, wanted)
         found |= fields
     hidden = Hidden(**found)
+    nothing = motions
     motions = [simulator.play(machine, hidden, p) for p in plans]
     played = [recording.reported(m, machine, hidden) for m in motions]
     speeds = np.concatenate([m.v[np.abs(m.v) > SLOW * scale.speed] for m in motions])
@@ -124,7 +134,26 @@ def drawn(case: Case) -> Drawn:
         "one_way": one_way,
         "described": "body" in rig,
     }
-    return Drawn(rig, machine.files, logs[:-1], logs[-1], truth, about)
+    bare = _bare(nothing, played, machine, recorder, rng) if kinds else logs
+    return Drawn(
+        rig, machine.files, logs[:-1], logs[-1], truth, about, bare, machine, hidden, motions
+    )
+
+
+def _bare(
+    motions: Sequence[Motion],
+    played: Sequence[Motion],
+    machine: Machine,
+    recorder: Recorder,
+    rng: np.random.Generator,
+) -> list[dict[str, np.ndarray]]:
+    """Logs of motions with nothing hidden, as noisy as those with what is hidden were."""
+    sizes = [float(np.sqrt(np.mean(m.effort**2))) for m in played]
+    told = [recording.reported(m, machine, Hidden()) for m in motions]
+    return [
+        recording.columns(m, machine, recorder, rng, size)
+        for m, size in zip(told, sizes, strict=True)
+    ]
 
 
 def _set_up(
@@ -200,15 +229,22 @@ def _truth(
 
 
 def cases(
-    simulators: Sequence[str], kinds: Sequence[str], seeds: Sequence[int], nulls: int = 0
+    simulators: Sequence[str],
+    kinds: Sequence[str],
+    seeds: Sequence[int],
+    nulls: int = 0,
+    without: bool = False,
 ) -> list[Case]:
     """Each kind that a simulator plays with every seed, and `nulls` machines with nothing hidden.
 
-    kinds  empty: all, nothing hidden, and those that are drawn
+    kinds    empty: all, nothing hidden, and those that are drawn
+    without  each single kind of the library again, with the right effects no candidates
     """
     asked = list(kinds) or [NONE, *LIBRARY, *OUTSIDE, *DRAWN]
     first = min(seeds, default=0)
     found = [Case(s, k, n) for n in seeds for s in simulators for k in asked if able(s, k)]
+    again = [c for c in found if c.kind in LIBRARY] if without else []
+    found += [Case(c.simulator, c.kind, c.seed, True) for c in again]
     found += [Case(s, NONE, first + n) for n in range(nulls) for s in simulators]
     return list(dict.fromkeys(found))
 

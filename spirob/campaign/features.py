@@ -71,6 +71,33 @@ def features(document: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def law(document: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What a composed law is, None where there is none."""
+    found = document["composed"]
+    if found is None:
+        return None
+    kept = {key: found[key] for key in ("shape", "formula", "terms", "share", "dissipative")}
+    return kept | {"numbers": len(found["numbers"]), "nearest": found["nearest"]}
+
+
+def errors(document: Mapping[str, Any], least: float | None) -> dict[str, float | None]:
+    """Held-out RMSE over that of the effort, by what the model holds.
+
+    bare   the fitted numbers alone;  said  with the named effects, where there are any
+    law    with the composed law besides, null where there is none
+    true   with nothing hidden (`least`), which is what knowing the law leaves
+    """
+    size = document["effort_rms"]["test"]
+    rungs = [r["test"]["rmse"] for r in document["ladder"] if not r.get("ceiling")]
+    named, found = bool(document["effects"]), document["composed"]
+    return {
+        "bare": rungs[0] / size,
+        "said": rungs[-1 if named else 0] / size,
+        "law": None if found is None else found["rmse"]["test"] / size,
+        "true": None if least is None else least / size,
+    }
+
+
 def _fall(before: float, after: float) -> float | None:
     return 1.0 - (after / before) ** 2 if before > 0 else None
 

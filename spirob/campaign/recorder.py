@@ -94,15 +94,22 @@ def reported(motion: Motion, machine: Machine, hidden: Hidden) -> Motion:
 
 
 def columns(
-    motion: Motion, machine: Machine, recorder: Recorder, rng: np.random.Generator
+    motion: Motion,
+    machine: Machine,
+    recorder: Recorder,
+    rng: np.random.Generator,
+    size: float | None = None,
 ) -> dict[str, np.ndarray]:
-    """The columns of a log of a reported motion, in the log's units."""
+    """The columns of a log of a reported motion, in the log's units.
+
+    size  of the effort by which its noise is measured; its own RMS where none is given
+    """
     fine = np.arange(len(motion.q)) / FINE
     ends = AHEAD + 1.0 / recorder.rate
     stamps = np.arange(ends, fine[-1] - ends, 1.0 / recorder.rate)
     taken = stamps + recorder.jitter / recorder.rate * rng.uniform(-0.5, 0.5, len(stamps))
     effort = np.interp(taken - recorder.delay, fine, motion.effort)
-    size = float(np.sqrt(np.mean(effort**2)))
+    size = float(np.sqrt(np.mean(effort**2))) if size is None else size
     effort = effort + recorder.white * size * rng.standard_normal(len(effort))
     effort = effort + recorder.slow * size * _slow(rng, len(effort), recorder)
     found = {

@@ -31,7 +31,8 @@ def known(path: Path) -> dict[str, Line]:
     for k, line in enumerate(lines):
         try:
             one = json.loads(line)
-            found[Case(one["simulator"], one["kind"], one["seed"]).name] = one
+            lacking = bool(one.get("without"))
+            found[Case(one["simulator"], one["kind"], one["seed"], lacking).name] = one
         except (ValueError, KeyError, TypeError):
             if k < len(lines) - 1:
                 raise DataError(f"{path}: line {k + 1} is no result of a campaign") from None

@@ -5,10 +5,11 @@ from typing import Any
 
 SURE = 0.9  # probability from which a name counts as sure
 OPEN = ("undecided", "unknown")
+LACKING = ("outside", "taken out")  # groups whose effect no candidate is
 
 
 def group(result: Mapping[str, Any]) -> str:
-    """none, outside (of the library), not to be seen, one, two or three; one with more beside."""
+    """none, outside (of the library), taken out (of it), one beside, one, two, three, not to be seen."""
     truth = result["truth"]
     if not truth["hidden"]:
         return "none"
@@ -18,6 +19,8 @@ def group(result: Mapping[str, Any]) -> str:
         return "outside"
     if truth.get("beside"):
         return "one beside"
+    if result.get("without"):
+        return "taken out"
     return {1: "one", 2: "two", 3: "three"}[len(truth["hidden"])]
 
 
@@ -40,22 +43,22 @@ def outcome(result: Mapping[str, Any]) -> dict[str, Any]:
     truth, verdict = result["truth"], result["said"]["verdict"]
     effects = result["said"]["effects"] if verdict in ("named", "undecided") else []
     named = [{e["name"], *e["equivalents"]} for e in effects]
-    must = [set(names) for names in truth["must"]] if truth["inside"] else []
+    kind = group(result)
+    must = [set(names) for names in truth["must"]] if kind not in LACKING else []
     right = set().union(*must) | set(truth["besides"])
     every = all(any(names & wanted for names in named) for wanted in must)
     strange = [not names & right for names in named]
     wrong = [s and e["name"] not in truth["near"] for s, e in zip(strange, effects, strict=True)]
     sure = [e["probability"] >= SURE for e in effects]
-    kind = group(result)
     if verdict == "undecided":
         asked = [n | set(e["rivals"]) for n, e in zip(named, effects, strict=True)]
         found = bool(must) and all(any(a & wanted for a in asked) for wanted in must)
-        return _made("exactly" if kind == "outside" else "undecided", among=found)
+        return _made("exactly" if kind in LACKING else "undecided", among=found)
     if verdict == "unknown":
-        return _made("exactly" if kind == "outside" else "unknown")
+        return _made("exactly" if kind in LACKING else "unknown")
     if verdict == "nothing_missing":
         return _made("exactly" if kind in ("none", "not to be seen") else "missed")
-    if kind in ("none", "outside"):
+    if kind == "none" or kind in LACKING:
         word = "wrong" if any(wrong) else "partly"
         return _made(word, sure_wrong=any(w and s for w, s in zip(wrong, sure, strict=True)))
     first = bool(named) and bool(named[0] & set().union(*must))

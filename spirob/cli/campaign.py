@@ -9,13 +9,13 @@ from spirob.campaign.case import Case, able, cases, together
 from spirob.campaign.kinds import DRAWN, KINDS, NONE
 from spirob.campaign.running import Line, known, play
 from spirob.campaign.simulators import SIMULATORS
-from spirob.campaign.table import lines, rates
+from spirob.campaign.table import law_lines, laws, lines, rates
 from spirob.cli.progress import Progress
 from spirob.errors import ConfigError
 from spirob.logs.atomic import write_text
 
 OUT = Path("data/campaign.jsonl")
-ROBOTS = ("pairs", "without", "scheduler")  # options that axes do not have
+ROBOTS = ("pairs", "scheduler")  # options that axes do not have
 
 
 def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
@@ -25,7 +25,9 @@ def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
             raise ConfigError(f"--{name}: not with --rigs")
     path = arguments.out or OUT
     simulators = _simulators(arguments.simulators)
-    chosen = cases(simulators, _kinds(arguments.kinds, simulators), seeds, arguments.nulls)
+    chosen = cases(
+        simulators, _kinds(arguments.kinds, simulators), seeds, arguments.nulls, arguments.without
+    )
     there = known(path)
     with Progress([case.name for case in chosen if case.name not in there]) as progress:
 
@@ -35,8 +37,10 @@ def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
         results = play(chosen, path, arguments.workers, tell)
     table = rates(results)
     print("\n".join(lines(table)))
+    if composed := laws(results):
+        print("\n".join(["", *law_lines(composed)]))
     if arguments.json:
-        write_text(arguments.json, json.dumps(table, indent=1) + "\n")
+        write_text(arguments.json, json.dumps({**table, "laws": composed}, indent=1) + "\n")
     return 0
 
 

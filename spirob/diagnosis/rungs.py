@@ -100,7 +100,7 @@ class Search:
 
 def parameters_of(effect: type[Effect]) -> list[str]:
     """Full names of an effect's numbers, its motors' differences included."""
-    return [f"{effect.name()}.{f}" for f in [*effect.parameters(), *differences(effect)]]
+    return [f"{effect.name()}.{f}" for f in [*effect.fitted(), *differences(effect)]]
 
 
 def label(effects: Sequence[type[Effect]]) -> str:

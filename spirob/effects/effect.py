@@ -24,6 +24,9 @@ class Effect(Numbers):
     reads       kernel argument -> name in `ports.SIGNALS`
     state       kernel argument -> initial value; the kernel returns (contribution, next states...)
     neutral     numbers at which the effect vanishes; setting them makes the models nested
+    held        numbers that no fit moves: they only say in which sizes the others count
+    taught      argument -> lowest and highest value in the motion that taught the law; its numbers
+                are then those of that machine, and are brought to the size of no other
     traits      claims on the kernel, each a test
     equation    independent statement of the contribution in the symbols of the numbers and the
                 names of the arguments; a state there is its next value
@@ -46,6 +49,8 @@ class Effect(Numbers):
     reads: ClassVar[Mapping[str, str]] = {}
     state: ClassVar[Mapping[str, float]] = {}
     neutral: ClassVar[Mapping[str, float]] = {}
+    held: ClassVar[frozenset[str] | set[str]] = frozenset()
+    taught: ClassVar[Mapping[str, tuple[float, float]]] = {}
     traits: ClassVar[frozenset[str] | set[str]] = frozenset()
     equation: ClassVar[str] = ""
     evolution: ClassVar[Mapping[str, str]] = {}
@@ -67,6 +72,11 @@ class Effect(Numbers):
     def name(cls) -> str:
         """The effect's name: that of its file."""
         return cls.owner
+
+    @classmethod
+    def fitted(cls) -> list[str]:
+        """The numbers that a fit moves."""
+        return [field for field in cls.parameters() if field not in cls.held]
 
     @classmethod
     def arguments(cls) -> list[str]:
@@ -120,6 +130,10 @@ def _check_numbers(cls: type[Effect], who: str) -> None:
             raise EffectError(f"{who}: neutral names '{field}'; numbers: {', '.join(numbers)}")
         if not numbers[field].low <= value <= numbers[field].high:
             raise EffectError(f"{who}: neutral {field} = {value} is outside its bounds")
+    if unknown := {*cls.held} - set(numbers):
+        raise EffectError(f"{who}: held names {sorted(unknown)}; numbers: {', '.join(numbers)}")
+    if unknown := set(cls.taught) - set(cls.reads):
+        raise EffectError(f"{who}: taught names {sorted(unknown)}; reads: {', '.join(cls.reads)}")
     if not cls.neutral:
         raise EffectError(f"{who}: no neutral numbers, so models would not be nested")
     symbols = [about.symbol for about in numbers.values()]

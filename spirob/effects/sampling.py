@@ -23,8 +23,11 @@ Inputs = dict[str, np.ndarray]
 
 
 def spans(effect: type[Effect]) -> dict[str, tuple[float, float]]:
-    """Plausible lowest and highest value of each of the kernel's inputs."""
-    out = {a: SIGNALS[s].span for a, s in effect.reads.items()}
+    """Plausible lowest and highest value of each of the kernel's inputs.
+
+    Those of the motion that taught the law, where it says so.
+    """
+    out = {a: effect.taught.get(a, SIGNALS[s].span) for a, s in effect.reads.items()}
     if PORTS[effect.port].combine == "pipe":
         out["upstream"] = PORTS[effect.port].span
     return out

@@ -165,6 +165,7 @@ class AskedEffort:
             "motor.rest_speed": np.full(n, self.rest_speed),
             "motor.speed": motion.v,
             "motor.angle": motion.q / self.sizes.angle,
+            "winch.displacement": motion.q,
             "hinge.angle": motion.q,
             "hinge.speed": motion.v,
             "hinge.stiffness": np.full(n, self._stiffness),

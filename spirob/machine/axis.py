@@ -1,6 +1,6 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,11 +14,13 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import as_usual, is_far, with_delay
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
+from spirob.machine.composed import Composed, composed
+from spirob.machine.composed.beyond import beyond
 from spirob.machine.differing import KINDS, may_differ
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import judge, likely, weigh
+from spirob.machine.judgement import judge, likely, structured, weigh
 from spirob.machine.laws import for_axis
 from spirob.machine.log_numbers import log_numbers, with_payload
 from spirob.machine.models import Model, label
@@ -54,6 +56,7 @@ class _Ready:
     sizes: Sizes
     rest_speed: float
     said: list[str]
+    without: Collection[str] = ()
 
 
 @dataclass(frozen=True)
@@ -78,16 +81,18 @@ def diagnose_recordings(
     settings: Settings | None = None,
     progress: Callable[[str], None] = lambda text: None,
     own: Sequence[type[Effect]] | None = None,
+    without: Collection[str] = (),
 ) -> Diagnosis:
     """Diagnose a machine from trials that are read already.
 
-    own  the effects that the model holds, where they are found already
+    own      the effects that the model holds, where they are found already
+    without  effects that are no candidates, to see what is said where the library lacks them
     """
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
     settings = settings or Settings()
     held = chosen(files(rig.effects, folder)) if own is None else own
-    ready = _ready(rig, folder, train, test, held)
+    ready = _ready(rig, folder, train, test, held, without)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         done = _searched(ready, settings, progress)
@@ -114,12 +119,24 @@ def diagnose_recordings(
         return _finish(done)
 
 
+def base_model(
+    rig: RigFile, folder: Path, train: list[Recording], test: list[Recording]
+) -> tuple[Search, Model]:
+    """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
+    ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
+    with threadpool_limits(1):
+        search, _ = _search(ready, Settings(), lambda text: None)
+        return search, search.models.fitted((), {})
+
+
 def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
     """The same logs, read as those of a sensor at the load."""
     assert ready.rig.position is not None
     position = ready.rig.position.model_copy(update={"side": "load"})
     rig = ready.rig.model_copy(update={"position": position})
-    own, possible, excluded = _library(rig, ready.body, ready.train, held, ready.sizes)
+    own, possible, excluded = _library(
+        rig, ready.body, ready.train, held, ready.sizes, ready.without
+    )
     return replace(ready, rig=rig, own=own, possible=possible, excluded=excluded)
 
 
@@ -159,18 +176,19 @@ def _ready(
     train: list[Recording],
     test: list[Recording],
     held: Sequence[type[Effect]],
+    without: Collection[str],
 ) -> _Ready:
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
     repairs += said
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
-    own, possible, excluded = _library(rig, body, train, held, sizes)
+    own, possible, excluded = _library(rig, body, train, held, sizes, without)
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
     rig, train, test = with_delay(rig, train, test, rest)
-    return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs)
+    return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs, without)
 
 
 def _library(
@@ -179,12 +197,14 @@ def _library(
     train: list[Recording],
     held: Sequence[type[Effect]],
     sizes: Sizes,
+    without: Collection[str],
 ) -> tuple[list[type[Effect]], list[type[Effect]], dict[str, str]]:
     """The laws of the effects that the model holds, of those that may act, why others may not."""
     turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
     side = (rig.position and rig.position.side) or "motor"
     own = for_axis(held, turned, side)
-    library = [*own, *(e for e in for_axis(all_effects().values(), turned, side) if e not in own)]
+    whole = [e for e in all_effects().values() if e.name() not in without]
+    library = [*own, *(e for e in for_axis(whole, turned, side) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
@@ -208,7 +228,7 @@ def _search(
         for r, own in ((ready.train, []), (ready.test, alone))
     )
     names = [*(f"rig.{name}" for name in rig.fit), *fitted]
-    names += [f"{e.name()}.{f}" for e in ready.own for f in e.parameters()]
+    names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]
     if names == ["rig.delay"]:
         raise ConfigError("fit: name at least one number to fit, such as viscous")
     table = train.table
@@ -235,10 +255,14 @@ def _finish(done: _Searched) -> Diagnosis:
     if chosen is not bare:
         search.progress(f"what follows from the motion beside {label(bare.effects)}")
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
-    judgement = judge(search, found, low, rest, doubts(search, found, rest), weighed)
+    warnings = doubts(search, found, rest)
+    judgement = judge(search, found, low, rest, warnings, weighed)
+    law = None if warnings else _law(search, found, rest, judgement.kind)
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
+    notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
+    written["composed"] = plain(law.document) if law else None
     curves = None
     if ready.rig.predict != "effort":
         motion, curves = predicted(search, found)
@@ -250,7 +274,17 @@ def _finish(done: _Searched) -> Diagnosis:
         gate.sentence,
         laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
         curves,
+        law,
     )
+
+
+def _law(search: Search, found: Found, rest: Ceiling, kind: str) -> Composed | None:
+    """The law of what no name explains: of all that is left where there is none."""
+    if kind == "unknown":
+        return composed(search, found, found.rungs[0])
+    if kind in ("named", "undecided") and structured(search, found, rest):
+        return composed(search, found, found.chosen)
+    return None
 
 
 def _stroke(recordings: list[Recording]) -> float:

@@ -14,7 +14,7 @@ DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the
     "sensing.report": "the drive's report of its current",
 }
 ALWAYS = {"motor.torque", "tendon.force", "sensing.displacement"}
-PLACED = {"motor.angle", "hinge.angle"}
+PLACED = {"motor.angle", "winch.displacement", "hinge.angle"}
 SIGNALS = {
     "time",
     "motor.rest_speed",
@@ -22,6 +22,7 @@ SIGNALS = {
     "motor.speed",
     "motor.angle",
     "motor.load_torque",
+    "winch.displacement",
 }
 HINGE = {
     "hinge.angle",

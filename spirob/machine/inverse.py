@@ -13,7 +13,7 @@ from spirob.identify.problem import Effort, Rotor, Stretch
 from spirob.machine.asked import AskedEffort
 from spirob.machine.body import RigidBody
 from spirob.machine.log_numbers import NONE, LogNumbers, profiled
-from spirob.machine.motion import Kept, kept_rows, motion_of
+from spirob.machine.motion import Kept, kept_rows, late, motion_of
 from spirob.machine.own_numbers import table_of
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
@@ -104,6 +104,12 @@ class InverseProblem:
         if torque is None:
             return self(changes) - without
         return self._thin(self._smooth(torque))
+
+    def shown(self, torque: np.ndarray, changes: Mapping[str, float]) -> np.ndarray:
+        """What a further torque on the axis, (n,), changes of the residual, (N,)."""
+        own = self.asked.own(self._table.vector(changes))
+        moved = late(-torque / own["scale"], own["delay"], self.asked.motion)
+        return self._thin(self._smooth(moved))
 
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""

@@ -99,12 +99,17 @@ def _kind(
     if doubtful:
         return "unknown"
     if not weighed:
-        large = np.sqrt(rest.share * found.chosen.mean_square) >= 2.0 * search.worth.least
-        structured = bool(large) and rest.share > LEAST_SHARE
-        return "unknown" if structured or _unexplained(search, found) else "nothing_missing"
+        more = structured(search, found, rest) or _unexplained(search, found)
+        return "unknown" if more else "nothing_missing"
     if not likely(weighed):
         return "unknown"
     return "undecided" if any(one.rivals for one in weighed.values()) else "named"
+
+
+def structured(search: Search, found: Found, rest: Ceiling) -> bool:
+    """Whether what is left still follows from the motion, by a share and a size that count."""
+    large = np.sqrt(rest.share * found.chosen.mean_square) >= 2.0 * search.worth.least
+    return bool(large) and rest.share > LEAST_SHARE
 
 
 def _unexplained(search: Search, found: Found) -> bool:

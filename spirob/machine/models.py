@@ -87,7 +87,7 @@ class Models:
         return self.tried[key]
 
     def _fit(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
-        names = [*self.base, *(f"{e.name()}.{f}" for e in effects for f in e.parameters())]
+        names = [*self.base, *(f"{e.name()}.{f}" for e in effects for f in e.fitted())]
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = 10.0 * self.size  # repairs have taken the outliers; plain least squares inside

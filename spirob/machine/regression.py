@@ -63,8 +63,14 @@ def _solved(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     goal = -side / size
     found = np.linalg.solve(scaled, goal[:, :, None])[:, :, 0] / size
     for k in np.flatnonzero(np.any((found < low) | (found > high), axis=1)):
-        root = np.linalg.cholesky(scaled[k])
+        root = _root(scaled[k])
         box = (low * size[k], high * size[k])
         target = np.linalg.solve(root, goal[k])
         found[k] = lsq_linear(root.T, target, box, method="bvls", max_iter=ROUNDS).x / size[k]
     return np.asarray(found)
+
+
+def _root(gram: np.ndarray) -> np.ndarray:
+    """R with R·Rᵀ = gram, whose least eigenvalue rounding may have taken below the ridge."""
+    sizes, axes = np.linalg.eigh(gram)
+    return np.asarray(axes * np.sqrt(np.maximum(sizes, RIDGE)))

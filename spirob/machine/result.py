@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from spirob.logs.atomic import write_text
+from spirob.machine.composed import Composed
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class Diagnosis:
     parameters  of the bare model, for the page;  identifiability  what the logs say of them
     laws        rows of held-out samples: what each named effect does there
     motion      measured and predicted motion; None where the rig does not ask for it
+    law         composed for what no name explains; None where nothing is left, or nothing held
     """
 
     document: dict[str, Any]
@@ -54,6 +56,7 @@ class Diagnosis:
     identifiability: str
     laws: pd.DataFrame
     motion: pd.DataFrame | None = None
+    law: Composed | None = None
     sources: Sources = field(default_factory=Sources)
 
     @property
@@ -75,6 +78,11 @@ class Diagnosis:
     def next_experiment(self) -> str:
         """What to measure next; empty where nothing would change the verdict."""
         return str(self.document["next_experiment"])
+
+    @property
+    def composed(self) -> pd.DataFrame | None:
+        """Rows of held-out samples of a composed law, for the page."""
+        return None if self.law is None else self.law.drawing
 
     @property
     def notes(self) -> list[str]:
@@ -118,7 +126,10 @@ class Diagnosis:
         return pd.DataFrame(self.document["atlas"])
 
     def save(self, folder: Path | str) -> Path:
-        """Write `diagnosis.json` and the page `index.html`, each whole or not at all."""
+        """Write `diagnosis.json`, the page `index.html` and the file of a composed law.
+
+        Each is written whole or not at all.
+        """
         from spirob.report.rig import build_rig_page
 
         out = Path(folder)
@@ -128,4 +139,6 @@ class Diagnosis:
         text = json.dumps(self.document, indent=2, ensure_ascii=False, allow_nan=False)
         write_text(out / "diagnosis.json", text + "\n")
         write_text(out / "index.html", build_rig_page(self))
+        if self.law is not None:
+            write_text(out / self.law.document["file"], self.law.text)
         return out

@@ -117,8 +117,12 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
     A way in which a memory turns round (of a bristle, of play) ends at a small part of the stroke:
     a bristle that never breaks away would imitate any spring, and gravity too.  A number that
     counts periods of an angle begins where the motion holds `PERIODS` of them: part of a wave that
-    never came round would imitate any smooth spring.
+    never came round would imitate any smooth spring.  The numbers of a law that a machine taught
+    are that machine's already.
     """
+    if effect.taught:
+        known = effect.parameters().items()
+        return {name: replace(about, unit=sizes.unit(about.unit)) for name, about in known}
     found = {name: sizes.parameter(about) for name, about in effect.parameters().items()}
     if reads_a_disc(effect):
         return _of_a_disc(effect, found, sizes)

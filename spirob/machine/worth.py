@@ -7,6 +7,7 @@ the held-out trials agree?
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -38,6 +39,17 @@ class Settings:
     seed: int = 0
 
 
+class Judged(Protocol):
+    """What is asked of a model, or of a draft of a law: `errors` by block, mean squares."""
+
+    @property
+    def errors(self) -> np.ndarray: ...
+    @property
+    def mean_square(self) -> float: ...
+    @property
+    def heldout_square(self) -> float: ...
+
+
 @dataclass(frozen=True)
 class Worth:
     """The questions; `least` is the size of the least effect, in the unit of the effort."""
@@ -45,7 +57,7 @@ class Worth:
     settings: Settings
     least: float
 
-    def matters(self, before: Model, after: Model) -> bool:
+    def matters(self, before: Judged, after: Judged) -> bool:
         """Whether `after` explains more by a size that counts, surely."""
         fall = before.mean_square - after.mean_square
         if fall <= 0.0 or np.sqrt(fall) < self.least:
@@ -54,13 +66,13 @@ class Worth:
             return False
         return self._surely(before, after)
 
-    def clearly(self, before: Model, after: Model) -> bool:
+    def clearly(self, before: Judged, after: Judged) -> bool:
         """Whether `after` is better than a rival by enough to be preferred to a simpler one."""
         if after.mean_square > (1.0 - self.settings.better) * before.mean_square:
             return False
         return self._surely(before, after)
 
-    def halves(self, before: Model, after: Model) -> bool:
+    def halves(self, before: Judged, after: Judged) -> bool:
         """Whether `after` leaves less than half the squared error, held out too, and surely."""
         if after.mean_square > HALF * before.mean_square:
             return False
@@ -68,7 +80,7 @@ class Worth:
             return False
         return self._surely(before, after)
 
-    def _surely(self, before: Model, after: Model) -> bool:
+    def _surely(self, before: Judged, after: Judged) -> bool:
         """Whether the fall holds when blocks are drawn again, of errors or of their logarithms.
 
         The logarithms weigh every block alike: one block with a blow in it decides nothing.
@@ -84,7 +96,7 @@ class Worth:
         """Whether an addition could matter, judged by its screened error and half the floor."""
         return current.mean_square - error > (0.5 * self.least) ** 2
 
-    def denied(self, before: Model, after: Model, whole: bool) -> bool:
+    def denied(self, before: Judged, after: Judged, whole: bool = True) -> bool:
         """Whether the held-out trials contradict a step, or do not confirm one of a `whole` set."""
         least = 1.0 - (self.settings.veto if whole else 0.0)
         return after.heldout_square > least * before.heldout_square

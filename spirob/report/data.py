@@ -45,6 +45,7 @@ class ReportData:
     posture: pd.DataFrame | None = None
     combinations: pd.DataFrame | None = None
     laws: pd.DataFrame | None = None
+    composed: pd.DataFrame | None = None
     predictions: pd.DataFrame | None = None
     experiments: dict[str, Any] | None = None
     contacts: dict[str, Any] | None = None

@@ -56,3 +56,14 @@ def test_a_column_of_zeros_gets_nothing():
     columns, residual, folds = drawn(3)
     columns[:, 1] = 0.0
     assert step(products(columns, residual, folds), *FREE)[1] == 0.0
+
+
+def test_columns_that_say_the_same_are_solved_within_bounds():
+    rng = np.random.default_rng(5)
+    one = rng.normal(size=400)
+    columns = np.column_stack([one, one, one * 3.0, rng.normal(size=400)]) * 1e6
+    sums = products(columns, -2.0e6 * one, np.repeat([0, 1], 200))
+    low, high = np.array([-0.1, -np.inf, -np.inf, -np.inf]), np.array([0.1] + [np.inf] * 3)
+    moved = step(sums, low, high)
+    assert abs(moved[0]) <= 0.1
+    assert moved @ [1.0, 1.0, 3.0, 0.0] == pytest.approx(2.0, rel=1e-3)

@@ -74,7 +74,7 @@ def searched(
         absent.remove(unseen)
         progress(f"{unseen.name()} is no candidate: {_unseen(rig)[unseen.port]}")
     plant = described(Plant(rig.machine(), [*own, *absent]), rig, own)
-    held = [f"{e.name()}.{f}" for e in own for f in e.parameters()]
+    held = [f"{e.name()}.{f}" for e in own for f in e.fitted()]
     start = {n: plant.table.about[n].nominal for n in held if n not in rig.known}
     names = list(dict.fromkeys([*rig.fitted(), *start]))
     kept = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)

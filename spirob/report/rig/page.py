@@ -9,6 +9,7 @@ import pandas as pd
 from spirob.report.builder import render
 from spirob.report.data import ReportData
 from spirob.report.provenance import collect
+from spirob.report.rig.composed import RigComposed
 from spirob.report.rig.laws import RigLaws
 from spirob.report.rig.motion import RigMotion
 from spirob.report.rig.overlay import RigOverlay
@@ -22,6 +23,7 @@ from spirob.report.sections.provenance import ProvenanceSection
 
 SECTIONS = (
     RigVerdict,
+    RigComposed,
     RigOverlay,
     RigMotion,
     Failure,
@@ -41,6 +43,7 @@ class Shown(Protocol):
     overlay     per sample: trial, role, time, measured, base, named, in the unit of the effort
     laws        per held-out sample: effect, time, position, velocity, effort, shown, law, in SI
     motion      per sample: trial, role, time, position and speed as measured and as predicted, SI
+    composed    of a composed law as `laws`, with its `band`; None where there is none
     """
 
     @property
@@ -55,6 +58,8 @@ class Shown(Protocol):
     def laws(self) -> pd.DataFrame: ...
     @property
     def motion(self) -> pd.DataFrame | None: ...
+    @property
+    def composed(self) -> pd.DataFrame | None: ...
     @property
     def sources(self) -> Any: ...
 
@@ -75,6 +80,7 @@ def build_rig_page(found: Shown) -> str:
         overlay=found.overlay,
         laws=found.laws,
         motion=found.motion,
+        composed=found.composed,
         metrics={},
         provenance=provenance,
     )

@@ -1,0 +1,223 @@
+"""From what is left of a rig's logs to a law that was fitted in full, and how it reads.
+
+The law is composed to first order, written, and loaded again as the effect file that it is; what is
+told of it is what that file does: fitted together with the model, it has to pass the questions that
+every effect has to pass.
+"""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from spirob.effects import Effect, load_file
+from spirob.identify.differences import slopes_ahead
+from spirob.identify.intervals import block_covariance
+from spirob.identify.scaling import Scaling
+from spirob.machine.composed.greedy import compose
+from spirob.machine.composed.law import Law, law_of
+from spirob.machine.composed.words import formula, told
+from spirob.machine.composed.writing import written
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.models import STEP, Model, Models
+from spirob.machine.search import Found, Search
+from spirob.machine.shown import laws
+
+NAME = "law"
+SURE = 1.96  # deviations of a 95 % interval
+
+
+@dataclass(frozen=True)
+class Composed:
+    """A law that takes what counts of what a model leaves.
+
+    document  plain data, as `diagnosis.json` holds it
+    text      of its effect file
+    drawing   rows of held-out samples: as `shown.laws`, with `band`, half the 95 % interval
+    """
+
+    document: dict[str, Any]
+    text: str
+    drawing: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """A law as the file that it is, fitted beside a model."""
+
+    law: Law
+    name: str
+    effect: type[Effect]
+    problems: tuple[InverseProblem, InverseProblem]
+    model: Model
+
+
+def composed(search: Search, found: Found, base: Model) -> Composed | None:
+    """The law of what `base` leaves; None where no term is needed, or the file does not hold.
+
+    It has to explain what no set of effects explains: not the model alone, and not the one that the
+    search chose, likely or not.
+    """
+    drafted = compose(search, base)
+    if drafted is None:
+        return None
+    drafts, draft = drafted
+    law = law_of(draft, drafts.ranges, search.train.sizes.torque)
+    with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
+        beside = _Beside(search, base, drafts.point.changes, found.offers[0].effect, Path(folder))
+        one = _pruned(beside, law)
+        for other in (base, found.chosen):
+            if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
+                return None
+        return _told(search, found, base, one)
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """What a law is fitted beside: the model, where its numbers begin, and room for files.
+
+    rival  that the files name until the nearest effect is known
+    """
+
+    search: Search
+    base: Model
+    start: dict[str, float]
+    rival: type[Effect]
+    folder: Path
+
+
+def _pruned(beside: _Beside, law: Law) -> _Fitted:
+    """The law, fitted in full, without terms that then no longer matter beside the others."""
+    worth, one = beside.search.worth, _fitted(beside, law, "whole")
+    while law.terms > 1:
+        lesser = [_fitted(beside, law.without(k), f"{law.terms}-{k}") for k in range(law.terms)]
+        weak = [
+            f
+            for f in lesser
+            if not worth.matters(f.model, one.model) or worth.denied(f.model, one.model)
+        ]
+        if not weak:
+            break
+        one = min(weak, key=lambda f: f.model.mean_square)
+        law = one.law
+    return one
+
+
+def _fitted(beside: _Beside, law: Law, where: str) -> _Fitted:
+    """A law written, loaded and fitted together with a model."""
+    search, name = beside.search, _name(beside.search)
+    path = beside.folder / where / f"{name}.py"
+    path.parent.mkdir()
+    path.write_text(written(law, told(law, search.train.sizes), beside.rival), encoding="utf-8")
+    (effect,) = load_file(path).values()
+    train, heldout = (_with(problem, effect) for problem in (search.train, search.heldout))
+    models = Models(train, heldout, search.models.base, search.progress)
+    start = beside.start | law.changes(name)
+    model = models.fitted((*beside.base.effects, effect), start)
+    own = {n.split(".", 1)[1]: e.value for n, e in model.fit.estimates.items() if _of(n, name)}
+    return _Fitted(law.at(own), name, effect, (train, heldout), model)
+
+
+def _told(search: Search, found: Found, base: Model, one: _Fitted) -> Composed:
+    """What a reader gets of a law."""
+    law, model, sizes = one.law, one.model, search.train.sizes
+    own = {n.split(".", 1)[1]: e for n, e in model.fit.estimates.items() if _of(n, one.name)}
+    shown = one.problems[0].added(one.effect, model.fit.changes, model.fit.residual)
+    nearest, alike = _nearest(search, found, base, shown)
+    title = told(law, sizes)
+    share = 1.0 - model.heldout_square / base.heldout_square
+    rows = laws(one.problems[1], [one.effect], model.fit.changes, sizes.axis_unit)
+    rows["band"] = _band(one.problems, model, one.name)
+    document = {
+        "file": f"{one.name}.py",
+        "sentence": (
+            f"A law of this shape takes {share:.0%} of the squared error that is left, held out: "
+            f"{title}. Nearest of the library: {nearest.title} ({alike:.0%} of the law)."
+        ),
+        "shape": title,
+        "formula": formula(law, sizes),
+        "terms": [" × ".join(part.term.kinds) for part in law.parts],
+        "numbers": {
+            field: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+            for field, e in own.items()
+        },
+        "share": share,
+        "rmse": {
+            "train": float(np.sqrt(np.mean(model.fit.residual**2))),
+            "test": float(np.sqrt(model.heldout_square)),
+        },
+        "dissipative": law.brakes,
+        "nearest": {"name": nearest.name(), "title": nearest.title, "share": alike},
+        "range": {a: list(ends) for a, ends in law.ranges.taught().items() if a in law.reads()},
+    }
+    return Composed(document, written(law, title, nearest, own), rows)
+
+
+def _name(search: Search) -> str:
+    """A name that no effect of the model has."""
+    taken, k = {e.name() for e in search.train.effects}, 1
+    while (name := NAME if k == 1 else f"{NAME}_{k}") in taken:
+        k += 1
+    return name
+
+
+def _with(problem: InverseProblem, effect: type[Effect]) -> InverseProblem:
+    return InverseProblem(
+        problem.rig,
+        problem.body,
+        problem.recordings,
+        [*problem.effects, effect],
+        problem.sizes,
+        problem.rest_speed,
+        problem.logs,
+        problem.own,
+    )
+
+
+def _of(full: str, owner: str) -> bool:
+    return full.split(".", 1)[0] == owner
+
+
+def _nearest(
+    search: Search, found: Found, base: Model, law: np.ndarray
+) -> tuple[type[Effect], float]:
+    """The effect of the library that makes most of the law, (N,), and the share that it makes.
+
+    Beside what the fitted numbers can make of either.
+    """
+    slopes = base.fit.jacobian / (np.linalg.norm(base.fit.jacobian, axis=0) + 1e-300)
+    span = np.linalg.qr(slopes)[0]
+
+    def beside(values: np.ndarray) -> np.ndarray:
+        return np.asarray(values - span @ (span.T @ values))
+
+    own, best = beside(law), (found.offers[0].effect, 0.0)
+    for offer in found.offers:
+        point = {**base.fit.changes, **offer.values}
+        other = beside(search.train.added(offer.effect, point, base.fit.residual))
+        power = float(np.dot(other, other) * np.dot(own, own))
+        alike = float(np.dot(own, other) ** 2 / power) if power > 0.0 else 0.0
+        best = max(best, (offer.effect, alike), key=lambda pair: pair[1])
+    return best
+
+
+def _band(problems: tuple[InverseProblem, InverseProblem], model: Model, name: str) -> np.ndarray:
+    """Half the 95 % interval of the law on the held-out trials, (M,)."""
+    train, held = problems
+    names = list(model.fit.estimates)
+    scaling = Scaling(held.table, names)
+    known = set(names)
+    fixed = {n: v for n, v in model.fit.changes.items() if n not in known}
+    at = scaling.scaled(model.fit.changes)
+    slopes = slopes_ahead(held, scaling, at, fixed, model.heldout, STEP)
+    robust = 1e3 * float(np.sqrt(np.mean(train.measured() ** 2)))
+    spread = block_covariance(
+        model.fit.jacobian, model.fit.residual, train.edges, robust, train.block
+    )
+    own = [k for k, full in enumerate(names) if _of(full, name)]
+    part = spread[np.ix_(own, own)]
+    variance = np.einsum("ij,jk,ik->i", slopes[:, own], part, slopes[:, own])
+    return SURE * np.sqrt(np.maximum(variance, 0.0))
