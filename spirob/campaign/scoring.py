@@ -9,7 +9,7 @@ LACKING = ("outside", "taken out")  # groups whose effect no candidate is
 
 
 def group(result: Mapping[str, Any]) -> str:
-    """none, outside (of the library), taken out (of it), one beside, one, two, three, not to be seen."""
+    """One of the groups of the table (`spirob.campaign.table.GROUPS`)."""
     truth = result["truth"]
     if not truth["hidden"]:
         return "none"
