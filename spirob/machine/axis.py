@@ -152,9 +152,11 @@ def _aligned(done: "_Searched", settings: Settings, progress: Callable[[str], No
     Where one is needed and something that counts is left, both are searched, and the better holds.
     """
     period = max(r.period for r in done.ready.train)
-    far, least = is_far(done.chosen, period), LEAVES * done.search.worth.least
     near = as_usual(done.ready.rig, period)
-    if near is None or (far and done.chosen.mean_square < least**2):
+    if near is None:
+        return done
+    far, least = is_far(done.chosen, period), LEAVES * done.search.worth.least
+    if far and done.chosen.mean_square < least**2:
         return done
     progress("once more, with effort and motion as close together as logs usually are")
     other = _searched(replace(done.ready, rig=near), settings, progress)
