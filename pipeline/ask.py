@@ -8,22 +8,22 @@ from pathlib import Path
 
 from pipeline.robots import record_all
 from pipeline.stage import ASKED, HIDDEN, entry, public_config, read_json, read_yaml, tell
+from spirob.diagnosis.followup import Question
 
 
 def stage(root: Path) -> None:
     """Record what the diagnosis asks for; data/asked stays empty where it asks for nothing."""
     config = public_config(root)
-    contest = read_json(root / "data/search/contest.json", "diagnose")
+    question = Question.from_dict(read_json(root / "data/search/question.json", "diagnose"))
     (root / ASKED).mkdir(parents=True, exist_ok=True)
-    experiments = [one for one in (contest, contest["proof"]) if one["trials"]]
-    trials = [t for one in experiments for t in one["trials"]]
+    trials = [t for one in question.wanted for t in one.trials]
     if not trials:
         tell("nothing to ask: nothing was found, or no experiment would show it")
     elif config.robot.kind == "can":
-        first = experiments[0]
-        names = ", ".join(t["name"] for t in first["trials"])
+        first = question.wanted[0]
+        names = ", ".join(t["name"] for t in first.trials)
         tell(
-            f"to make sure, record '{first['experiment']}' ({names}): next_trials in "
+            f"to make sure, record '{first.name}' ({names}): next_trials in "
             "data/diagnosis/diagnosis.json, to add to the experiment's trials"
         )
     else:

@@ -1,11 +1,15 @@
 """What a configuration may hold: every key, type and range; an unknown key is an error."""
 
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from spirob.diagnosis.rungs import Rules
 from spirob.emulator.build import AS_DESIGNED, BuildName
 from spirob.errors import ConfigError
+
+UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")  # kinds of errors: no such key
 
 
 class Strict(BaseModel):
@@ -88,21 +92,12 @@ class Identify(Strict):
     filter: FilterConfig = FilterConfig()
 
 
-class Diagnose(Strict):
-    """The search for missing effects."""
+@dataclass(frozen=True)
+class Diagnose(Rules):
+    """The search for missing effects; `candidates` that are considered, the library where empty."""
 
-    candidates: list[str] = []
-    finalists: int = Field(4, ge=1, le=100)
-    rounds: int = Field(2, ge=0, le=10)
-    floor: float = Field(0.003, gt=0, lt=1)
-    further: float = Field(0.25, ge=0, le=1)
-    confidence: float = Field(0.9, gt=0.5, le=1)
-    explained: float = Field(0.9, ge=0, le=1)
-    sure: float = Field(0.7, ge=0, le=1)
-    alike: float = Field(0.3, ge=0, le=1)
-    iterations: int = Field(2, ge=1, le=1000)
-    patience: int = Field(6, ge=1, le=1000)
-    seed: int = Field(0, ge=0)
+    candidates: list[str] = field(default_factory=list)
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Drawn(Strict):
@@ -180,7 +175,7 @@ def validated(plain: Any, source: str) -> Config:
         kinds = ("emulated", "simulated", "can")
         key = ".".join(str(part) for part in first["loc"] if part not in kinds)
         known = ""
-        if first["type"] == "extra_forbidden":
+        if first["type"] in UNKNOWN:
             known = f"; known here: {', '.join(_siblings(first['loc']))}"
         raise ConfigError(f"{source}: key '{key}': {first['msg']}{known}") from None
 
@@ -193,4 +188,6 @@ def _siblings(location: tuple[int | str, ...]) -> list[str]:
             model = kinds[str(part)]
         elif part in model.model_fields:
             model = model.model_fields[str(part)].annotation
+    if is_dataclass(model):
+        return [one.name for one in fields(model)]
     return list(getattr(model, "model_fields", {}))

@@ -5,18 +5,21 @@ The whole test takes hours and is played by `spirob trial`; this one shows that 
 
 from pathlib import Path
 
+from pipeline.diagnose import settings_of
 from pipeline.stage import entry, public_config, tell, workers, write_json
 from spirob.trial.campaign import cases, play
+from spirob.trial.case import quickly
 from spirob.trial.rates import rates
 
 
 def stage(root: Path) -> None:
     """Play the configured cases and write their rates."""
-    chosen = public_config(root).trial
+    config = public_config(root)
+    chosen, settings = config.trial, quickly(settings_of(config))
     seeds = range(*chosen.seeds)
     table = root / "data/trial.jsonl"
     picked = cases(chosen.kinds, seeds, chosen.nulls, chosen.without, build=chosen.build)
-    results = play(picked, table, workers(), tell=tell, scheduler=chosen.scheduler)
+    results = play(picked, table, workers(), settings, tell, chosen.scheduler)
     write_json(root / "reports/metrics/trial.json", rates(results))
 
 

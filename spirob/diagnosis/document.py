@@ -53,6 +53,25 @@ def document(
     }
 
 
+def restated(before: Mapping[str, Any], verdict: Verdict, aside: bool) -> dict[str, Any]:
+    """A diagnosis whose search stands, with the verdict after what was played.
+
+    aside  what was played to decide told nothing; nothing more is asked for
+    """
+    if verdict.kind != before["verdict"]:
+        return {
+            **before,
+            "verdict": verdict.kind,
+            "sentence": verdict.sentence,
+            "explanation": described(verdict.kind, verdict.explanation, before),
+            "next_experiment": verdict.next_experiment,
+            "next_trials": [],
+            "effects": [],
+        }
+    done = aside or verdict.kind == "named"
+    return {**before, **({"next_experiment": "", "next_trials": []} if done else {})}
+
+
 def described(kind: str, explanation: str, where: Mapping[str, Any]) -> str:
     """The explanation; of an unknown effect also what the residual depends on, where known."""
     depends = where.get("depends", {}).get("sentence", "")
@@ -84,7 +103,7 @@ def _probability(search: Search, verdict: Verdict, name: str) -> float:
         for c in tried
         if name in (e.name() for e in c.effects)
     ]
-    return max(rates, default=0.0) * verdict.accounted
+    return max(rates, default=0.0) * verdict.share
 
 
 def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:

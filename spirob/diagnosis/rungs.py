@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.screen import Screened
@@ -17,10 +19,9 @@ ROLES = ("train", "validate", "heldout")
 
 
 @dataclass(frozen=True)
-class Settings:
-    """How the search decides.
+class Rules:
+    """How the search decides, as a configuration says it (`diagnose`).
 
-    scale        of the robust loss, in the unit of the effort
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
     floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort; with an
@@ -35,25 +36,34 @@ class Settings:
                  say the same of the data, and count as one
     iterations   sets of differences in the fit of a finalist
     patience     sets of differences in a last fit, and in the fit of the parameters alone
-    intervals    exact ones for the numbers of each rung; a trial of many robots does without
-    always       look for effects, for a report to show, even where the whole error is below the
-                 floor and so none can count; a trial of many robots does without
+    """
+
+    finalists: Annotated[int, Field(ge=1, le=100)] = 6
+    rounds: Annotated[int, Field(ge=0, le=10)] = 2
+    floor: Annotated[float, Field(gt=0, lt=1)] = 0.003
+    further: Annotated[float, Field(ge=0, le=1)] = 0.25
+    confidence: Annotated[float, Field(gt=0.5, le=1)] = 0.9
+    explained: Annotated[float, Field(ge=0, le=1)] = 0.9
+    sure: Annotated[float, Field(ge=0, le=1)] = 0.7
+    alike: Annotated[float, Field(ge=0, le=1)] = 0.3
+    iterations: Annotated[int, Field(ge=1, le=1000)] = 2
+    patience: Annotated[int, Field(ge=1, le=1000)] = 6
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+@dataclass(frozen=True)
+class Settings(Rules):
+    """The rules, and what a caller chooses.
+
+    scale      of the robust loss, in the unit of the effort
+    intervals  exact ones for the numbers of each rung; a trial of many robots does without
+    always     look for effects, for a report to show, even where the whole error is below the
+               floor and so none can count; a trial of many robots does without
     """
 
     scale: float = 0.05
-    finalists: int = 6
-    rounds: int = 2
-    floor: float = 0.003
-    further: float = 0.25
-    confidence: float = 0.9
-    explained: float = 0.9
-    sure: float = 0.7
-    alike: float = 0.3
-    iterations: int = 2
-    patience: int = 6
     intervals: bool = True
     always: bool = True
-    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,25 +4,28 @@ What is hidden stays on this side of the logs: the diagnosis is handed decoded l
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.noise import complete
+from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.rungs import Search, Settings
 from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import AS_DESIGNED
+from spirob.identify.measurement import Measurement
 from spirob.identify.numbers import FITTED
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.plant import Plant, Rig
 from spirob.trial.answers import ANSWERS, TOGETHER
 from spirob.trial.drawn import drawn
-from spirob.trial.further import Robot, asked_again, judged
 from spirob.trial.oracle import oracle
+from spirob.trial.played import recorded
 from spirob.trial.strength import RATIOS
 
 
@@ -57,20 +60,25 @@ class Case:
         return int(np.random.default_rng([self.seed, *self.kind.encode()]).integers(2**31))
 
 
+def quickly(settings: Settings) -> Settings:
+    """The same without what only a report shows."""
+    return replace(settings, intervals=False, always=False)
+
+
 def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     """Record, fit, diagnose, and compare with the oracle; one or two results as plain data."""
-    settings = settings or Settings(intervals=False, always=False)
+    settings = settings or quickly(Settings())
     library = list(all_effects().values())
     plant = Plant(Rig(), library)
     hidden, problems, base = drawn(
         case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
     )
-    robot = hidden, case.robot
     search = climb(problems, FITTED, library, {}, settings, known=base)
-    first, asked, experiment = judge(search, problems, settings), search, ""
-    if first.contested:
-        asked, experiment = asked_again(search, first, robot, problems, settings)
     best = oracle(problems, search, _counterparts(case), settings)
+    searches = {False: search}
+    if case.without:
+        kept = [e for e in library if e.name() not in _right_names(case)]
+        searches[True] = climb(problems, FITTED, kept, {}, settings, known=search)
     about = {
         "kind": case.kind,
         "seed": case.seed,
@@ -79,47 +87,48 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         "build": case.build,
         "strengths": [float(strength) for _, strength in hidden.parts],
     }
-    told = {"first_verdict": first.kind, "experiment": experiment}
-    found = [
-        {**about, "without": False, **told, **_outcome(asked, robot, problems, best, settings)}
+
+    def play(experiment: Proposal) -> dict[str, list[Measurement]]:
+        return recorded(hidden, case.robot, experiment.trials)
+
+    return [
+        {**about, "without": without, **_outcome(found, problems, play, best, settings)}
+        for without, found in searches.items()
     ]
-    found[0]["first"] = list(dict.fromkeys([*found[0]["first"], *_first(search)]))
-    if case.without:
-        kept = [e for e in library if e.name() not in _right_names(case)]
-        blind = climb(problems, FITTED, kept, {}, settings, known=search)
-        found.append({**about, "without": True, **_outcome(blind, robot, problems, best, settings)})
-    return found
 
 
 def _outcome(
     search: Search,
-    robot: Robot,
     problems: Mapping[str, Residual],
+    play: Play,
     best: float,
     settings: Settings,
 ) -> dict[str, Any]:
-    """What is said of one robot once a name was put to the proof, and how large the errors are.
+    """What is said of one robot once all that was asked for was played, and how large errors are.
 
-    robot  plays the proof;  best  the oracle's error
+    best  the oracle's error
     """
-    first = _first(search)
-    search, verdict, proof = judged(search, robot, problems, settings)
-    named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
+    first = judge(search, problems, settings)
+    answer = answered(asked(search, first, problems, settings), problems, play, settings)
+    last, verdict = answer.search or search, answer.verdict
+    named = [e.name() for e in last.rungs[-1].effects] if verdict.kind == "named" else []
     size = effort_rms(problems["heldout"])
     return {
+        "first_verdict": first.kind,
+        "experiment": answer.experiment + ", set aside" * answer.aside,
         "verdict": verdict.kind,
         "named": named,
         "rivals": list(verdict.rivals),
         "probability": float(verdict.probability),
-        "first": first,
-        "proof": None if proof is None else asdict(proof),
+        "first": list(dict.fromkeys([*_first(last), *_first(search)])),
+        "proof": None if answer.proof is None else asdict(answer.proof),
         "accounted": {
-            "validate": explained(search, complete(problems["validate"], settings.floor)),
-            "heldout": foretold(search, problems["heldout"], settings),
+            "validate": explained(last, complete(problems["validate"], settings.floor)),
+            "heldout": foretold(last, problems["heldout"], settings),
         },
         "heldout": {
             "base": search.rungs[0].scores["heldout"].rmse / size,
-            "named": (search.rungs[-1] if named else search.rungs[0]).scores["heldout"].rmse / size,
+            "named": (last.rungs[-1] if named else search.rungs[0]).scores["heldout"].rmse / size,
             "oracle": best / size,
         },
     }

@@ -90,14 +90,15 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
         assert (blind / file).read_bytes() == (finished.root / file).read_bytes()
 
 
-NOTHING = {"experiment": "", "trials": []}
+SAID = ("sentence", "verdict")
 
 
-def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=(), off=None, far=("",)):
+def asking(finished, folder, decide=(), prove=(), effects=(), verdict=None, off=None, far=("",)):
     """A copy of the project whose search ended with these models, and what it asks for was played.
 
-    off  numbers that are not as they were identified, in the models `far`: by default in that
-         without any effect
+    verdict  what stands otherwise in that of the search
+    off      numbers that are not as they were identified, in the models `far`: by default in that
+             without any effect
     """
     project = Project.__new__(Project)
     project.root = folder / "asking"
@@ -115,8 +116,15 @@ def asking(finished, folder, contest=NOTHING, proof=NOTHING, effects=(), off=Non
         for name in ("", *effects)
         for numbers in [{**sides[name], **(off or {})} if name in far else sides[name]]
     ]
-    told = {**contest, "proof": proof, "models": [{**m, "gain": 0.1} for m in models]}
-    (project.root / "data/search/contest.json").write_text(json.dumps(told))
+    question = project.root / "data/search/question.json"
+    told = json.loads(question.read_text()) | {"decide": decide, "prove": prove}
+    told["models"] = [{**m, "gain": 0.1} for m in models]
+    told["verdict"] |= {k: v for k, v in (verdict or {}).items() if k != "verdict"}
+    question.write_text(json.dumps(told))
+    for file in ("diagnosis.json", "metrics.json"):
+        path = project.root / "data/search" / file
+        said = {key: value for key, value in (verdict or {}).items() if key in SAID}
+        path.write_text(json.dumps(json.loads(path.read_text()) | said))
     project.stage("ask")
     return project
 
@@ -137,14 +145,14 @@ def experiment(name):
     """One of the list, as plain data."""
     moves, load = next((moves, load) for own, moves, load in TRIALS if own == name)
     trials = [bend(f"{m}_leads", r, m, moves, load) for m, r in zip(MOTORS, ROLES, strict=True)]
-    return {"experiment": name, "trials": trials}
+    return {"name": name, "trials": trials, "difference": 0.1, "share": 0.1, "proves": False}
 
 
 def test_what_is_contested_is_asked_of_the_robot_and_decided_blind(finished, tmp_path):
     """As if dry friction had stood beside the right name: the trials are played, then judged
     without the truth."""
     sides = ("coulomb_friction", "capstan_friction")
-    project = asking(finished, tmp_path, contest=experiment("slow crawl"), effects=sides)
+    project = asking(finished, tmp_path, decide=[experiment("slow crawl")], effects=sides)
     played = sorted(p.name for p in (project.root / "data/asked").iterdir())
     assert played == ["left_leads.mcap", "right_leads.mcap"]
     found = decided(project)
@@ -159,11 +167,9 @@ def test_a_name_is_put_to_the_proof_on_the_robot(finished, tmp_path, stiffness, 
     identified = json.loads((finished.root / "data/identified/base.json").read_text())
     off = {"arm.base_stiffness": stiffness * identified["changes"]["arm.base_stiffness"]}
     effect = "capstan_friction"
-    project = asking(finished, tmp_path, proof=experiment("hold"), effects=(effect,), off=off)
-    named = {"verdict": "named", "sentence": "Missing: some friction."}
-    for file in ("diagnosis.json", "metrics.json"):
-        path = project.root / "data/search" / file
-        path.write_text(json.dumps(json.loads(path.read_text()) | named))
+    named = {"kind": "named", "verdict": "named", "sentence": "Missing: some friction."}
+    proof = [experiment("hold")]
+    project = asking(finished, tmp_path, prove=proof, effects=(effect,), verdict=named, off=off)
     found = decided(project)
     assert found["proof"]["experiment"] == "hold"
     assert found["proof"]["holds"] is holds
@@ -181,11 +187,14 @@ def test_of_rivals_the_one_that_holds_is_left(finished, tmp_path):
     off = {"arm.base_stiffness": 0.2 * identified["changes"]["arm.base_stiffness"]}
     sides = ("coulomb_friction", "capstan_friction")
     project = asking(
-        finished, tmp_path, proof=experiment("hold"), effects=sides, off=off, far=("", sides[0])
+        finished,
+        tmp_path,
+        prove=[experiment("hold")],
+        effects=sides,
+        verdict={"kind": "undecided", "verdict": "undecided"},
+        off=off,
+        far=("", sides[0]),
     )
-    for file in ("diagnosis.json", "metrics.json"):
-        path = project.root / "data/search" / file
-        path.write_text(json.dumps(json.loads(path.read_text()) | {"verdict": "undecided"}))
     found = decided(project)
     assert found["proof"]["holds"]
     assert [c["name"] for c in found["candidates"]] == ["capstan_friction"]

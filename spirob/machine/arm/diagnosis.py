@@ -4,11 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from spirob.diagnosis.again import proposed
 from spirob.diagnosis.document import document
+from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import begun, climb
 from spirob.diagnosis.noise import noise_floor
-from spirob.diagnosis.proof import to_prove
 from spirob.diagnosis.rungs import Search, Settings
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
@@ -114,9 +113,8 @@ def written(
     verdict = judge(search, residuals, settings)
     train, base = residuals["train"], search.rungs[0]
     where = survey(train, base.fit.changes, base.fit.residual[train.rows])
-    further = proposed(search, verdict, residuals["validate"], settings)
-    if not further and verdict.kind == "named":
-        further = to_prove(search, residuals["validate"], settings)
+    question = asked(search, verdict, residuals, settings)
+    further = question.decide or question.prove
     found = document(search, verdict, where, noise_floor(train), residuals, further)
     if base.scores["validate"].r2 < SENSE:
         found |= _senseless(base.scores["validate"].r2)
