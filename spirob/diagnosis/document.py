@@ -103,7 +103,7 @@ def _probability(search: Search, verdict: Verdict, name: str) -> float:
         for c in tried
         if name in (e.name() for e in c.effects)
     ]
-    return max(rates, default=0.0) * verdict.share
+    return max(rates, default=0.0) * verdict.accounted
 
 
 def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:

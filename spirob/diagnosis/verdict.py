@@ -21,13 +21,12 @@ class Verdict:
     """What is missing.
 
     kind         "named", "undecided", "nothing_missing" or "unknown"
-    probability  how often the named effect wins on resampled errors, times `share`: what a name
-                 has to reach, and what is said of it
+    probability  how often the named effect wins on resampled errors, times the share of the
+                 squared error above the sensor's noise that it accounts for: a law that leaves
+                 structure behind may stand for another, which the library does not hold
     rivals       effects that explain the data as well in another way
     equivalents  effects that say the same of these data, under another name
-    share        of the squared error above the sensor's noise that the named explain, 1 of a
-                 complete model: a law that leaves structure behind may stand for another, which
-                 the library does not hold
+    accounted    share of the squared error above the sensor's noise that the named explain
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
     """
 
@@ -38,7 +37,7 @@ class Verdict:
     explanation: str
     next_experiment: str
     equivalents: tuple[str, ...] = ()
-    share: float = 1.0
+    accounted: float = 1.0
 
     @property
     def contested(self) -> bool:
@@ -79,13 +78,12 @@ def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) 
     if rivals and len(last.effects) == 1 and alone:
         return _undecided(best, rivals, share, effort)
     whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
-    # a complete model leaves no structure in which another law could be
-    cut = 1.0 if accounted >= 1.0 else whole
-    if (chance := best.probability * cut) < settings.sure:
+    # a complete model leaves no structure in which another law could be; how sure its name is said
+    # to be stays cut, because another may do the same
+    if (chance := best.probability * (1.0 if accounted >= 1.0 else whole)) < settings.sure:
         told = f"is right with a probability of {chance:.0%} only"
         return _poorly_explained(share, told, last.effects, effort)
-    named = _named(search, best, whole, same, share, effort)
-    return replace(named, probability=chance, share=cut)
+    return _named(search, best, whole, same, share, effort)
 
 
 def _brought(search: Search) -> Confirmed:
@@ -187,7 +185,7 @@ def _named(
     added = "the effect" if len(own) == 1 else "these effects"
     return Verdict(
         "named",
-        best.probability,
+        best.probability * whole,
         [],
         f"Missing: {' and '.join(e.title for e in last.effects)}.",
         f"{story} With fitted numbers alone the model misses "
@@ -199,6 +197,7 @@ def _named(
         + (f" On these data {' or '.join(map(_titles, same))} would say the same." if same else ""),
         f"To make sure: {experiment}." if experiment else "",
         tuple(label(c.effects) for c in same),
+        whole,
     )
 
 

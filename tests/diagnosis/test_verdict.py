@@ -87,7 +87,7 @@ def test_a_probability_is_that_of_one_contest(later):
     else:
         found.rounds = [[replace(best, probability=0.5), twin]]
     verdict = judge(found, PROBLEMS, SETTINGS)
-    assert verdict.probability == pytest.approx(0.8 * verdict.share)
+    assert verdict.probability == pytest.approx(0.8 * verdict.accounted)
 
 
 @pytest.mark.parametrize(("left", "kind"), [(0.0029, "named"), (0.0035, "unknown")])
@@ -98,8 +98,8 @@ def test_only_what_leaves_structure_has_to_win_more(left, kind):
     found.rounds = [[replace(found.rounds[0][0], probability=0.75)]]
     verdict = judge(found, PROBLEMS, SETTINGS)
     assert verdict.kind == kind
-    if kind == "named":
-        assert verdict.probability == 0.75
+    if kind == "named":  # though not so sure of it
+        assert verdict.probability == pytest.approx(0.75 * (1 - (left / 0.010) ** 2), rel=1e-3)
 
 
 @pytest.mark.parametrize(("beside", "kind"), [(EFFECT, "named"), ([], "undecided")])
@@ -113,19 +113,5 @@ def test_what_holds_the_name_and_more_is_no_rival(beside, kind):
     verdict = judge(found, PROBLEMS, SETTINGS)
     assert verdict.kind == kind
     if kind == "named":
-        assert verdict.probability == pytest.approx(verdict.share)
+        assert verdict.probability == pytest.approx(verdict.accounted)
         assert verdict.equivalents == ()
-
-
-@pytest.mark.parametrize("left", [0.0020, 0.0029, 0.0031, 0.0033])
-@pytest.mark.parametrize("wins", [0.5, 0.69, 0.71, 0.8, 1.0])
-def test_what_a_name_has_to_reach_is_what_is_said_of_it(left, wins):
-    """One number: with a gate just below what is stated the name stands, just above it falls."""
-    found = search(0.002)
-    found.rungs[-1] = replace(found.rungs[-1], errors=np.full(20, left**2))
-    found.rounds = [[replace(found.rounds[0][0], probability=wins)]]
-    said = judge(found, PROBLEMS, replace(SETTINGS, sure=0.0)).probability
-    for sure, kind in ((said - 1e-9, "named"), (said + 1e-9, "unknown")):
-        verdict = judge(found, PROBLEMS, replace(SETTINGS, sure=sure))
-        assert verdict.kind == kind
-    assert judge(found, PROBLEMS, SETTINGS).kind == ("named" if said >= 0.7 else "unknown")
