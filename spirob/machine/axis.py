@@ -34,6 +34,7 @@ from spirob.machine.sensor_side import AT_LOAD, fits_at_load, may_sit_at_load
 from spirob.machine.shown import laws, overlay, parameters
 from spirob.machine.sizes_of import sizes_of
 from spirob.machine.splitting import split
+from spirob.machine.standing import heldout, standing
 from spirob.machine.standstill import without_holds
 from spirob.machine.worth import Settings
 
@@ -222,6 +223,8 @@ def _finish(done: _Searched) -> Diagnosis:
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
+    stands = chosen if judgement.kind == "named" else bare
+    written["model"] = plain(standing(search, stands, ready.body))
     curves = None
     if ready.rig.predict != "effort":
         motion, curves = predicted(search, found)
@@ -233,6 +236,7 @@ def _finish(done: _Searched) -> Diagnosis:
         gate.sentence,
         laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
         curves,
+        heldout(search, stands),
     )
 
 

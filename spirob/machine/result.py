@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from spirob.logs.atomic import write_text
+from spirob.logs.atomic import replacing, write_text
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ class Diagnosis:
     parameters  of the bare model, for the page;  identifiability  what the logs say of them
     laws        rows of held-out samples: what each named effect does there
     motion      measured and predicted motion; None where the rig does not ask for it
+    heldout     the held-out logs and what the model that stands says of them; see `standing`
     """
 
     document: dict[str, Any]
@@ -54,6 +55,7 @@ class Diagnosis:
     identifiability: str
     laws: pd.DataFrame
     motion: pd.DataFrame | None = None
+    heldout: pd.DataFrame | None = None
     sources: Sources = field(default_factory=Sources)
 
     @property
@@ -118,7 +120,7 @@ class Diagnosis:
         return pd.DataFrame(self.document["atlas"])
 
     def save(self, folder: Path | str) -> Path:
-        """Write `diagnosis.json` and the page `index.html`, each whole or not at all."""
+        """Write `diagnosis.json`, `heldout.parquet` and the page, each whole or not at all."""
         from spirob.report.rig import build_rig_page
 
         out = Path(folder)
@@ -127,5 +129,8 @@ class Diagnosis:
         out.mkdir(parents=True, exist_ok=True)
         text = json.dumps(self.document, indent=2, ensure_ascii=False, allow_nan=False)
         write_text(out / "diagnosis.json", text + "\n")
+        if self.heldout is not None:
+            with replacing(out / "heldout.parquet") as temporary:
+                self.heldout.to_parquet(temporary, compression="zstd", index=False)
         write_text(out / "index.html", build_rig_page(self))
         return out
