@@ -24,6 +24,8 @@ HINGE, SENSOR, SHARE = "body.hinge_torque", "sensing.displacement", "winch.effic
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
 PLAYED = {*ADDED, *BEFORE, HINGE, SENSOR, SHARE, CURRENT, REPORT, FRAME}
 BUILT = "body.tip_mass"  # is part of the body
+# constants that a controller reads
+HARD = frozenset({"INERTIA", "VISCOUS", "STIFFNESS", "SCALE", "BACK_EMF", "REST_SPEED"})
 EMPTY = re.compile(r"^ *pass\n", re.MULTILINE)
 SIGNALS = {
     "time": "s.time",
@@ -43,6 +45,7 @@ GIVEN = {  # fields of the state that the caller sets
     "time": "s, since the motion began",
     "carried": "what the axis carries beside its own inertia and spring",
     "payload": "payload, in the unit of the diagnosis",
+    "offset": "torque or force that this motion needs beside",
     "weight_x": "torque of the weight if gravity pointed along +x",
     "weight_y": "the same along +y",
 }
@@ -58,7 +61,7 @@ def compensate(s, position, speed, acceleration, dt):
 {hinge}
     slow = a
 {ahead}
-    needed = load + VISCOUS * v + {share} * INERTIA * (a - slow)
+    needed = load + VISCOUS * v + s.offset + {share} * INERTIA * (a - slow)
 {added}
     wanted = needed / SCALE
     effort = wanted
@@ -130,13 +133,16 @@ def seen(s, position, load):
 {errors}
     return q + error
 '''
-BEHIND = """\
+BEHIND = '''
+def behind(q, v, a, dt):
+    """Position, speed and acceleration without the errors of the position sensor."""
     here = misread(q, v)
     later = misread(q + v * dt + 0.5 * a * dt * dt, v)
     sooner = misread(q - v * dt + 0.5 * a * dt * dt, v)
-    q = q - here
-    v = v - (later - sooner) / (2.0 * dt)
-    a = a - (later - 2.0 * here + sooner) / (dt * dt)"""
+    first = (later - sooner) / (2.0 * dt)
+    second = (later - 2.0 * here + sooner) / (dt * dt)
+    return q - here, v - first, a - second
+'''
 AHEAD = """\
     error = 0.0
 {errors}
@@ -230,9 +236,11 @@ def equations(model: Corrected) -> Equations:
         node = ast.parse(EMPTY.sub("", text)).body[0]
         assert isinstance(node, ast.FunctionDef)
         nodes.append(Function("axis", node, dict(known), given, state))
-        known[node.name] = 1
+        known[node.name] = nodes[-1].values
     python = "\n\n\n".join(ast.unparse(f.node) for f in nodes)
-    return Equations(constants, _state(model), python, tuple(nodes))
+    used = set().union(*(f.read for f in nodes))
+    kept = {name: value for name, value in constants.items() if name in used | HARD}
+    return Equations(kept, _state(model), python, tuple(nodes))
 
 
 def kernel_functions(one: Held) -> list[Function]:
@@ -331,7 +339,7 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
     ahead = AHEAD.format(errors=_calls(twisted, "+error", upstream="q")) if twisted else ""
     frame = _calls(model.at(FRAME), "effort")
     compensate = COMPENSATE.format(
-        behind=BEHIND if wrong else "",
+        behind="    q, v, a = behind(q, v, a, dt)" if wrong else "",
         hinge=_calls(model.at(HINGE), "-load"),
         ahead=ahead,
         share=repr(max(shares, default=0.0)),
@@ -350,7 +358,7 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
     turned = "q" if model.axis == "rad" else "0.0"
     carries = any(model.numbers[n] for n in model.numbers if n.startswith("payload"))
     texts = [(WITH_PAYLOAD.format(turned=turned) if carries else LOADED, "s")]
-    texts += [(MISREAD.format(errors=errors), "")] if wrong else []
+    texts += [(MISREAD.format(errors=errors), ""), (BEHIND, "")] if wrong else []
     texts += [(compensate, "s"), (torque, "s")]
     texts += [(REPORTED.format(report=_calls(model.at(REPORT), "effort"), frame=frame), "s")]
     texts += [(FRAMED.format(frame=frame), "s")]

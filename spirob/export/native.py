@@ -1,0 +1,186 @@
+"""What MuJoCo holds by itself: an effect -> attributes and passive actuators of the model.
+
+`HOLDERS` has an entry for each law, by name and port; a law without one stays outside.
+"""
+
+import math
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+
+from spirob.export.body import DRIVE, Machine, weigh
+from spirob.export.corrected import Corrected, Held
+
+NO_MOTOR = 1e-9  # constant of a dcmotor that drives nothing and brakes nothing
+RAMP = 1.35  # of a clipped line that is as near to tanh as can be, in units of its speed
+SOFT = 1e-4  # impedance of a friction constraint that is a ramp of the speed
+G = 9.80665
+Holder = Callable[[Machine, Held, Corrected], None]
+
+
+def _passive(machine: Machine, name: str, **what: object) -> None:
+    """A dcmotor that drives nothing, for its cogging or its bristles."""
+    motor = machine.spec.add_actuator(
+        name=name, target=machine.joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
+    )
+    motor.set_to_dcmotor([NO_MOTOR, NO_MOTOR], 1.0, **what)
+
+
+def _wave(machine: Machine, name: str, sine: float, cosine: float, order: float) -> None:
+    """A·sin(N·q) + B·cos(N·q) on the joint."""
+    size = math.hypot(sine, cosine)
+    if size > 0.0:
+        _passive(machine, name, cogging=[size, order, math.atan2(cosine, sine)])
+
+
+def _bias(machine: Machine, force: float) -> None:
+    """A constant force of the drive."""
+    drive = machine.spec.actuator(DRIVE)
+    drive.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    drive.biasprm[0] += force
+
+
+def _coulomb(machine: Machine, one: Held, model: Corrected) -> None:
+    """Friction loss, soft enough to turn round as the law does."""
+    joint, level = machine.driven, one.values["coulomb_torque"]
+    width = RAMP * one.values["softness"] * model.rest_speed
+    inertia = _moved_inertia(machine)
+    step = machine.spec.option.timestep
+    width = max(width, level * step / inertia)  # narrower, it would chatter
+    joint.frictionloss += level
+    # force = D·(b·v) within the ramp: D = d/(1 - d)·M, b = level/(width·D)
+    weight = SOFT / (1.0 - SOFT) * inertia
+    joint.solimp_friction = [SOFT, SOFT, 1e-3, 0.5, 2.0]
+    joint.solref_friction = [-1.0, -level / (width * weight)]
+
+
+def _moved_inertia(machine: Machine) -> float:
+    """Inertia of the driven joint as MuJoCo takes it for its constraints."""
+    made = machine.spec.compile()
+    dof = made.joint(machine.joint).dofadr[0]
+    return float(1.0 / made.dof_invweight0[dof])
+
+
+def _stribeck(machine: Machine, one: Held, model: Corrected) -> None:
+    low = one.values["coulomb_torque"]
+    high = low + one.values["breakaway_excess"]
+    speed = one.values["stribeck_ratio"] * model.rest_speed
+    way = one.values["softness"] * model.rest_speed * 0.01
+    _bristles(machine, low, high, speed, way)
+
+
+def _dahl(machine: Machine, one: Held, model: Corrected) -> None:
+    level = one.values["sliding_torque"]
+    _bristles(machine, level, level, 1.0, one.values["presliding"])
+
+
+def _bristles(machine: Machine, low: float, high: float, speed: float, way: float) -> None:
+    """LuGre's friction without damping of the bristles, which turn round within `way`."""
+    if high > 0.0:
+        low = max(low, 1e-3 * high)
+        _passive(machine, "bristles", lugre=[high / way, 0.0, low, high, speed])
+
+
+def _cogging(machine: Machine, one: Held, model: Corrected) -> None:
+    v, base = one.values, one.values["order"] / model.angle
+    waves = [("", 1.0), ("second_", v["ratio"]), ("third_", v["third_ratio"])]
+    for k, (name, ratio) in enumerate(waves):
+        _wave(machine, f"cogging_{k}", v[f"{name}sine"], v[f"{name}cosine"], ratio * base)
+
+
+def _drag(machine: Machine, one: Held, model: Corrected) -> None:
+    machine.driven.damping = machine.driven.damping + [0.0, one.values["drag"], 0.0]
+
+
+def _hardening(machine: Machine, one: Held, model: Corrected) -> None:
+    more = one.values["hardening"] * model.stiffness
+    machine.driven.stiffness = machine.driven.stiffness + [0.0, 0.0, more]
+
+
+def _rest(machine: Machine, one: Held, model: Corrected) -> None:
+    _bias(machine, one.values["rest_angle"] * model.stiffness)
+
+
+def _tilt(machine: Machine, one: Held, model: Corrected) -> None:
+    option = machine.spec.option
+    size = float(np.linalg.norm(option.gravity))
+    turned = [math.sin(one.values["pitch"]), math.sin(one.values["roll"]), 0.0]
+    option.gravity = option.gravity + size * np.array(turned)
+
+
+def _lever(machine: Machine, one: Held, model: Corrected) -> None:
+    _wave(machine, "weight", -one.values["sine"], -one.values["cosine"], 1.0)
+
+
+def tip(machine: Machine, one: Held, model: Corrected) -> None:
+    """A point mass where the description says that a payload hangs."""
+    assert model.body is not None
+    spec, mass = machine.spec, one.values["mass"]
+    site = next((s for s in spec.sites if s.name == model.body.tip), None)
+    parent = site.parent if site else spec.body(model.body.tip)
+    carried = parent.add_body(name="payload", pos=site.pos if site else [0.0, 0.0, 0.0])
+    weigh(carried, mass, 1e-9)
+
+
+def _force(machine: Machine, one: Held, model: Corrected) -> None:
+    _bias(machine, one.values["force"])
+
+
+def _gain(machine: Machine, one: Held, model: Corrected) -> None:
+    drive = machine.spec.actuator(DRIVE)
+    drive.gainprm[0] /= 1.0 + one.values["gain_error"]
+
+
+def _offset(machine: Machine, one: Held, model: Corrected) -> None:
+    _bias(machine, -one.values["offset"] * machine.spec.actuator(DRIVE).gainprm[0])
+
+
+def _shaft(machine: Machine, one: Held, model: Corrected, play: float = 0.0) -> None:
+    """A second joint that carries the load's share of the inertia, on a spring."""
+    v, spec = one.values, machine.spec
+    share, own = v["load_inertia"], 2.0 * math.pi * v["frequency"]
+    motor = spec.body("load")
+    turns = model.axis == "rad"
+    for body, inertia in ((motor, model.numbers["inertia"] - share), (None, share)):
+        body = body or spec.worldbody.add_body(name="behind")
+        weigh(body, *((1.0, inertia) if turns else (inertia, 1.0)))
+    kind = machine.driven.type
+    behind = spec.body("behind").add_joint(name="behind", type=kind, axis=machine.driven.axis)
+    tendon = spec.add_tendon(name="shaft")
+    tendon.wrap_joint(machine.joint, 1.0)
+    tendon.wrap_joint("behind", -1.0)
+    tendon.stiffness = [share * own**2, 0.0, 0.0]
+    tendon.damping = [2.0 * v.get("damping", 0.3) * own * share, 0.0, 0.0]
+    tendon.springlength = [-0.5 * play, 0.5 * play]
+    if "coasting" in v:
+        behind.damping = [share / v["coasting"], 0.0, 0.0]
+        machine.driven.damping = machine.driven.damping - [share / v["coasting"], 0.0, 0.0]
+
+
+def _play(machine: Machine, one: Held, model: Corrected) -> None:
+    _shaft(machine, one, model, one.values["play"])
+
+
+HOLDERS: dict[tuple[str, str], Holder] = {
+    ("coulomb_friction", "motor.torque"): _coulomb,
+    ("stribeck_friction", "motor.torque"): _stribeck,
+    ("presliding_friction", "motor.torque"): _dahl,
+    ("cogging", "motor.torque"): _cogging,
+    ("quadratic_drag", "motor.torque"): _drag,
+    ("stiffness_hardening", "body.hinge_torque"): _hardening,
+    ("rest_curvature", "body.hinge_torque"): _rest,
+    ("mount_tilt", "body.hinge_torque"): _tilt,
+    ("tip_payload", "body.hinge_torque"): _lever,
+    ("tip_payload", "body.tip_mass"): tip,
+    ("constant_force", "tendon.force"): _force,
+    ("current_gain", "sensing.current"): _gain,
+    ("current_offset", "sensing.current"): _offset,
+    ("gear_compliance", "motor.torque"): _shaft,
+    ("backlash", "motor.torque"): _play,
+}
+
+
+def holder(one: Held) -> Holder | None:
+    """What puts an effect into a model; None where MuJoCo cannot hold it by itself."""
+    return HOLDERS.get((one.name, one.law.port))

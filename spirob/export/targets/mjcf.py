@@ -1,0 +1,37 @@
+"""Plain MJCF: the body with its corrected numbers, and what of the effects MuJoCo holds by itself."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from spirob.export.corrected import Corrected
+
+HOLDS = (
+    "armature, damping, friction loss, polynomial stiffness and drag, LuGre bristles, cogging, "
+    "payload, tilt, forces, current gain and offset, a second joint for an elastic gear or play"
+)
+LACKS = (
+    "what needs a callback: friction by load, efficiency, ripple, saturation, dead band, heat, "
+    "errors of the encoder, asymmetric friction; each is listed in the file with its size"
+)
+LOSSY = True
+PLAYER = "mjcf"
+
+
+def files(model: "Corrected") -> dict[str, str]:
+    """Name of each file -> its text."""
+    from spirob.export.body import machine_of
+    from spirob.export.code import c_name
+    from spirob.export.native import holder
+    from spirob.export.sizes import left_out
+
+    machine, name = machine_of(model), c_name(model.name)
+    held = [e for e in model.effects if holder(e) is not None]
+    for one in held:
+        holder(one)(machine, one, model)  # type: ignore[misc]
+    outside = [e for e in model.effects if holder(e) is None]
+    said = [f"{name}.xml: {model.sentence}"]
+    said += [f"holds {e.name}" for e in held]
+    said += [f"leaves out {e.name}: {left_out(model, e)}" for e in outside]
+    if model.numbers["delay"]:
+        said.append(f"the log trails the motion by {1e3 * model.numbers['delay']:.3g} ms: not here")
+    return {f"{name}.xml": machine.text(said)}
