@@ -3,7 +3,8 @@
     compensate  effort that a motion asks for: the inverse model of `spirob.machine.asked`, sample by
                 sample, with its memory in a state
     torque      what drive and effects put on the axis at an effort: `spirob.machine.forward`
-    reported    an effort as the drive's log would show it;  seen  a position as its sensor reads it
+    reported    an effort as the drive reports it;  framed  as late as the bus brings it
+    seen        a position as its sensor reads it
 
 Ports follow each other as they do there.  Kernels are pasted, so they are the library's.
 """
@@ -105,9 +106,8 @@ def torque(s, position, speed, acceleration, effort, dt):
 '''
 REPORTED = '''
 def reported(s, effort, dt):
-    """The effort as the drive's log shows it; call it once for each cycle of the bus."""
+    """The effort as the drive reports it; call it once for each step of a log."""
 {report}
-{frame}
     return effort
 '''
 FRAMED = '''
@@ -360,7 +360,7 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
     texts = [(WITH_PAYLOAD.format(turned=turned) if carries else LOADED, "s")]
     texts += [(MISREAD.format(errors=errors), ""), (BEHIND, "")] if wrong else []
     texts += [(compensate, "s"), (torque, "s")]
-    texts += [(REPORTED.format(report=_calls(model.at(REPORT), "effort"), frame=frame), "s")]
+    texts += [(REPORTED.format(report=_calls(model.at(REPORT), "effort")), "s")]
     texts += [(FRAMED.format(frame=frame), "s")]
     texts += [(SEEN.format(errors=_calls(sensors, "+error", upstream="q")), "s")]
     return texts

@@ -42,8 +42,9 @@ double {name}_compensate({name}_state *state, double position, double speed, dou
 double {name}_torque({name}_state *state, double position, double speed, double acceleration,
     double effort, double dt);
 
-/* The effort as the drive's log shows it; once for each cycle of the bus. */
+/* The effort as the drive reports it, and that as late as the bus brings it; once for each cycle. */
 double {name}_reported({name}_state *state, double effort, double dt);
+double {name}_framed({name}_state *state, double effort, double dt);
 
 /* The position as its sensor reads it, under this load [{torque}]. */
 double {name}_seen({name}_state *state, double position, double load);
@@ -145,7 +146,8 @@ def c_files(model: Corrected) -> dict[str, str]:
     about = _about(model) | {"name": name, "guard": f"{name.upper()}_H"}
     fields = [f"    double {f};{_comment(f)}" for f in made.state]
     resets = [f"    state->{f} = {value!r};" for f, value in made.state.items()]
-    constants = [f"static const double {n} = {v!r};" for n, v in made.constants.items()]
+    read = set().union(*(f.read for f in made.functions))
+    constants = [f"static const double {n} = {v!r};" for n, v in made.constants.items() if n in read]
     functions = "\n\n".join(f.c for f in made.functions)
     return {
         f"{name}.h": HEADER.format(**about, fields="\n".join(fields)),

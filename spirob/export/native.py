@@ -9,13 +9,13 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from spirob.export.body import DRIVE, Machine, weigh
+from spirob.export.body import DRIVE, STEP, Machine, weigh
 from spirob.export.corrected import Corrected, Held
 
 NO_MOTOR = 1e-9  # constant of a dcmotor that drives nothing and brakes nothing
 RAMP = 1.35  # of a clipped line that is as near to tanh as can be, in units of its speed
 SOFT = 1e-4  # impedance of a friction constraint that is a ramp of the speed
-G = 9.80665
+LIGHT = 1e-7  # kg·m², of a joint that only creeps
 Holder = Callable[[Machine, Held, Corrected], None]
 
 
@@ -43,14 +43,18 @@ def _bias(machine: Machine, force: float) -> None:
 
 def _coulomb(machine: Machine, one: Held, model: Corrected) -> None:
     """Friction loss, soft enough to turn round as the law does."""
-    joint, level = machine.driven, one.values["coulomb_torque"]
-    width = RAMP * one.values["softness"] * model.rest_speed
+    _ramp(machine, one.values["coulomb_torque"], one.values["softness"] * model.rest_speed)
+
+
+def _ramp(machine: Machine, level: float, speed: float) -> None:
+    """Level·tanh(speed over this one), by a friction constraint that is soft."""
+    joint, width = machine.driven, RAMP * speed
     inertia = _moved_inertia(machine)
     step = machine.spec.option.timestep
     width = max(width, level * step / inertia)  # narrower, it would chatter
     joint.frictionloss += level
-    # force = D·(b·v) within the ramp: D = d/(1 - d)·M, b = level/(width·D)
-    weight = SOFT / (1.0 - SOFT) * inertia
+    # within the ramp the force is D·b·v with D = d/(1 - d)·M and b = damping/d
+    weight = inertia / (1.0 - SOFT)
     joint.solimp_friction = [SOFT, SOFT, 1e-3, 0.5, 2.0]
     joint.solref_friction = [-1.0, -level / (width * weight)]
 
@@ -63,11 +67,11 @@ def _moved_inertia(machine: Machine) -> float:
 
 
 def _stribeck(machine: Machine, one: Held, model: Corrected) -> None:
-    low = one.values["coulomb_torque"]
-    high = low + one.values["breakaway_excess"]
+    """The level by the constraint, the peak by bristles that turn round at once."""
+    turn = one.values["softness"] * model.rest_speed
+    _ramp(machine, one.values["coulomb_torque"], turn)
     speed = one.values["stribeck_ratio"] * model.rest_speed
-    way = one.values["softness"] * model.rest_speed * 0.01
-    _bristles(machine, low, high, speed, way)
+    _bristles(machine, 0.0, one.values["breakaway_excess"], speed, 0.1 * turn * STEP)
 
 
 def _dahl(machine: Machine, one: Held, model: Corrected) -> None:
@@ -162,6 +166,21 @@ def _play(machine: Machine, one: Held, model: Corrected) -> None:
     _shaft(machine, one, model, one.values["play"])
 
 
+def _maxwell(machine: Machine, one: Held, model: Corrected) -> None:
+    """A spring whose other end creeps in a damper: a further joint of next to no inertia."""
+    v, spec, joint = one.values, machine.spec, machine.driven
+    stiffness = v["share"] * model.stiffness
+    body = spec.worldbody.add_body(name="relaxed")
+    weigh(body, 1e-3, LIGHT)
+    creeping = body.add_joint(name="relaxed", type=joint.type, axis=joint.axis)
+    creeping.damping = [stiffness * v["time"], 0.0, 0.0]
+    tendon = spec.add_tendon(name="relaxing")
+    tendon.wrap_joint(machine.joint, 1.0)
+    tendon.wrap_joint("relaxed", -1.0)
+    tendon.stiffness, tendon.springlength = [stiffness, 0.0, 0.0], [0.0, 0.0]
+
+
+ON_DRIVE = {"tendon.force", "sensing.current", "body.tip_mass"}  # whatever the drive pulls on
 HOLDERS: dict[tuple[str, str], Holder] = {
     ("coulomb_friction", "motor.torque"): _coulomb,
     ("stribeck_friction", "motor.torque"): _stribeck,
@@ -173,6 +192,7 @@ HOLDERS: dict[tuple[str, str], Holder] = {
     ("mount_tilt", "body.hinge_torque"): _tilt,
     ("tip_payload", "body.hinge_torque"): _lever,
     ("tip_payload", "body.tip_mass"): tip,
+    ("joint_viscoelasticity", "body.hinge_torque"): _maxwell,
     ("constant_force", "tendon.force"): _force,
     ("current_gain", "sensing.current"): _gain,
     ("current_offset", "sensing.current"): _offset,
@@ -181,6 +201,12 @@ HOLDERS: dict[tuple[str, str], Holder] = {
 }
 
 
-def holder(one: Held) -> Holder | None:
+def holder(one: Held, model: Corrected) -> Holder | None:
     """What puts an effect into a model; None where MuJoCo cannot hold it by itself."""
+    if "load_inertia" in one.values:  # a second joint takes its share of an axis without a body
+        share = one.values["load_inertia"] / (model.numbers["inertia"] or 1.0)
+        if model.body is not None or not 0.0 < share < 1.0:
+            return None
+    if model.body is not None and model.body.tendon and one.law.port not in ON_DRIVE:
+        return None
     return HOLDERS.get((one.name, one.law.port))

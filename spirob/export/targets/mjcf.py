@@ -25,10 +25,11 @@ def files(model: "Corrected") -> dict[str, str]:
     from spirob.export.sizes import left_out
 
     machine, name = machine_of(model), c_name(model.name)
-    held = [e for e in model.effects if holder(e) is not None]
+    held = [e for e in model.effects if holder(e, model)]
+    outside = [e for e in model.effects if not holder(e, model)]
     for one in held:
-        holder(one)(machine, one, model)  # type: ignore[misc]
-    outside = [e for e in model.effects if holder(e) is None]
+        if hold := holder(one, model):
+            hold(machine, one, model)
     said = [f"{name}.xml: {model.sentence}"]
     said += [f"holds {e.name}" for e in held]
     said += [f"leaves out {e.name}: {left_out(model, e)}" for e in outside]

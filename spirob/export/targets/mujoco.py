@@ -87,7 +87,8 @@ class Controller:
         """(position, effort) as sensors and log of the machine show them; once for each cycle."""
         position, _, _ = self.moved(data)
         effort = float(data.ctrl[self.drive])
-        return seen(self.state, position, self.state.carried), reported(self.state, effort, CYCLE)
+        effort = framed(self.state, reported(self.state, effort, CYCLE), CYCLE)
+        return seen(self.state, position, self.state.carried), effort
 
 
 CYCLE = 1e-3  # s, of the bus
