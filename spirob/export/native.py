@@ -15,6 +15,7 @@ from spirob.export.corrected import Corrected, Held
 NO_MOTOR = 1e-9  # constant of a dcmotor that drives nothing and brakes nothing
 RAMP = 1.35  # of a clipped line that is as near to tanh as can be, in units of its speed
 SOFT = 1e-4  # impedance of a friction constraint that is a ramp of the speed
+SWING = 2e-4  # s, of a step: MuJoCo's error is of first order in it
 LIGHT = 1e-7  # kg·m², of a joint that only creeps
 Holder = Callable[[Machine, Held, Corrected], None]
 
@@ -140,7 +141,7 @@ def _offset(machine: Machine, one: Held, model: Corrected) -> None:
     _bias(machine, -one.values["offset"] * machine.spec.actuator(DRIVE).gainprm[0])
 
 
-def _shaft(machine: Machine, one: Held, model: Corrected, play: float = 0.0) -> None:
+def _shaft(machine: Machine, one: Held, model: Corrected) -> None:
     """A second joint that carries the load's share of the inertia, on a spring."""
     v, spec = one.values, machine.spec
     share, own = v["load_inertia"], 2.0 * math.pi * v["frequency"]
@@ -150,20 +151,14 @@ def _shaft(machine: Machine, one: Held, model: Corrected, play: float = 0.0) -> 
         body = body or spec.worldbody.add_body(name="behind")
         weigh(body, *((1.0, inertia) if turns else (inertia, 1.0)))
     kind = machine.driven.type
-    behind = spec.body("behind").add_joint(name="behind", type=kind, axis=machine.driven.axis)
+    spec.body("behind").add_joint(name="behind", type=kind, axis=machine.driven.axis)
     tendon = spec.add_tendon(name="shaft")
     tendon.wrap_joint(machine.joint, 1.0)
     tendon.wrap_joint("behind", -1.0)
     tendon.stiffness = [share * own**2, 0.0, 0.0]
-    tendon.damping = [2.0 * v.get("damping", 0.3) * own * share, 0.0, 0.0]
-    tendon.springlength = [-0.5 * play, 0.5 * play]
-    if "coasting" in v:
-        behind.damping = [share / v["coasting"], 0.0, 0.0]
-        machine.driven.damping = machine.driven.damping - [share / v["coasting"], 0.0, 0.0]
-
-
-def _play(machine: Machine, one: Held, model: Corrected) -> None:
-    _shaft(machine, one, model, one.values["play"])
+    tendon.damping = [2.0 * v["damping"] * own * share, 0.0, 0.0]
+    tendon.springlength = [0.0, 0.0]
+    spec.option.timestep = min(spec.option.timestep, SWING)
 
 
 def _maxwell(machine: Machine, one: Held, model: Corrected) -> None:
@@ -197,7 +192,6 @@ HOLDERS: dict[tuple[str, str], Holder] = {
     ("current_gain", "sensing.current"): _gain,
     ("current_offset", "sensing.current"): _offset,
     ("gear_compliance", "motor.torque"): _shaft,
-    ("backlash", "motor.torque"): _play,
 }
 
 

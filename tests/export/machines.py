@@ -63,14 +63,16 @@ def rig_of(hung, **more):
     return described({**told, **more}, "rig")
 
 
-def problem_of(folder, names, body=False, side="motor", step=STEP, **more):
+def problem_of(
+    folder, names, body=False, side="motor", step=STEP, seconds=6.0, **more
+):
     """The inverse problem of one log with these effects."""
     described_body = {}
     if body:
         (folder / "pendulum.xml").write_text(PENDULUM)
         described_body = {"body": {"mjcf": "pendulum.xml", "joint": "elbow", "tip": "tip"}}
     rig = rig_of(body, **described_body, **more)
-    t, q = motion(step=step)
+    t, q = motion(seconds, step)
     a = np.gradient(np.gradient(q, t), t)
     recording = prepare("log", {"t": t, "q": q, "i": 0.06 * a + 0.1 * np.sin(9 * t)}, rig)
     made = RigidBody(rig.body, folder, True) if body else None

@@ -15,7 +15,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-FINE = 1e-3  # s, of a step at most
 PASSES = 12
 
 
@@ -24,7 +23,7 @@ class Played:
 
     def __init__(self, folder, about):
         self.model = mujoco.MjModel.from_xml_path(str(folder / f"{about['name']}.xml"))
-        self.data = mujoco.MjData(self.model)
+        self.data, self.step = mujoco.MjData(self.model), float(self.model.opt.timestep)
         self.dof = int(self.model.joint(about["joint"]).dofadr[0])
         self.drive = int(self.model.actuator("drive").id)
         self.others = {int(self.model.joint(n).dofadr[0]): n for n in about["others"]}
@@ -35,9 +34,12 @@ class Played:
             spec.loader.exec_module(self.module)
             self.controller = self.module.Controller(self.model)
 
-    def begin(self, time):
-        """Forget everything."""
+    def begin(self, time, position, speed):
+        """Forget everything; a load on a spring begins where the motor is."""
         mujoco.mj_resetData(self.model, self.data)
+        for k in range(self.model.njnt):
+            if self.model.joint(k).name == "behind":
+                self.data.joint(k).qpos[0], self.data.joint(k).qvel[0] = position, speed
         if self.controller:
             self.controller.reset()
             self.controller.state.time = float(time)
@@ -90,10 +92,9 @@ class Played:
         """Torque for one unit of effort, roughly."""
         return float(self.model.actuator_gainprm[self.drive, 0]) or 1.0
 
-    @staticmethod
-    def parts(dt):
-        """Steps in which a row is passed."""
-        return max(1, int(np.ceil(dt / FINE - 1e-6)))
+    def parts(self, dt):
+        """Steps of the model in which a row is passed."""
+        return max(1, int(np.ceil(dt / self.step - 1e-6)))
 
     def advance(self, motion, effort, dt):
         """Let memory and further joints go on to the next row."""
@@ -119,7 +120,7 @@ def play(played, about, given):
     behind = getattr(played.module, "behind", None)
     for k, dt in enumerate(given["steps"]):
         first, last = given["starts"][k], given["starts"][k + 1]
-        played.begin(given["time"][first])
+        played.begin(*(given[n][first] for n in ("time", "position", "speed")))
         guess = float(given["effort"][first])
         played.model.opt.timestep = dt / played.parts(dt)
         for row in range(first, last):

@@ -7,11 +7,11 @@ if TYPE_CHECKING:
 
 HOLDS = (
     "armature, damping, friction loss, polynomial stiffness and drag, LuGre bristles, cogging, "
-    "payload, tilt, forces, current gain and offset, a second joint for an elastic gear or play"
+    "payload, tilt, forces, current gain and offset, a second joint for an elastic gear or creeping material"
 )
 LACKS = (
     "what needs a callback: friction by load, efficiency, ripple, saturation, dead band, heat, "
-    "errors of the encoder, asymmetric friction; each is listed in the file with its size"
+    "errors of the encoder, asymmetric friction, play, lag, latency; each is listed in the file with its size"
 )
 LOSSY = True
 PLAYER = "mjcf"

@@ -1,0 +1,65 @@
+"""Every effect of the library goes home: played on held-out logs it is the same to a per cent."""
+
+import shutil
+
+import pytest
+
+from spirob.effects import all_effects
+from spirob.export import targets
+from spirob.export.checking import LOSS, played
+from spirob.logs.atomic import write_text
+from tests.export.machines import exported_model
+
+HINGED = {"joint_viscoelasticity", "mount_tilt", "rest_curvature", "stiffness_hardening"}
+OF_THE_ARM = {  # act on a tendon or a drum: `test_arm` and `test_kernels`
+    "capstan_friction", "creep", "drum_build_up", "eccentric_winch", "stretch", "supply_sag",
+}  # fmt: skip
+NATIVE = {  # what plain MJCF holds, within this share of its size
+    "cogging", "constant_force", "coulomb_friction", "current_gain", "current_offset",
+    "gear_compliance", "joint_viscoelasticity", "mount_tilt", "presliding_friction",
+    "quadratic_drag", "rest_curvature", "stiffness_hardening", "stribeck_friction", "tip_payload",
+}  # fmt: skip
+SAID = 0.05
+COMPILER = pytest.mark.skipif(
+    not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler is installed here"
+)
+
+
+@pytest.fixture(scope="module", params=sorted(set(all_effects()) - OF_THE_ARM))
+def machine(request, tmp_path_factory):
+    """The effect's name, its model, and a folder."""
+    folder = tmp_path_factory.mktemp(request.param)
+    body = request.param in HINGED
+    return request.param, exported_model(folder, [request.param], body, seconds=2.5), folder
+
+
+def lost(model, target, folder):
+    """What a target loses of the effect."""
+    for name, text in targets()[target].files(model).items():
+        write_text(folder / target / name, text)
+    errors = played(model, targets()[target].PLAYER, folder / target)
+    assert errors.size > 0.0
+    return errors.lost
+
+
+@COMPILER
+def test_c_holds_it(machine):
+    _, model, folder = machine
+    assert lost(model, "c", folder) < LOSS
+
+
+def test_mujoco_holds_it(machine):
+    _, model, folder = machine
+    assert lost(model, "mujoco", folder) < LOSS
+
+
+def test_mjcf_holds_it_or_says_that_it_does_not(machine):
+    name, model, folder = machine
+    share = lost(model, "mjcf", folder)
+    text = next((folder / "mjcf").glob("*.xml")).read_text()
+    if name in NATIVE:
+        assert share < SAID
+        assert f"holds {name}" in text
+    else:
+        assert share > SAID
+        assert f"leaves out {name}: costs " in text
