@@ -15,10 +15,13 @@ kernels into the equations of an axis; `checking` proves what was written.
 
 import importlib
 import pkgutil
+import textwrap
 from functools import cache
 from types import ModuleType
 
 from spirob.export import targets as _targets
+
+PAD = " " * 11
 
 
 @cache
@@ -32,5 +35,6 @@ def listed() -> str:
     """The targets with what each can and cannot hold."""
     lines = []
     for name, target in targets().items():
-        lines += [f"  {name:<8} holds {target.HOLDS};", f"{'':<11}not {target.LACKS}"]
+        for text, first in ((f"holds {target.HOLDS};", name), (f"not {target.LACKS}", "")):
+            lines += textwrap.wrap(text, 78, initial_indent=f"  {first:<8} ", subsequent_indent=PAD)
     return "\n".join(lines)

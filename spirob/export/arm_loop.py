@@ -110,7 +110,7 @@ def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
     tree = ast.parse(generate(looped, plant.table.names, model.rig.host is not None))
     kernels = {f.node.name: f.node for e in looped for f in kernel_functions(_held(e))}
     functions = _functions(tree, kernels)
-    names = "\n".join(f"#   {k:>3} {n}" for k, n in enumerate(plant.table.names))
+    names = f"NAMES = {tuple(plant.table.names)!r}  # of P"
     arrays = {"QPOS": "qpos", "P": "p", "GAINS": "gains", "GUIDES": "guides", "UNITS": "units"}
     arrays |= {"GRAVITY": "gravity", "STIFFNESS": "stiffness", "STATE": "state", "MEMORY": "memory"}
     constants = [f"{n} = np.array({_plain(begun[a])})" for n, a in arrays.items()]
@@ -119,7 +119,7 @@ def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
         name=name,
         modes="\n".join(f"{n} = {int(v)}" for n, v in modes.items()),
         columns=repr(COLUMNS),
-        constants="\n".join([*constants, "# P in order:", names]),
+        constants="\n".join([names, *constants]),
         functions=functions,
         limit=20.0,
         first_row=FIRST_ANGLE,

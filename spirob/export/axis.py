@@ -62,7 +62,7 @@ def compensate(s, position, speed, acceleration, dt):
 {hinge}
     slow = a
 {ahead}
-    needed = load + VISCOUS * v + s.offset + {share} * INERTIA * (a - slow)
+    needed = load + VISCOUS * v + s.offset + OWN_INERTIA * a + {share} * INERTIA * (a - slow)
 {added}
     wanted = needed / SCALE
     effort = wanted
@@ -302,7 +302,7 @@ def _renamed(node: ast.FunctionDef, name: str, one: Held) -> ast.FunctionDef:
 def _constants(model: Corrected) -> dict[str, float]:
     found = {name.upper(): value for name, value in model.numbers.items()}
     found |= {"REST_SPEED": model.rest_speed, "ANGLE": model.angle}
-    found["HINGE_STIFFNESS"] = model.stiffness
+    found |= {"HINGE_STIFFNESS": model.stiffness, "OWN_INERTIA": model.own_inertia}
     for one in model.effects:
         found |= {number_name(one, field): value for field, value in one.values.items()}
     return found

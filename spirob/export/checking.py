@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from spirob.control.law import CURRENT
 from spirob.errors import ExportError
+from spirob.export.arm import CorrectedArm
 from spirob.export.axis import equations
 from spirob.export.body import AXIS
 from spirob.export.code import c_name
@@ -44,6 +46,44 @@ def played(model: Corrected, player: str, folder: Path, heldout: Heldout | None 
         alone(script, folder.resolve(), given, result)
         with np.load(result) as made:
             return heldout.errors(made["effort"], made["framed"])
+
+
+def played_arm(model: CorrectedArm, folder: Path) -> Errors:
+    """The errors of an arm that was exported to a folder, on the trials kept aside.
+
+    Compared are the currents of motors that are not themselves commanded a current.
+    """
+    plant, trials = model.plant(), model.trials()
+    neutral = {f"{e.name()}.{f}": v for e in model.effects for f, v in e.neutral.items()}
+    given: dict[str, np.ndarray] = {}
+    for k, t in enumerate(trials):
+        said = t.schedule
+        given |= {f"mode_{k}": said.mode, f"limit_{k}": said.current_limit}
+        given |= {f"reference_{k}": said.reference, f"rate_{k}": said.reference_rate}
+        given[f"angle_{k}"] = np.array(t.first_angle)
+    about = {"name": c_name(model.name), "trials": len(trials)}
+    with tempfile.TemporaryDirectory() as place:
+        kept, result = Path(place) / "given.npz", Path(place) / "result.npz"
+        np.savez(kept, about=json.dumps(about), **given)  # type: ignore[arg-type]
+        alone(PLAYERS / "arm.py", folder.resolve(), kept, result)
+        with np.load(result) as made:
+            played = [made[f"current_{k}"] for k in range(len(trials))]
+    rows: list[list[np.ndarray]] = [[], [], [], []]
+    for trial, exported in zip(trials, played, strict=True):
+        ours, bare = (
+            plant.simulate(trial.schedule, trial.scene, changes, trial.first_angle).current
+            for changes in (model.changes, {**model.changes, **neutral})
+        )
+        driven = trial.schedule.mode != CURRENT
+        for kind, values in zip(rows, (trial.current, ours, bare, exported), strict=True):
+            kind.append(values[:, driven].ravel())
+    measured, ours, bare, exported = (np.concatenate(kind) for kind in rows)
+
+    def rms(values: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(values**2)))
+
+    size = rms(ours - bare) if model.effects else rms(measured)
+    return Errors(rms(ours - measured), rms(exported - measured), rms(exported - ours), size)
 
 
 def alone(script: Path, *arguments: Path) -> None:

@@ -2,8 +2,9 @@
 
 import keyword
 import re
+from collections.abc import Sequence
 
-from spirob.export.axis import GIVEN, Equations, equations, number_name
+from spirob.export.axis import GIVEN, equations, number_name
 from spirob.export.corrected import Corrected
 from spirob.export.translate import HELP, RESERVED
 
@@ -143,16 +144,16 @@ def c_name(name: str) -> str:
 def c_files(model: Corrected) -> dict[str, str]:
     """Header and source in C99."""
     made, name = equations(model), c_name(model.name)
-    about = _about(model) | {"name": name, "guard": f"{name.upper()}_H"}
+    told = _about(model) | {"name": name, "guard": f"{name.upper()}_H"}
     fields = [f"    double {f};{_comment(f)}" for f in made.state]
     resets = [f"    state->{f} = {value!r};" for f, value in made.state.items()]
     read = set().union(*(f.read for f in made.functions))
     constants = [f"static const double {n} = {v!r};" for n, v in made.constants.items() if n in read]
     functions = "\n\n".join(f.c for f in made.functions)
     return {
-        f"{name}.h": HEADER.format(**about, fields="\n".join(fields)),
+        f"{name}.h": HEADER.format(**told, fields="\n".join(fields)),
         f"{name}.c": SOURCE.format(
-            **about,
+            **told,
             helpers=HELP,
             constants="\n".join(constants),
             functions=functions,
@@ -177,11 +178,14 @@ def python_text(model: Corrected) -> str:
     )
 
 
+def about(name: str, sentence: str, effects: Sequence[str]) -> dict[str, str]:
+    """What stands at the head of a file."""
+    named = " + ".join(effects) or "fitted numbers alone"
+    return {"title": _plain(f"{name}: {named}"), "sentence": _plain(sentence)}
+
+
 def _about(model: Corrected) -> dict[str, str]:
-    named = " + ".join(e.name for e in model.effects) or "fitted numbers alone"
-    return {
-        "title": _plain(f"{model.name}: {named}"),
-        "sentence": _plain(model.sentence),
+    return about(model.name, model.sentence, [e.name for e in model.effects]) | {
         "axis": model.axis,
         "effort": _plain(model.effort),
         "torque": _plain(model.torque),
@@ -204,8 +208,3 @@ def _meaning(model: Corrected, constant: str) -> str:
             if number_name(one, number) == constant:
                 return f"  # of {one.name}"
     return ""
-
-
-def made_of(model: Corrected) -> Equations:
-    """The equations, for those who want to look at them."""
-    return equations(model)

@@ -70,6 +70,7 @@ class Corrected:
     angle     position for one radian of the motor;  rest_speed  below which it stands
     stiffness of the driven hinge, which some effects read
     period    of the held-out logs [s]
+    own_inertia  of what moves ahead of the load that friction may feel; part of no load
     """
 
     name: str
@@ -88,6 +89,7 @@ class Corrected:
     body: Body | None = None
     folder: Path = field(default_factory=Path)
     trials: tuple[dict[str, Any], ...] = ()
+    own_inertia: float = 0.0
 
     def at(self, port: str) -> list[Held]:
         """The effects at a port, in their order."""

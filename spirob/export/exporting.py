@@ -4,10 +4,12 @@ import json
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from spirob.errors import ExportError
 from spirob.export import targets
-from spirob.export.checking import played, sentence, warning
+from spirob.export.arm import CorrectedArm, corrected_arm
+from spirob.export.checking import played, played_arm, sentence, warning
 from spirob.export.corrected import Corrected, corrected, read_document
 from spirob.export.heldout import there
 from spirob.logs.atomic import write_text
@@ -42,30 +44,46 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
         raise ExportError(f"no target '{to}'; there are: {', '.join(known)}")
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(20, "is a file, not a folder", str(out))
-    model = corrected(read_document(path), path.parent)
-    made = known[to].files(model)
-    if check and not known[to].PLAYER:
-        raise ExportError(f"'{to}' holds nothing that could be played; leave --check away")
+    target, document = known[to], read_document(path)
+    model = _model(document, path.parent)
+    if isinstance(model, CorrectedArm):
+        if not hasattr(target, "arm"):
+            raise ExportError(f"'{to}' holds no arm: it has {target.LACKS}")
+        made, player = target.arm(model), "arm" if target.PLAYER == "mujoco" else ""
+    else:
+        made, player = target.files(model), target.PLAYER
+    if check and not player:
+        raise ExportError(f"'{to}' leaves nothing here that could be played; leave --check away")
     said: list[str] = []
-    if known[to].PLAYER and (check or (known[to].LOSSY and there(path.parent))):
-        made, said = _proved(model, known[to].PLAYER, made)
+    if player and (check or (target.LOSSY and there(path.parent))):
+        made, said = _proved(model, player, made)
     for name, text in made.items():
         write_text(out / name, text)
     return Exported(tuple(out / name for name in made), tuple(said))
 
 
+def _model(document: dict[str, Any], folder: Path) -> Corrected | CorrectedArm:
+    told = document.get("model")
+    of_arm = isinstance(told, dict) and told.get("machine") == "arm"
+    if of_arm or "rig" not in document:
+        return corrected_arm(document, folder)
+    return corrected(document, folder)
+
+
 def _proved(
-    model: Corrected, player: str, made: dict[str, str]
+    model: Corrected | CorrectedArm, player: str, made: dict[str, str]
 ) -> tuple[dict[str, str], list[str]]:
     """The files, each with what it loses in its first line, and what the proof says."""
     with tempfile.TemporaryDirectory() as place:
         for name, text in made.items():
             write_text(Path(place) / name, text)
-        errors = played(model, player, Path(place))
-    said = [sentence(errors, model.effort)]
-    told = {"unit": model.effort, **asdict(errors), "lost": errors.lost}
-    kept = {name: told[name] for name in told}
-    made = {**made, "check.json": json.dumps(kept, indent=2, ensure_ascii=False) + "\n"}
+        if isinstance(model, CorrectedArm):
+            errors, unit = played_arm(model, Path(place)), "A"
+        else:
+            errors, unit = played(model, player, Path(place)), model.effort
+    told = {"unit": unit, **asdict(errors), "lost": errors.lost}
+    made = {**made, "check.json": json.dumps(told, indent=2, ensure_ascii=False) + "\n"}
+    said = [sentence(errors, unit)]
     if (line := warning(errors)) == "":
         return made, said
     return {name: _first(line, name, text) for name, text in made.items()}, [line, *said]

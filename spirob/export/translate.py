@@ -63,6 +63,8 @@ class Function:
         if a.posonlyargs or a.kwonlyargs or a.vararg or a.kwarg or a.defaults:
             raise self._refused("arguments that are not plain names")
         self.arguments = [x.arg for x in a.args]
+        if taken := [name for name in self.arguments if name in BUILTIN or name == "math"]:
+            raise self._refused(f"an argument called '{taken[0]}'")
         self.locals: dict[str, int] = {}  # name -> length of the tuple in it, 0 for a number
         self.read: set[str] = set()
         self.values = self._returned()
@@ -170,7 +172,7 @@ class Function:
         raise self._refused("an assignment to a part of something", node)
 
     def _new(self, node: ast.Name, length: int) -> str:
-        if node.id in self.known or node.id in self.given or node.id == self.state:
+        if node.id in {*self.known, *self.given, *BUILTIN, "math", self.state}:
             raise self._refused(f"a new value for '{node.id}'", node)
         if node.id not in self.arguments and self.locals.setdefault(node.id, length) != length:
             raise self._refused(f"'{node.id}' once as a number and once as a tuple", node)
@@ -301,4 +303,4 @@ def _is_text(node: ast.stmt) -> bool:
 def _safe(name: str) -> str:
     """A name as it may stand in C."""
     plain = name if name.isascii() else "_".join(f"{ord(c):x}" for c in name)
-    return f"{plain}_" if plain in RESERVED or not name.isascii() else plain
+    return f"{plain}_" if plain in RESERVED | MATH.keys() or not name.isascii() else plain

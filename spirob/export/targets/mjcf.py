@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from spirob.export.arm import CorrectedArm
     from spirob.export.corrected import Corrected
 
 HOLDS = (
@@ -15,6 +16,19 @@ LACKS = (
 )
 LOSSY = True
 PLAYER = "mjcf"
+
+
+def arm(model: "CorrectedArm") -> dict[str, str]:
+    """The same of an arm: its body with tendons that do not stretch, drives in ampere."""
+    from spirob.export.arm_body import with_tendons
+    from spirob.export.code import c_name
+
+    machine, held, outside = with_tendons(model)
+    name = c_name(model.name)
+    said = [f"{name}.xml: {model.sentence}", "tendons do not stretch here, but may push"]
+    said += [f"holds {e}" for e in held]
+    said += [f"leaves out {e}: not played, so of unknown size" for e in outside]
+    return {f"{name}.xml": machine.text(said)}
 
 
 def files(model: "Corrected") -> dict[str, str]:

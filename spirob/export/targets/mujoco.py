@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from spirob.export.arm import CorrectedArm
     from spirob.export.corrected import Corrected
 
 HOLDS = "every effect: `before_step(model, data)` of the module adds what MJCF cannot say"
@@ -93,6 +94,18 @@ class Controller:
 
 CYCLE = 1e-3  # s, of the bus
 '''
+
+
+def arm(model: "CorrectedArm") -> dict[str, str]:
+    """The same of an arm: its body, and the coupled loop of motors, winches and tendons."""
+    from spirob.export.arm_body import bare
+    from spirob.export.arm_loop import arm_module
+    from spirob.export.code import about, c_name
+
+    name = c_name(model.name)
+    said = [f"{name}.xml: the body of the arm.  Motors, winches and tendons are in {name}.py"]
+    told = about(model.name, model.sentence, [e.name() for e in model.effects])
+    return {f"{name}.xml": bare(model).text(said), f"{name}.py": arm_module(model, name, told)}
 
 
 def files(model: "Corrected") -> dict[str, str]:
