@@ -21,8 +21,11 @@ from spirob.robot import Scene
 
 CYCLES = 120
 LOSS = 0.01
-UNREACHED = {"driver_dead_band", "supply_sag"}
-STRONG = {"stiffness_hardening.hardening": 20.0}  # a small bend, and a body written in six digits
+WEAK = {"drive.voltage_limit": 1.5}  # V: a supply that sags has to be at its limit
+STRONG = {  # a small bend, and a body written in six digits; a supply at its limit now and then
+    "stiffness_hardening.hardening": 20.0,
+    "supply_sag.supply_resistance": 5.0,
+}
 
 
 def arm_of(names, changes=None):
@@ -92,15 +95,16 @@ def rms(values):
 def test_an_effect_is_the_same_at_home(name, whole, tmp_path):
     model, plant, home = whole
     schedule, effect = gentle(), all_effects()[name]
+    base = model.changes | (WEAK if name == "supply_sag" else {})
     numbers = {f"{name}.{f}": about.nominal for f, about in effect.parameters().items()}
     numbers |= {full: value for full, value in STRONG.items() if full in numbers}
-    changes = {**model.changes, **numbers}
+    changes = {**base, **numbers}
     if effect.port.startswith("body."):  # part of the body, or of where it hangs
         home = Home(arm_of([name], numbers), tmp_path)
     else:
         home.module.P[:] = plant.table.vector(changes)
     wanted = plant.simulate(schedule, Scene(), changes)
-    without = plant.simulate(schedule, Scene(), model.changes)
+    without = plant.simulate(schedule, Scene(), base)
     found = home.play(schedule)
     shown = 0
     for signal, values in found.items():
@@ -109,7 +113,7 @@ def test_an_effect_is_the_same_at_home(name, whole, tmp_path):
         if size > 1e-6 * max(rms(ours), 1e-12):
             shown += 1
             assert rms(values - ours) < LOSS * size, signal
-    assert shown or name in UNREACHED
+    assert shown
 
 
 def test_a_gentle_trial_has_the_same_currents(whole):
