@@ -2,6 +2,7 @@
 
 Run apart from the project: python -I arm.py FOLDER GIVEN.npz RESULT.npz
 """
+# mypy: ignore-errors
 
 import importlib.util
 import json

@@ -6,6 +6,7 @@ while it slides.)  BAM itself is not needed.
 
 Run apart from the project: python -I bam.py FOLDER GIVEN.npz RESULT.npz
 """
+# mypy: ignore-errors
 
 import json
 import sys

@@ -2,6 +2,7 @@
 
 Run apart from the project: python -I c.py FOLDER GIVEN.npz RESULT.npz
 """
+# mypy: ignore-errors
 
 import ctypes
 import json

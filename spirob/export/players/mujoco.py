@@ -5,6 +5,7 @@ together make the measured acceleration.  Further joints that the export added m
 
 Run apart from the project: python -I mujoco.py FOLDER GIVEN.npz RESULT.npz
 """
+# mypy: ignore-errors
 
 import copy
 import importlib.util
