@@ -1,7 +1,7 @@
 """The corrected arm: its numbers, effects and the trials kept aside, as the pipeline left them."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from spirob.logs import read_parquet
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
 
+BASE = "identified/base.json"
 MODEL, CONFIG, TRACES = "model.json", "config/config.yaml", "traces"
 
 
@@ -24,6 +25,7 @@ class CorrectedArm:
 
     changes  numbers that are not those of the rig, `owner.field` -> value
     fitted   name -> value, low, high, unit, of the diagnosis
+    correlation  of some of them, (name, name) -> value, of the fit before effects were added
     data     folder of the pipeline's data; None where the arm was logged elsewhere
     heldout  names of the trials kept aside
     """
@@ -37,6 +39,7 @@ class CorrectedArm:
     fitted: dict[str, dict[str, Any]]
     data: Path | None
     heldout: tuple[str, ...]
+    correlation: dict[tuple[str, str], float] = field(default_factory=dict)
 
     def plant(self) -> Plant:
         """The model itself."""
@@ -79,7 +82,8 @@ def corrected_arm(document: dict[str, Any], folder: Path) -> CorrectedArm:
         told = json.loads(_text(folder / MODEL))
         config = yaml.safe_load(_text(data / CONFIG))
         trials = [t["name"] for t in config["experiment"]["trials"] if t["role"] == "heldout"]
-        return _arm(document, told, config["rig"], data, tuple(map(str, trials)))
+        found = _arm(document, told, config["rig"], data, tuple(map(str, trials)))
+        return _with_base(found, json.loads(_text(data / BASE)))
     except (KeyError, TypeError, ValueError, AttributeError, yaml.YAMLError) as error:
         raise ExportError(
             f"{folder / 'diagnosis.json'}: its model cannot be read ({str(error)[:100]}); it is of "
@@ -122,6 +126,25 @@ def _arm(
         data,
         heldout,
     )
+
+
+def _with_base(model: CorrectedArm, base: dict[str, Any]) -> CorrectedArm:
+    """The arm with the numbers that were fitted before an effect was added.
+
+    Values are those of the model that stands; their intervals keep the widths of that fit.
+    """
+    fitted = {}
+    for name, told in base["parameters"].items():
+        value, before = model.changes.get(name, told["value"]), finite(told["value"])
+        ends = {end: value + finite(told[end]) - before for end in ("low", "high")}
+        fitted[name] = {"value": value, **ends, "unit": told["unit"]}
+    told = base.get("resolution") or {"names": [], "correlation": []}
+    pairs = {
+        (a, b): finite(told["correlation"][i][j])
+        for i, a in enumerate(told["names"])
+        for j, b in enumerate(told["names"])
+    }
+    return replace(model, fitted={**fitted, **model.fitted}, correlation=pairs)
 
 
 def _text(path: Path) -> str:

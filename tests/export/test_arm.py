@@ -159,6 +159,13 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
     config = "rig: {name: spirob}\nexperiment: {trials: [{name: deep, role: heldout}]}\n"
     (data / "config/config.yaml").write_text(config)
     number = {"value": 0.003, "low": 0.002, "high": 0.004, "unit": "N·m"}
+    (data / "identified").mkdir()
+    damping = {"value": 2e-5, "low": 1e-5, "high": 3e-5, "unit": "N·m·s/rad"}
+    share = {"value": 0.7, "low": 0.6, "high": 0.8, "unit": "1"}
+    base = {"parameters": {"motor.rotor_damping": damping, "winch.efficiency": share}}
+    names = list(base["parameters"])
+    base["resolution"] = {"names": names, "correlation": [[1.0, 0.5], [0.5, 1.0]]}
+    (data / "identified/base.json").write_text(json.dumps(base))
     document = {
         "verdict": "named",
         "sentence": "Missing: dry friction.",
@@ -166,7 +173,13 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
     }
     model = corrected_arm(document, data / "diagnosis")
     assert model.heldout == ("deep",)
-    assert "coulomb_friction.coulomb_torque,0.003,0.002,0.004" in table.arm(model)["parameters.csv"]
+    files = table.arm(model)
+    assert "coulomb_friction.coulomb_torque,0.003,0.002,0.004" in files["parameters.csv"]
+    drawn = json.loads(files["randomisation.json"])
+    covariance, sigma = np.array(drawn["covariance"]), np.array([2e-5, 0.2, 0.002]) / 3.92
+    order = [drawn["names"].index(n) for n in (*names, "coulomb_friction.coulomb_torque")]
+    correlation = covariance[np.ix_(order, order)] / np.outer(sigma, sigma)
+    assert correlation == pytest.approx(np.array([[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]))
     with pytest.raises(ExportError, match="deep.parquet"):
         model.trials()
     told["effects"] = ["my_own"]

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from spirob.errors import ExportError
@@ -66,7 +67,7 @@ def files(model: "Corrected") -> dict[str, str]:
 
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
-    """The same of an arm; its covariance is that of independent numbers."""
+    """The same of an arm; numbers whose correlation is not known count as independent."""
     from spirob.export.code import c_name
     from spirob.export.corrected import Fitted
 
@@ -81,6 +82,13 @@ def arm(model: "CorrectedArm") -> dict[str, str]:
         tuple(str(told[n]["unit"]) for n in names),
         None,
     )
+    widths = [(high - low) / WIDTH for low, high in fitted.intervals]
+    known = {**model.correlation, **{(n, n): 1.0 for n in names}}
+    covariance = tuple(
+        tuple(known.get((a, b), 0.0) * i * j for b, j in zip(names, widths, strict=True))
+        for a, i in zip(names, widths, strict=True)
+    )
+    fitted = replace(fitted, covariance=covariance)
     name = c_name(model.name)
     return _tables(fitted, DRAW.format(name=name, lines=ARM.format(name=name)))
 
