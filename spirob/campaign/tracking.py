@@ -61,7 +61,7 @@ def tracked(case: Case) -> dict[str, Any]:
     rng = np.random.default_rng([case.seed, 77])
     fast = plan("tones", rng, SECONDS, machine.stroke, machine.fastest)
     speed = np.gradient(fast.wanted, 1.0 / FINE)
-    fitted = corrected(_bare(diagnosis, case), Path())
+    fitted = corrected(_bare(diagnosis), Path())
     ahead = {
         "none": np.zeros(len(fast.wanted)),
         "fitted": _torque(fitted, machine, fast, speed),
@@ -83,11 +83,13 @@ def _diagnosed(plain: dict[str, Any], logs: Sequence[Any], folder: Path) -> Diag
     return diagnose_recordings(rig, folder, read[:-1], read[-1:])
 
 
-def _bare(diagnosis: Diagnosis, case: Case) -> dict[str, Any]:
+def _bare(diagnosis: Diagnosis) -> dict[str, Any]:
     """The same diagnosis with the numbers as they were fitted without any effect."""
     model = dict(diagnosis.document["model"])
     numbers = dict(model["numbers"])
-    numbers |= {name: known["value"] for name, known in diagnosis.parameters.items() if "." not in name}
+    numbers |= {
+        name: known["value"] for name, known in diagnosis.parameters.items() if "." not in name
+    }
     return {**diagnosis.document, "model": {**model, "effects": [], "numbers": numbers}}
 
 

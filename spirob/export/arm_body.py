@@ -47,7 +47,7 @@ def with_tendons(model: CorrectedArm) -> tuple[Machine, list[str], list[str]]:
         ]
         efficiency = number("winch.efficiency") * share["winch.efficiency"]
         drive.gainprm[0] = efficiency * turn * number("motor.torque_constant")
-    held, outside = [], []
+    held, outside = list[str](), list[str]()
     for effect in model.effects:
         values = {f: number(f"{effect.name()}.{f}") for f in effect.parameters()}
         done = _held(spec, effect, values, turn, units)

@@ -20,7 +20,10 @@ from spirob.ports import PORTS
 from spirob.robot import Scene
 
 ENDLESS = "10**12"
-STEPPED = {"mj_step1": "mujoco.mj_step1(model, data)", "mj_solveM": "mujoco.mj_solveM(model, data, solved, pull)"}
+STEPPED = {
+    "mj_step1": "mujoco.mj_step1(model, data)",
+    "mj_solveM": "mujoco.mj_solveM(model, data, solved, pull)",
+}
 FAST = {"is_free", "chain_factor", "chain_solve", "chain_step", "bend_outline"}  # MuJoCo does it
 PLAYED = ("reference", "reference_rate", "out", "angles")  # a row of each cycle: here the present
 MODULE = '''"""{title}: drive, winch, tendons and effects of the arm, beside {name}.xml.

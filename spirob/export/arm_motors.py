@@ -47,9 +47,7 @@ def c_files_of_arm(model: CorrectedArm) -> dict[str, str]:
         laws.append(f"/* {one.name} at {one.law.port}: {numbers} */")
         laws += [f.c for f in kernel_functions(one)]
     guard = f"{name.upper()}_LAWS_H"
-    found[f"{name}_laws.h"] = LAWS.format(
-        **told, guard=guard, helpers=HELP, laws="\n\n".join(laws)
-    )
+    found[f"{name}_laws.h"] = LAWS.format(**told, guard=guard, helpers=HELP, laws="\n\n".join(laws))
     return found
 
 

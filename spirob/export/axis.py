@@ -1,7 +1,7 @@
 """The equations of a plain axis as one text of plain arithmetic, from which C and Python are made.
 
-    compensate  effort that a motion asks for: the inverse model of `spirob.machine.asked`, sample by
-                sample, with its memory in a state
+    compensate  effort that a motion asks for: the inverse model of `spirob.machine.asked`, one
+                sample after the other, with its memory in a state
     torque      what drive and effects put on the axis at an effort: `spirob.machine.forward`
     reported    an effort as the drive reports it;  framed  as late as the bus brings it
     seen        a position as its sensor reads it
@@ -220,9 +220,7 @@ def equations(model: Corrected) -> Equations:
         raise ExportError(
             f"effect '{strange[0].name}' acts at {strange[0].law.port}, which an axis has not"
         )
-    if unread := [
-        (e, s) for e in model.effects for s in e.law.reads.values() if s not in SIGNALS
-    ]:
+    if unread := [(e, s) for e in model.effects for s in e.law.reads.values() if s not in SIGNALS]:
         effect, signal = unread[0]
         raise ExportError(f"effect '{effect.name}' reads {signal}, which an axis has not")
     constants = _constants(model)
@@ -245,7 +243,7 @@ def equations(model: Corrected) -> Equations:
 
 def kernel_functions(one: Held) -> list[Function]:
     """An effect's kernel and the functions of its file that it calls, those first."""
-    law, found = one.law, {}
+    law, found = one.law, dict[str, Function]()
     who = f"effect '{one.name}'"
 
     def follow(node: ast.FunctionDef, name: str, above: tuple[str, ...]) -> None:
@@ -333,7 +331,9 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
     wrong = [e for e in sensors if not feels_load(e)]
     twisted = [e for e in sensors if feels_load(e)]
     for one in wrong:
-        if one.law.state or {"motor.current", "motor.command", "time"} & set(one.law.reads.values()):
+        if one.law.state or {"motor.current", "motor.command", "time"} & set(
+            one.law.reads.values()
+        ):
             raise ExportError(f"effect '{one.name}': an error of the position with memory stays")
     shares = [e.values["rotor_share"] for e in twisted if "rotor_share" in e.values]
     ahead = AHEAD.format(errors=_calls(twisted, "+error", upstream="q")) if twisted else ""

@@ -21,7 +21,7 @@ DRIVE, AXIS = "drive", "axis"
 class Machine:
     """A model to be written.
 
-    joint   that the drive moves;  tendon  by which, "" where directly;  said  lines for its head
+    joint   that the drive moves;  tendon  by which, "" where directly
     """
 
     spec: mujoco.MjSpec
@@ -40,7 +40,8 @@ class Machine:
                 self.spec.compile()
                 body = self.spec.to_xml()
         except (ValueError, mujoco.FatalError) as error:
-            raise ExportError(f"MuJoCo refuses the exported model: {' '.join(str(error).split())}")
+            said_by = " ".join(str(error).split())
+            raise ExportError(f"MuJoCo refuses the exported model: {said_by}") from None
         kept = "\n".join(line.replace("--", "- -") for line in said)
         return f"<!--\n{kept}\n-->\n{body}"
 
@@ -56,13 +57,13 @@ def machine_of(model: Corrected) -> Machine:
         if any(numbers[n] for n in ("inertia", "viscous", "stiffness")):
             tendon = spec.tendon(found.tendon)
             tendon.armature += numbers["inertia"]
-            tendon.damping = tendon.damping + [numbers["viscous"], 0, 0]
-            tendon.stiffness = tendon.stiffness + [numbers["stiffness"], 0, 0]
+            tendon.damping += np.array([numbers["viscous"], 0.0, 0.0])
+            tendon.stiffness += np.array([numbers["stiffness"], 0.0, 0.0])
     else:
         if model.body is not None:
             joint.armature += numbers["inertia"]
-        joint.damping = joint.damping + [numbers["viscous"], 0.0, 0.0]
-        joint.stiffness = joint.stiffness + [numbers["stiffness"], 0.0, 0.0]
+        joint.damping += np.array([numbers["viscous"], 0.0, 0.0])
+        joint.stiffness += np.array([numbers["stiffness"], 0.0, 0.0])
     _drive(found, numbers["scale"], numbers["back_emf"])
     return found
 

@@ -43,7 +43,7 @@ double {name}_compensate({name}_state *state, double position, double speed, dou
 double {name}_torque({name}_state *state, double position, double speed, double acceleration,
     double effort, double dt);
 
-/* The effort as the drive reports it, and that as late as the bus brings it; once for each cycle. */
+/* The effort as the drive reports it; that as late as the bus brings it; once for each cycle. */
 double {name}_reported({name}_state *state, double effort, double dt);
 double {name}_framed({name}_state *state, double effort, double dt);
 
@@ -148,7 +148,9 @@ def c_files(model: Corrected) -> dict[str, str]:
     fields = [f"    double {f};{_comment(f)}" for f in made.state]
     resets = [f"    state->{f} = {value!r};" for f, value in made.state.items()]
     read = set().union(*(f.read for f in made.functions))
-    constants = [f"static const double {n} = {v!r};" for n, v in made.constants.items() if n in read]
+    constants = [
+        f"static const double {n} = {v!r};" for n, v in made.constants.items() if n in read
+    ]
     functions = "\n\n".join(f.c for f in made.functions)
     return {
         f"{name}.h": HEADER.format(**told, fields="\n".join(fields)),
@@ -194,7 +196,7 @@ def _about(model: Corrected) -> dict[str, str]:
 
 def _plain(text: str) -> str:
     """A text of a file as it may stand in a comment or a docstring."""
-    kept = "".join(c if c.isprintable() and c not in "\\\"*`{}" else " " for c in text)
+    kept = "".join(c if c.isprintable() and c not in '\\"*`{}' else " " for c in text)
     return " ".join(kept.split())[:200]
 
 

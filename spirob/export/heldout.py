@@ -64,7 +64,8 @@ class Heldout:
 
     def given(self) -> dict[str, np.ndarray]:
         """What a player needs."""
-        found = {n: self.table[n].to_numpy(float) for n in self.table if n not in ("used", "trial")}
+        kept = [str(n) for n in self.table.columns if n not in ("used", "trial")]
+        found = {name: self.table[name].to_numpy(float) for name in kept}
         numbers, q = self.model.numbers, found["position"]
         turned = q if self.model.axis == "rad" else np.zeros_like(q)
         weight = numbers["payload_cosine"] * np.cos(turned)
@@ -96,8 +97,8 @@ class Heldout:
         )
 
     def _motion(self) -> Motion:
-        nothing = np.zeros(len(self.table))
-        return Motion(self.starts, self.steps, *[nothing] * 5, {})
+        none = np.zeros(len(self.table))
+        return Motion(self.starts, self.steps, none, none, none, none, none, {})
 
     def _last(self, values: np.ndarray) -> np.ndarray:
         """The filter that measured and modelled effort pass."""

@@ -73,8 +73,13 @@ def law_of(name: str, text: str, effect: type[Effect] | None = None) -> Law:
 
 
 def _told(effect: type[Effect]) -> Declared:
-    reads, state, neutral = (dict(x) for x in (effect.reads, effect.state, effect.neutral))
-    return effect.port, reads, state, neutral, tuple(effect.parameters())
+    return (
+        effect.port,
+        dict(effect.reads),
+        dict(effect.state),
+        dict(effect.neutral),
+        tuple(effect.parameters()),
+    )
 
 
 def _declared(body: list[ast.stmt], who: str) -> Declared:
@@ -128,7 +133,7 @@ def _constants(tree: ast.Module) -> list[tuple[str, float]]:
     return [
         (name, float(value.value))
         for name, value in pairs
-        if isinstance(value, ast.Constant) and type(value.value) in (int, float)
+        if isinstance(value, ast.Constant) and isinstance(value.value, int | float)
     ]
 
 

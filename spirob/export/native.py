@@ -95,12 +95,12 @@ def _cogging(machine: Machine, one: Held, model: Corrected) -> None:
 
 
 def _drag(machine: Machine, one: Held, model: Corrected) -> None:
-    machine.driven.damping = machine.driven.damping + [0.0, one.values["drag"], 0.0]
+    machine.driven.damping += np.array([0.0, one.values["drag"], 0.0])
 
 
 def _hardening(machine: Machine, one: Held, model: Corrected) -> None:
     more = one.values["hardening"] * model.stiffness
-    machine.driven.stiffness = machine.driven.stiffness + [0.0, 0.0, more]
+    machine.driven.stiffness += np.array([0.0, 0.0, more])
 
 
 def _rest(machine: Machine, one: Held, model: Corrected) -> None:

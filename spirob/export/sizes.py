@@ -17,7 +17,9 @@ def left_out(model: Corrected, one: Held) -> str:
         return "of unknown size, as the diagnosis has no held-out logs beside it"
     heldout = Heldout(model)
     whole = effort_of(model, heldout)
-    less = effort_of(replace(model, effects=tuple(e for e in model.effects if e is not one)), heldout)
+    less = effort_of(
+        replace(model, effects=tuple(e for e in model.effects if e is not one)), heldout
+    )
     used = heldout.table["used"].to_numpy(bool)
     missing = float(np.sqrt(np.mean((whole - less)[used] ** 2)))
     size = float(np.sqrt(np.mean(heldout.table["effort"].to_numpy(float)[used] ** 2)))

@@ -26,9 +26,49 @@ SIGNS = {
 CALLED = {ast.Pow: "pow", ast.Mod: "modulo", ast.FloorDiv: "whole"}
 MOST = 1000  # turns of a loop
 RESERVED = frozenset(  # names that mean something else in C
-    "auto break case char const continue default do double else enum extern float for goto if "
-    "inline int long register restrict return short signed sizeof static struct switch typedef "
-    "union unsigned void volatile while main M_PI smaller larger whole modulo place".split()
+    [
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "main",
+        "M_PI",
+        "smaller",
+        "larger",
+        "whole",
+        "modulo",
+        "place",
+    ]
 )
 HELP = """\
 static inline double smaller(double a, double b) { return b < a ? b : a; }
@@ -110,7 +150,9 @@ class Function:
             return [pad + line for line in self._assign(node.targets[0], node.value)]
         if isinstance(node, ast.AugAssign):
             value = ast.BinOp(node.target, node.op, node.value)  # type: ignore[arg-type]
-            return [pad + line for line in self._assign(node.target, ast.copy_location(value, node))]
+            return [
+                pad + line for line in self._assign(node.target, ast.copy_location(value, node))
+            ]
         if isinstance(node, ast.If):
             lines = [f"{pad}if ({self._test(node.test)}) {{", *self._block(node.body, depth + 1)]
             if node.orelse:
@@ -190,7 +232,7 @@ class Function:
         return self._value(node)
 
     def _value(self, node: ast.expr) -> str:
-        if isinstance(node, ast.Constant) and type(node.value) in (int, float, bool):
+        if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
             return self._number(node, float(node.value))
         if isinstance(node, ast.Name):
             return self._read(node)
@@ -270,7 +312,9 @@ class Function:
         passed = node.args[1:] if own and _is_state(node.args, self.state) else node.args
         given = [self._value(a) for a in passed]
         if own and self.known[name] == values:
-            return f"{name}({', '.join([self.state, *given] if passed is not node.args else given)})"
+            return (
+                f"{name}({', '.join([self.state, *given] if passed is not node.args else given)})"
+            )
         base, _, function = name.rpartition(".")
         if base == "math" and MATH.get(function) == len(given) and values == 1:
             return f"{function}({', '.join(given)})"

@@ -62,9 +62,7 @@ def block_scatter(
     return hessian, (1.0 - 1.0 / len(stacked)) * stacked.T @ stacked
 
 
-def covariance_of(
-    problem: "Problem", found: "Fit", scale: float
-) -> list[list[float]] | None:
+def covariance_of(problem: "Problem", found: "Fit", scale: float) -> list[list[float]] | None:
     """Covariance of the fitted numbers in their own units, (n, n) in the order of `estimates`.
 
     To first order where the fit ended; scale  of its robust loss.  None where the data leave some

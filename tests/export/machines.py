@@ -63,9 +63,7 @@ def rig_of(hung, **more):
     return described({**told, **more}, "rig")
 
 
-def problem_of(
-    folder, names, body=False, side="motor", step=STEP, seconds=6.0, **more
-):
+def problem_of(folder, names, body=False, side="motor", step=STEP, seconds=6.0, **more):
     """The inverse problem of one log with these effects."""
     described_body = {}
     if body:

@@ -138,7 +138,7 @@ def test_a_motor_in_c_is_an_axis_of_its_own():
 
 def test_plain_mjcf_holds_what_it_says():
     names = ["stiffness_hardening", "rest_curvature", "tip_payload", "coulomb_friction", "creep"]
-    machine, held, outside = with_tendons(arm_of(names))
+    _, held, outside = with_tendons(arm_of(names))
     assert outside == ["creep"]
     assert set(held) == set(names) - {"creep"}
     text = mjcf.arm(arm_of(names))["spirob.xml"]
@@ -180,7 +180,7 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
     order = [drawn["names"].index(n) for n in (*names, "coulomb_friction.coulomb_torque")]
     correlation = covariance[np.ix_(order, order)] / np.outer(sigma, sigma)
     assert correlation == pytest.approx(np.array([[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]))
-    with pytest.raises(ExportError, match="deep.parquet"):
+    with pytest.raises(ExportError, match=r"deep\.parquet"):
         model.trials()
     told["effects"] = ["my_own"]
     (data / "diagnosis/model.json").write_text(json.dumps(told))

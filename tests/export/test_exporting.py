@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
+from spirob.errors import ExportError
 from spirob.export import listed, targets
 from spirob.export.checking import ALONE, alone
 from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
-from spirob.errors import ExportError
 from tests.export.machines import exported_model
 
 OWN = '''
@@ -112,7 +112,8 @@ def test_what_is_drawn_has_the_moments_that_were_fitted(home, tmp_path):
     script = (
         "import sys; sys.path.insert(0, '.'); import draw, elbow, json, numpy as np\n"
         "rng = np.random.default_rng(0)\n"
-        "print(json.dumps([[draw.draw(rng).dof_damping[0].item(), elbow.VISCOUS] for _ in range(400)]))"
+        "drawn = [[draw.draw(rng).dof_damping[0].item(), elbow.VISCOUS] for _ in range(400)]\n"
+        "print(json.dumps(drawn))"
     )
     done = subprocess.run(
         [sys.executable, "-I", "-c", script], cwd=tmp_path, capture_output=True, check=True

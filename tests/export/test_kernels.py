@@ -63,7 +63,9 @@ def in_c(library, k, effect, numbers, inputs):
     return out
 
 
-@pytest.mark.parametrize("k", range(len(LAWS)), ids=lambda k: LAWS[k].__module__.split("spirob.")[1])
+@pytest.mark.parametrize(
+    "k", range(len(LAWS)), ids=lambda k: LAWS[k].__module__.split("spirob.")[1]
+)
 def test_a_kernel_in_c_is_the_kernel(k, library):
     effect, rng = LAWS[k], np.random.default_rng(k)
     numbers = {name: about.nominal for name, about in effect.parameters().items()}
@@ -77,7 +79,9 @@ def test_a_kernel_in_c_is_the_kernel(k, library):
     assert np.abs(wanted).max() > 0.0
 
 
-@pytest.mark.parametrize("k", range(len(LAWS)), ids=lambda k: LAWS[k].__module__.split("spirob.")[1])
+@pytest.mark.parametrize(
+    "k", range(len(LAWS)), ids=lambda k: LAWS[k].__module__.split("spirob.")[1]
+)
 def test_a_file_says_what_its_class_declares(k):
     effect = LAWS[k]
     if effect.name() == "feedback_latency":
@@ -127,7 +131,9 @@ def function(body, arguments="x, n", known=None):
     ids=lambda body: "; ".join(body)[:40],
 )
 def test_what_is_no_arithmetic_does_not_leave(body):
-    with pytest.raises(ExportError, match="effect 'strange': its kernel holds .*, which cannot leave"):
+    with pytest.raises(
+        ExportError, match=r"effect 'strange': its kernel holds .*, which cannot leave"
+    ):
         function(body)
 
 

@@ -38,8 +38,8 @@ def effort(told, given):
 def main():
     """Play what is given and keep the result."""
     given = dict(np.load(sys.argv[2]))
-    files = [f for f in Path(sys.argv[1]).glob("*_m?.json")]
-    told = json.loads(files[0].read_text(encoding="utf-8"))
+    (file,) = Path(sys.argv[1]).glob("*_m?.json")
+    told = json.loads(file.read_text(encoding="utf-8"))
     np.savez(sys.argv[3], effort=effort(told, given), framed=given["effort"])
 
 

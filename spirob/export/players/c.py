@@ -55,7 +55,7 @@ def play(library, name, fields, given):
         for row in range(first, last):
             for field, column in fed.items():
                 state[place[field]] = given[column][row]
-            q, v, a, measured = (x[row] for x in rows)
+            q, v, a = (x[row] for x in rows[:3])
             effort[row] = calls["compensate"](state, q, v, a, dt)
     for k, dt in enumerate(given["steps"]):
         first, last = given["starts"][k], given["starts"][k + 1]

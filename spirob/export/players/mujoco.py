@@ -30,7 +30,9 @@ class Played:
         self.others = {int(self.model.joint(n).dofadr[0]): n for n in about["others"]}
         self.module = self.controller = None
         if about["controller"]:
-            spec = importlib.util.spec_from_file_location("exported", folder / f"{about['name']}.py")
+            spec = importlib.util.spec_from_file_location(
+                "exported", folder / f"{about['name']}.py"
+            )
             self.module = importlib.util.module_from_spec(spec)
             spec.loader.exec_module(self.module)
             self.controller = self.module.Controller(self.model)
@@ -102,7 +104,9 @@ class Played:
         parts = self.parts(dt)
         for k in range(parts):
             x = k * dt / parts
-            moved = {d: (q + v * x + 0.5 * a * x * x, v + a * x, a) for d, (q, v, a) in motion.items()}
+            moved = {
+                d: (q + v * x + 0.5 * a * x * x, v + a * x, a) for d, (q, v, a) in motion.items()
+            }
             self.lead(moved)
             self.data.ctrl[self.drive] = effort
             if self.controller:
@@ -138,7 +142,9 @@ def play(played, about, given):
             state.reset()
             effort[rows] = [played.module.reported(state, float(effort[r]), dt) for r in rows]
             state.reset()
-            framed[rows] = [played.module.framed(state, float(given["effort"][r]), dt) for r in rows]
+            framed[rows] = [
+                played.module.framed(state, float(given["effort"][r]), dt) for r in rows
+            ]
     return effort, framed
 
 

@@ -6,7 +6,9 @@ if TYPE_CHECKING:
     from spirob.export.arm import CorrectedArm
     from spirob.export.corrected import Corrected
 
-HOLDS = "the feed-forward (compensate), the forward friction terms and the readings, of every effect"
+HOLDS = (
+    "the feed-forward (compensate), the forward friction terms and the readings, of every effect"
+)
 LACKS = "the body of a model file: its load is given by the caller (state.carried)"
 LOSSY = False
 PLAYER = "c"

@@ -1,4 +1,4 @@
-"""Plain MJCF: the body with its corrected numbers, and what of the effects MuJoCo holds by itself."""
+"""Plain MJCF: the body with its corrected numbers, and of the effects what MuJoCo holds itself."""
 
 from typing import TYPE_CHECKING
 
@@ -8,11 +8,13 @@ if TYPE_CHECKING:
 
 HOLDS = (
     "armature, damping, friction loss, polynomial stiffness and drag, LuGre bristles, cogging, "
-    "payload, tilt, forces, current gain and offset, a second joint for an elastic gear or creeping material"
+    "payload, tilt, forces, current gain and offset, a second joint for an elastic gear or "
+    "creeping material"
 )
 LACKS = (
     "what needs a callback: friction by load, efficiency, ripple, saturation, dead band, heat, "
-    "errors of the encoder, asymmetric friction, play, lag, latency; each is listed in the file with its size"
+    "errors of the encoder, asymmetric friction, play, lag, latency; each is listed in the file "
+    "with its size"
 )
 LOSSY = True
 PLAYER = "mjcf"

@@ -15,8 +15,8 @@ CONTROLLER = '''
 class Controller:
     """Steps the effects of the machine: call `before_step` ahead of every `mujoco.mj_step`.
 
-    The control of the actuator `{drive}` is the effort as the drive reads it.  The slope of friction
-    goes into the joint's damping, which MuJoCo solves implicitly: `model` is changed there.
+    The control of the actuator `{drive}` is the effort as the drive reads it.  The slope of
+    friction goes into the joint's damping, which MuJoCo solves implicitly: `model` changes there.
     """
 
     def __init__(self, model, joint="{joint}", tendon="{tendon}"):

@@ -6,14 +6,27 @@ from spirob.report.data import ReportData
 from spirob.report.sections.section import Section
 
 TARGETS = (  # target, for whom, what it holds, whether of an arm too
-    ("mujoco", "plain MuJoCo", "every effect, stepped beside mj_step by a small Python module", True),
-    ("mjcf", "MuJoCo without Python", "what its attributes and actuators can say; the file lists "
-     "the rest with its size", True),
+    (
+        "mujoco",
+        "plain MuJoCo",
+        "every effect, stepped beside mj_step by a small Python module",
+        True,
+    ),
+    (
+        "mjcf",
+        "MuJoCo without Python",
+        "what its attributes and actuators can say; the file lists the rest with its size",
+        True,
+    ),
     ("c", "a drive or a controller", "the feed-forward and the friction terms, in C99", True),
     ("bam", "BAM", "friction of a servo, models M1 to M4", False),
-    ("table", "a paper, or randomisation", "numbers with intervals, covariance, and a script that "
-     "draws machines", True),
-)  # fmt: skip
+    (
+        "table",
+        "a paper, or randomisation",
+        "numbers with intervals, covariance, and a script that draws machines",
+        True,
+    ),
+)
 GOES = {
     "named": "The fitted numbers and what is named",
     "undecided": "The fitted numbers alone, as what is missing is not decided",
