@@ -11,8 +11,8 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.export.arm import CorrectedArm
-from spirob.export.axis import kernel_functions
 from spirob.export.corrected import Held
+from spirob.export.kernels import kernel_functions
 from spirob.export.law import law_of
 from spirob.plant.assemble import generate
 from spirob.plant.plant import COLUMNS

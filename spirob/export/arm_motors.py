@@ -5,9 +5,10 @@ from dataclasses import replace
 
 from spirob.effects.individual import SUFFIX, differences
 from spirob.export.arm import CorrectedArm
-from spirob.export.axis import ADDED, BEFORE, CURRENT, FRAME, REPORT, SHARE, kernel_functions
+from spirob.export.axis import ADDED, BEFORE, CURRENT, FRAME, REPORT, SHARE
 from spirob.export.code import about, c_files, c_name
 from spirob.export.corrected import Corrected, Fitted, Held
+from spirob.export.kernels import kernel_functions
 from spirob.export.law import law_of
 from spirob.export.translate import HELP
 from spirob.machine.rig import NUMBERS

@@ -15,14 +15,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from spirob.errors import ExportError
+from spirob.export.axis_text import (
+    AHEAD,
+    BEHIND,
+    COMPENSATE,
+    FRAMED,
+    LOADED,
+    MISREAD,
+    MOTOR,
+    REPORTED,
+    SEEN,
+    SOLVED,
+    TORQUE,
+    WITH_PAYLOAD,
+)
 from spirob.export.corrected import Corrected, Held
-from spirob.export.translate import HELP, Function
+from spirob.export.kernels import kernel_functions, kernel_name
+from spirob.export.translate import Function
+from spirob.machine.asked import ADDED, BEFORE, HINGE, PASSES, SENSOR
+from spirob.machine.forward.torque import PASSES as SENSED
 
-PASSES = 12  # of the solution for the effort before the drive's pipes, as `asked.PASSES`
-SENSED = 10  # of that for the effort behind its sensor, as `forward.torque.PASSES`
-ADDED, BEFORE = ("motor.torque", "tendon.force"), ("command.current", "motor.drive_torque")
-HINGE, SENSOR, SHARE = "body.hinge_torque", "sensing.displacement", "winch.efficiency"
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
+SHARE = "winch.efficiency"
 PLAYED = {*ADDED, *BEFORE, HINGE, SENSOR, SHARE, CURRENT, REPORT, FRAME}
 BUILT = "body.tip_mass"  # is part of the body
 # constants that a controller reads
@@ -50,146 +64,6 @@ GIVEN = {  # fields of the state that the caller sets
     "weight_x": "torque of the weight if gravity pointed along +x",
     "weight_y": "the same along +y",
 }
-COMPENSATE = '''
-def compensate(s, position, speed, acceleration, dt):
-    """Effort to command so that the axis moves so; call it once for each step of a motion."""
-    q = position
-    v = speed
-    a = acceleration
-    effort = 0.0
-{behind}
-    load = loaded(s, q, a)
-{hinge}
-    slow = a
-{ahead}
-    needed = load + VISCOUS * v + s.offset + OWN_INERTIA * a + {share} * INERTIA * (a - slow)
-{added}
-    wanted = needed / SCALE
-    effort = wanted
-{solved}
-    effort = effort + BACK_EMF * v
-{current}
-    s.time = s.time + dt
-    return effort
-'''
-LOADED = '''
-def loaded(s, q, a):
-    """What the transmission passes on, without effects."""
-    return INERTIA * a + STIFFNESS * q + s.carried
-'''
-WITH_PAYLOAD = '''
-def loaded(s, q, a):
-    """What the transmission passes on, without effects."""
-    weight = PAYLOAD_COSINE * math.cos({turned}) + PAYLOAD_SINE * math.sin({turned})
-    own = INERTIA * a + STIFFNESS * q
-    return own + s.payload * (PAYLOAD_INERTIA * a + weight) + s.carried
-'''
-TORQUE = '''
-def torque(s, position, speed, acceleration, effort, dt):
-    """What drive and effects put on the axis, friction negative, at this effort."""
-    q = position
-    v = speed
-    load = loaded(s, q, acceleration)
-    held = 0.0
-{held}
-    load = load - held
-{sensor}
-    effort = effort - BACK_EMF * v
-    passed = effort
-{pipes}
-    share = 1.0
-{shares}
-    out = SCALE * share * passed + held
-{added}
-    s.time = s.time + dt
-    return out
-'''
-REPORTED = '''
-def reported(s, effort, dt):
-    """The effort as the drive reports it; call it once for each step of a log."""
-{report}
-    return effort
-'''
-FRAMED = '''
-def framed(s, effort, dt):
-    """The effort in a frame as late as the bus brings it; call it once for each cycle."""
-{frame}
-    return effort
-'''
-MISREAD = '''
-def misread(q, v):
-    """Error of the position sensor at this position."""
-    error = 0.0
-{errors}
-    return error
-'''
-SEEN = '''
-def seen(s, position, load):
-    """The position as its sensor reads it, under this load."""
-    q = position
-    v = 0.0
-    effort = 0.0
-    error = 0.0
-{errors}
-    return q + error
-'''
-BEHIND = '''
-def behind(q, v, a, dt):
-    """Position, speed and acceleration without the errors of the position sensor."""
-    here = misread(q, v)
-    later = misread(q + v * dt + 0.5 * a * dt * dt, v)
-    sooner = misread(q - v * dt + 0.5 * a * dt * dt, v)
-    first = (later - sooner) / (2.0 * dt)
-    second = (later - 2.0 * here + sooner) / (dt * dt)
-    return q - here, v - first, a - second
-'''
-AHEAD = """\
-    error = 0.0
-{errors}
-    first = 0.0
-    second = 0.0
-    if s.rows >= 1.0:
-        first = (error - s.error_1) / dt
-    if s.rows >= 2.0:
-        first = (3.0 * error - 4.0 * s.error_1 + s.error_2) / (2.0 * dt)
-        second = (error - 2.0 * s.error_1 + s.error_2) / (dt * dt)
-    if s.rows >= 3.0:
-        second = (2.0 * error - 5.0 * s.error_1 + 4.0 * s.error_2 - s.error_3) / (dt * dt)
-    s.error_3 = s.error_2
-    s.error_2 = s.error_1
-    s.error_1 = error
-    s.rows = min(s.rows + 1.0, 3.0)
-    q = q - error
-    v = v - first
-    a = a - second"""
-SOLVED = """\
-    step = 1.0
-    missed = 1e300
-    moved = 0.0
-    edge = 0.0
-    for turn in range({passes}):
-        passed = effort
-{pipes}
-        share = 1.0
-{shares}
-        miss = wanted - share * passed
-        if abs(miss) <= 1e-12 * abs(wanted):
-            break
-        flat = miss * missed > 0.0 and abs(miss) > 0.5 * abs(missed)
-        slope = 1.0
-        if missed - miss != 0.0:
-            slope = moved / (missed - miss)
-        if flat:
-            edge = 1.0
-            step = 2.0 * step
-        else:
-            step = 1.0
-            if edge == 0.0 and slope > 0.5 and slope < 2.0:
-                step = slope
-        moved = step * miss
-        missed = miss
-        effort = effort + moved
-{kept}"""
 
 
 @dataclass(frozen=True)
@@ -204,11 +78,6 @@ class Equations:
     state: dict[str, float]
     python: str
     functions: tuple[Function, ...]
-
-    @property
-    def helpers(self) -> str:
-        """What the functions in C need beside `math.h`."""
-        return HELP
 
 
 def equations(model: Corrected) -> Equations:
@@ -239,62 +108,6 @@ def equations(model: Corrected) -> Equations:
     used = set().union(*(f.read for f in nodes))
     kept = {name: value for name, value in constants.items() if name in used | HARD}
     return Equations(kept, _state(model), python, tuple(nodes))
-
-
-def kernel_functions(one: Held) -> list[Function]:
-    """An effect's kernel and the functions of its file that it calls, those first."""
-    law, found = one.law, dict[str, Function]()
-    who = f"effect '{one.name}'"
-
-    def follow(node: ast.FunctionDef, name: str, above: tuple[str, ...]) -> None:
-        called = [
-            n.func.id
-            for n in ast.walk(node)
-            if isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id in law.helpers
-        ]
-        for helper in dict.fromkeys(called):
-            if helper in above:
-                raise ExportError(f"{who}: its kernel calls itself, which cannot leave")
-            if f"{one.name}_{helper}" not in found:
-                follow(law.helpers[helper], f"{one.name}_{helper}", (*above, helper))
-        renamed = _renamed(node, name, one)
-        known = {f"{one.name}_{h}": found[f"{one.name}_{h}"].values for h in called}
-        found[name] = Function(who, renamed, known)
-
-    follow(law.kernel, kernel_name(one), ())
-    return list(found.values())
-
-
-def kernel_name(one: Held) -> str:
-    """What its kernel is called in what is exported."""
-    return f"kernel_{one.name}"
-
-
-class _Rename(ast.NodeTransformer):
-    """Helpers by the effect's name, constants by their value, no annotations."""
-
-    def __init__(self, one: Held):
-        self.one, self.own = one, set[str]()
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        law = self.one.law
-        if node.id in law.helpers:
-            return ast.copy_location(ast.Name(f"{self.one.name}_{node.id}", node.ctx), node)
-        if node.id in law.constants and node.id not in self.own and isinstance(node.ctx, ast.Load):
-            return ast.copy_location(ast.Constant(law.constants[node.id]), node)
-        return node
-
-
-def _renamed(node: ast.FunctionDef, name: str, one: Held) -> ast.FunctionDef:
-    copied = ast.parse(ast.unparse(node)).body[0]
-    assert isinstance(copied, ast.FunctionDef)
-    rename = _Rename(one)
-    rename.own = {a.arg for a in copied.args.args}
-    copied.body = [rename.visit(statement) for statement in copied.body]
-    copied.name, copied.decorator_list, copied.returns = name, [], None
-    for argument in copied.args.args:
-        argument.annotation = None
-    return ast.fix_missing_locations(copied)
 
 
 def _constants(model: Corrected) -> dict[str, float]:
@@ -336,13 +149,16 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
         ):
             raise ExportError(f"effect '{one.name}': an error of the position with memory stays")
     shares = [e.values["rotor_share"] for e in twisted if "rotor_share" in e.values]
-    ahead = AHEAD.format(errors=_calls(twisted, "+error", upstream="q")) if twisted else ""
+    share = repr(max(shares, default=1.0 if not twisted else 0.0))
+    sensed = {
+        "behind": "    q, v, a = behind(q, v, a, dt)" if wrong else "",
+        "hinge": _calls(model.at(HINGE), "-load"),
+        "ahead": AHEAD.format(errors=_calls(twisted, "+error", upstream="q")) if twisted else "",
+        "share": share,
+    }
     frame = _calls(model.at(FRAME), "effort")
     compensate = COMPENSATE.format(
-        behind="    q, v, a = behind(q, v, a, dt)" if wrong else "",
-        hinge=_calls(model.at(HINGE), "-load"),
-        ahead=ahead,
-        share=repr(max(shares, default=0.0)),
+        **sensed,
         added=_calls(_several(model, ADDED), "-needed"),
         solved=_solved(model),
         current=_calls(model.at(CURRENT), "effort"),
@@ -359,6 +175,7 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
     carries = any(model.numbers[n] for n in model.numbers if n.startswith("payload"))
     texts = [(WITH_PAYLOAD.format(turned=turned) if carries else LOADED, "s")]
     texts += [(MISREAD.format(errors=errors), ""), (BEHIND, "")] if wrong else []
+    texts += [(MOTOR.format(**sensed), "s")] if sensors else []
     texts += [(compensate, "s"), (torque, "s")]
     texts += [(REPORTED.format(report=_calls(model.at(REPORT), "effort")), "s")]
     texts += [(FRAMED.format(frame=frame), "s")]

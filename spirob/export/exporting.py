@@ -51,7 +51,9 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
             raise ExportError(f"'{to}' holds no arm: it has {target.LACKS}")
         made, player = target.arm(model), "arm" if target.PLAYER == "mujoco" else ""
     else:
-        made, player = target.files(model), target.PLAYER
+        by_tendon = model.body is not None and model.body.tendon
+        made = target.files(model)
+        player = "" if by_tendon and target.PLAYER in ("mujoco", "mjcf") else target.PLAYER
     if check and not player:
         raise ExportError(f"'{to}' leaves nothing here that could be played; leave --check away")
     said: list[str] = []

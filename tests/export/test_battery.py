@@ -42,6 +42,29 @@ def lost(model, target, folder):
     return errors.lost
 
 
+MACHINES = {
+    "sensor at the load": {"position": {"column": "q", "unit": "rad", "side": "load"}},
+    "slide in volts": {
+        "position": {"column": "q", "unit": "m"},
+        "effort": {"column": "i", "unit": "V", "kind": "voltage", "origin": "command"},
+        "known": {"scale": 0.5, "inertia": 0.02, "back_emf": 0.1, "delay": 0.004},
+    },
+    "slow log": {"step": 5e-3},
+    "a spring": {"known": {"scale": 0.5, "inertia": 0.02, "stiffness": 0.3, "delay": -0.002}},
+    "logs that differ": {"logs": {"log": {"offset": 0.05, "zero": 0.3}}},
+}
+
+
+@COMPILER
+@pytest.mark.parametrize("kind", MACHINES)
+def test_machines_of_every_kind_are_the_same(kind, tmp_path):
+    side = "load" if "load" in kind else "motor"
+    names = ["gear_compliance"] if side == "load" else ["presliding_friction", "current_lag"]
+    model = exported_model(tmp_path, names, side=side, **MACHINES[kind])
+    assert lost(model, "c", tmp_path) < LOSS
+    assert lost(model, "mujoco", tmp_path) < LOSS
+
+
 @COMPILER
 def test_c_holds_it(machine):
     _, model, folder = machine

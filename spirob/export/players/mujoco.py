@@ -96,7 +96,9 @@ class Played:
         return float(self.model.actuator_gainprm[self.drive, 0]) or 1.0
 
     def parts(self, dt):
-        """Steps of the model in which a row is passed."""
+        """Steps of the model in which a row is passed; effects alone need no more than one."""
+        if self.controller:
+            return 1
         return max(1, int(np.ceil(dt / self.step - 1e-6)))
 
     def advance(self, motion, effort, dt):
@@ -122,16 +124,19 @@ def play(played, about, given):
     columns = {played.dof: [given[o] for o in orders]}
     for dof, name in played.others.items():
         columns[dof] = [given[f"{o} of {name}"] for o in orders]
-    behind = getattr(played.module, "behind", None)
+    motor = getattr(played.module, "motor", None)
+    seen = played.module.State() if motor else None
     for k, dt in enumerate(given["steps"]):
         first, last = given["starts"][k], given["starts"][k + 1]
         played.begin(*(given[n][first] for n in ("time", "position", "speed")))
         guess = float(given["effort"][first])
+        if seen:
+            seen.reset()
         played.model.opt.timestep = dt / played.parts(dt)
         for row in range(first, last):
             motion = {dof: tuple(float(c[row]) for c in cs) for dof, cs in columns.items()}
-            if behind:  # what the sensor tells, without its errors
-                motion[played.dof] = behind(*motion[played.dof], dt)
+            if motor:  # the columns are what the sensor tells, with its errors
+                motion[played.dof] = motor(seen, *motion[played.dof], dt)
             guess = played.effort(motion, guess)
             effort[row] = guess + given["beside"][row] / played.gain()
             played.advance(motion, guess, dt)
