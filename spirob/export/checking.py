@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,13 +33,7 @@ def played(model: Corrected, player: str, folder: Path, heldout: Heldout | None 
     Raises ExportError where it cannot be played, with what the player says.
     """
     heldout = heldout or Heldout(model)
-    about = {
-        "name": c_name(model.name),
-        "fields": list(equations(model).state),
-        "joint": (model.body.joint if model.body else AXIS),
-        "others": list(model.body.others) if model.body else [],
-        "controller": player == "mujoco",
-    }
+    about = about_of(model, player)
     script = PLAYERS / f"{'mujoco' if player == 'mjcf' else player}.py"
     with tempfile.TemporaryDirectory() as place:
         given, result = Path(place) / "given.npz", Path(place) / "result.npz"
@@ -46,6 +41,17 @@ def played(model: Corrected, player: str, folder: Path, heldout: Heldout | None 
         alone(script, folder.resolve(), given, result)
         with np.load(result) as made:
             return heldout.errors(made["effort"], made["framed"])
+
+
+def about_of(model: Corrected, player: str) -> dict[str, Any]:
+    """What a player is told beside the rows."""
+    return {
+        "name": c_name(model.name),
+        "fields": list(equations(model).state),
+        "joint": model.body.joint if model.body else AXIS,
+        "others": list(model.body.others) if model.body else [],
+        "controller": player == "mujoco",
+    }
 
 
 def played_arm(model: CorrectedArm, folder: Path) -> Errors:
