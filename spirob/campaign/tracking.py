@@ -9,7 +9,7 @@ yet, under its own controller, with the feed-forward of four models in turn:
     model   what the diagnosis takes home: with the named effects, or the fitted numbers alone
     truth   the torque that the axis itself needs for this motion, found under a stiff controller
 
-What counts is the share of the gain,  (fitted - model)/(fitted - truth),  in RMS errors.
+What counts is the share of the gain, in RMS errors; see `summary`.
 """
 
 import argparse
@@ -45,6 +45,8 @@ SECONDS = 8.0
 EVERY = 5  # samples of FINE between two of the feed-forward
 STIFF = 10.0  # times the controller's frequency, where the truth is asked
 SETTLED = 0.5  # s, before errors count
+ENOUGH = 0.9  # of a gain
+NOTHING = 1.05  # times the truth's error: fitted numbers that leave no more leave nothing to gain
 
 
 def tracked(case: Case) -> dict[str, Any]:
@@ -121,27 +123,40 @@ def _error(machine: Machine, hidden: Hidden, fast: Plan, ahead: np.ndarray) -> f
 
 
 def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Shares of the gain where an effect was named, and how often anything was worsened."""
+    """What feed-forward gains where an effect was named, and how often anything was worsened.
+
+    gain  (none - model)/(none - truth), of all that feed-forward can do
+    own   (fitted - model)/(fitted - truth), of what the effects alone can add to fitted numbers
+    """
     played = [r for r in rows if "errors" in r]
-    named = [r for r in played if r["verdict"] == "named"]
-    shares = []
-    for row in named:
-        e = row["errors"]
-        if e["fitted"] > 1.05 * e["truth"]:  # else there is nothing to gain
-            shares.append((e["fitted"] - e["model"]) / (e["fitted"] - e["truth"]))
-    others = [r for r in played if r["verdict"] != "named"]
-    worse = [r for r in others if r["errors"]["model"] > 1.01 * r["errors"]["none"]]
-    quartiles = np.quantile(shares, (0.25, 0.5, 0.75)).tolist() if shares else []
+    named = [r["errors"] for r in played if r["verdict"] == "named"]
+    others = [r["errors"] for r in played if r["verdict"] != "named"]
+    gain = [_share(e, "none") for e in named]
+    own = [_share(e, "fitted") for e in named if e["fitted"] > NOTHING * e["truth"]]
     return {
         "cases": len(rows),
         "refused": len(rows) - len(played),
         "named": len(named),
-        "shares": len(shares),
-        "share_quartiles": quartiles,
-        "share_at_least_0.9": int(np.sum(np.array(shares) >= 0.9)),
+        "gain": _told(gain),
+        "own": _told(own),
         "not_named": len(others),
-        "not_named_worse_than_none": len(worse),
+        "not_named_worse_than_none": sum(e["model"] > e["none"] for e in others),
+        "named_worse_than_fitted": sum(e["model"] > e["fitted"] for e in named),
     }
+
+
+def _share(errors: dict[str, float], before: str) -> float:
+    return (errors[before] - errors["model"]) / (errors[before] - errors["truth"])
+
+
+def _told(shares: Sequence[float]) -> dict[str, Any]:
+    """How many, how many of 90 % at least, least, quartiles."""
+    if not shares:
+        return {"count": 0}
+    least, low, middle, high = np.quantile(shares, (0.0, 0.25, 0.5, 0.75)).tolist()
+    enough = int(np.sum(np.array(shares) >= ENOUGH))
+    found: dict[str, Any] = {"count": len(shares), "at_least_0.9": enough}
+    return found | {"least": least, "quartiles": [low, middle, high]}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
