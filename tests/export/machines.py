@@ -97,10 +97,12 @@ def numbers_of(problem, names):
     return found
 
 
-def exported_model(folder, names, body=False, **more):
-    """A corrected model on disk, as a diagnosis leaves it, and read again."""
+def exported_model(folder, names, body=False, zero=(), **more):
+    """A corrected model on disk, as a diagnosis leaves it, and read again; `zero` are absent."""
     problem = problem_of(folder, names, body, **more)
     changes = numbers_of(problem, names)
+    for effect in (e for e in problem.effects if e.name() in zero):
+        changes |= {f"{effect.name()}.{field}": value for field, value in effect.neutral.items()}
     value = 0.03
     rows = len(problem.measured())
     rng = np.random.default_rng(0)
