@@ -57,8 +57,6 @@ def load(name: str, folder: Path) -> mujoco.MjModel:
     try:
         with unheard():
             model = mujoco.MjModel.from_xml_string(text, meshes)
-    except RecursionError:
-        raise ConfigError(f"{path}: is nested too deeply") from None
     except (ValueError, mujoco.FatalError) as error:
         said = " ".join(str(error).split())
         raise ConfigError(f"{path}: MuJoCo cannot read this model: {said[:200]}") from error
@@ -81,7 +79,10 @@ def checked(path: Path) -> tuple[str, dict[str, bytes]]:
     # the lengths of muscles would be searched by simulation
     compiler = SubElement(tree, "compiler")
     SubElement(compiler, "lengthrange", mode="none")
-    return tostring(tree, "unicode"), meshes
+    try:
+        return tostring(tree, "unicode"), meshes
+    except RecursionError:
+        raise ConfigError(f"{path}: is nested too deeply") from None
 
 
 def _parsed(text: bytes, path: Path) -> Element:
