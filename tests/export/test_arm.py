@@ -193,3 +193,35 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
 
 def test_bam_holds_no_arm():
     assert not hasattr(bam, "arm")
+
+
+def test_an_arm_that_was_logged_elsewhere_is_read(tmp_path):
+    told = {
+        "format": 1,
+        "machine": "arm",
+        "rig": {"winch": {"gear_ratio": 12.0}},
+        "effects": ["coulomb_friction"],
+        "changes": {"coulomb_friction.coulomb_torque": 0.003, "winch.radius": 0.02},
+    }
+    document = {
+        "rig": "mine",
+        "verdict": "named",
+        "sentence": "Missing: dry friction.",
+        "effects": [],
+        "numbers": {"winch.radius": {"value": 0.02, "low": 0.01, "high": 0.03, "unit": "m"}},
+        "model": told,
+    }
+    model = corrected_arm(document, tmp_path)
+    lever = motor_of(model, "left")
+    assert model.rig.winch.gear_ratio == 12.0
+    assert lever.effects[0].values["coulomb_torque"] == 0.003
+    assert "winch.radius,0.02,0.01,0.03" in table.arm(model)["parameters.csv"]
+    with pytest.raises(ExportError, match="no trial of the arm"):
+        model.trials()
+    for broken in (
+        {**told, "format": 2},
+        {**told, "rig": {"wings": {}}},
+        {**told, "changes": None},
+    ):
+        with pytest.raises(ExportError):
+            corrected_arm({**document, "model": broken}, tmp_path)
