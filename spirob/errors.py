@@ -8,6 +8,7 @@ SpirobError
 │   └── NothingLeft    a trial holds nothing to compare: too short, at rest, all left out
 │       └── TooShort   it has fewer samples than the step needs
 ├── EffectError        an effect is declared wrongly
+├── ExportError        a model, or a part of it, cannot leave the program
 ├── SimulationError    the model became non-finite or left its validity
 └── HardwareError      the bus or a drive does not answer; the current is already zero
 
@@ -66,6 +67,10 @@ class TooShort(NothingLeft):
 
 class EffectError(SpirobError):
     """An effect is declared wrongly."""
+
+
+class ExportError(SpirobError):
+    """A diagnosis, or something in it, cannot be exported as asked."""
 
 
 class SimulationError(SpirobError):

@@ -5,7 +5,15 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from spirob.benchmark import coupled_tick, decoding, diagnosis, identification, screening, threads
+from spirob.benchmark import (
+    coupled_tick,
+    decoding,
+    diagnosis,
+    feedforward,
+    identification,
+    screening,
+    threads,
+)
 from spirob.benchmark.turns import TINY, Size
 
 MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
@@ -15,6 +23,7 @@ MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
     "identification": identification.measure,
     "screening": screening.measure,
     "diagnosis": diagnosis.measure,
+    "feedforward": feedforward.measure,
 }
 
 

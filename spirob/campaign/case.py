@@ -101,9 +101,24 @@ def together(kinds: Sequence[str]) -> bool:
     return len(set(families)) == len(families)
 
 
-def drawn(case: Case) -> Drawn:
-    """Draw, play and record a case."""
-    rng = np.random.default_rng([case.seed, *f"{case.simulator}/{case.kind}".encode()])
+@dataclass(frozen=True)
+class Made:
+    """What a case is about: the machine, what is hidden in it, what it plays and how it is logged.
+
+    nothing  its motions with nothing hidden, and their scale;  shares  of each kind
+    """
+
+    machine: Machine
+    hidden: Hidden
+    recorder: Recorder
+    plans: list[Plan]
+    nothing: list[Motion]
+    scale: Scale
+    shares: dict[str, float]
+
+
+def made_of(case: Case, rng: np.random.Generator) -> Made:
+    """Draw the machine of a case."""
     simulator, kinds = SIMULATORS[case.simulator], case.kinds()
     machine, recorder, plans, motions = _set_up(simulator, frozenset(kinds), rng)
     scale = _scale(machine, recorder, motions)
@@ -116,8 +131,21 @@ def drawn(case: Case) -> Drawn:
             wanted = float(rng.uniform(*LESS)) * sum(shares.values())
         fields, shares[kind] = _adjusted(simulator, machine, recorder, plans, made, wanted)
         found |= fields
-    hidden = Hidden(**found)
-    nothing = motions
+    return Made(machine, Hidden(**found), recorder, plans, motions, scale, shares)
+
+
+def stream(case: Case) -> np.random.Generator:
+    """The chance that draws a case."""
+    return np.random.default_rng([case.seed, *f"{case.simulator}/{case.kind}".encode()])
+
+
+def drawn(case: Case) -> Drawn:
+    """Draw, play and record a case."""
+    rng = stream(case)
+    simulator, kinds = SIMULATORS[case.simulator], case.kinds()
+    made = made_of(case, rng)
+    machine, recorder, plans = made.machine, made.recorder, made.plans
+    hidden, scale, shares = made.hidden, made.scale, made.shares
     motions = [simulator.play(machine, hidden, p) for p in plans]
     played = [recording.reported(m, machine, hidden) for m in motions]
     speeds = np.concatenate([m.v[np.abs(m.v) > SLOW * scale.speed] for m in motions])
@@ -134,7 +162,7 @@ def drawn(case: Case) -> Drawn:
         "one_way": one_way,
         "described": "body" in rig,
     }
-    bare = _bare(nothing, played, machine, recorder, rng) if kinds else logs
+    bare = _bare(made.nothing, played, machine, recorder, rng) if kinds else logs
     return Drawn(
         rig, machine.files, logs[:-1], logs[-1], truth, about, bare, machine, hidden, motions
     )

@@ -2,11 +2,16 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
+
+if TYPE_CHECKING:
+    from spirob.identify.fit import Fit
+    from spirob.identify.problem import Problem
 
 ALONE = 1e-6  # keeps a block that alone tells of a number from dividing by zero
 
@@ -55,6 +60,20 @@ def block_scatter(
             scores.append(np.linalg.solve(whole - share, weighted.T @ residual[rows]))
     stacked = np.array(scores)
     return hessian, (1.0 - 1.0 / len(stacked)) * stacked.T @ stacked
+
+
+def covariance_of(problem: "Problem", found: "Fit", scale: float) -> list[list[float]] | None:
+    """Covariance of the fitted numbers in their own units, (n, n) in the order of `estimates`.
+
+    To first order where the fit ended; scale  of its robust loss.  None where the data leave some
+    number so open that it has none.
+    """
+    scaling = Scaling(problem.table, list(found.estimates))
+    u = scaling.scaled({name: e.value for name, e in found.estimates.items()})
+    own = block_covariance(found.jacobian, found.residual, problem.edges, scale, problem.block)
+    slopes = scaling.slopes(u)
+    covariance = slopes @ own @ slopes.T
+    return covariance.tolist() if np.all(np.isfinite(covariance)) else None
 
 
 def estimates(

@@ -95,6 +95,11 @@ class Scaling:
         ]
         return np.column_stack(slopes)
 
+    def slopes(self, u: np.ndarray) -> np.ndarray:
+        """Slopes of the numbers, in their own units, by the coordinates, (n, n)."""
+        size = np.where(self._decades, self._values(u), self._size)
+        return np.asarray(size[:, None] * self.relative(u))
+
     def spread(self, u: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Ends of the 95 % intervals of the physical values, cut to their bounds, (n,) each.
 

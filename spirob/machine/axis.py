@@ -36,6 +36,7 @@ from spirob.machine.sensor_side import AT_LOAD, fits_at_load, may_sit_at_load
 from spirob.machine.shown import laws, overlay, parameters
 from spirob.machine.sizes_of import sizes_of
 from spirob.machine.splitting import split
+from spirob.machine.standing import heldout, standing
 from spirob.machine.standstill import without_holds
 from spirob.machine.worth import Settings
 
@@ -265,6 +266,8 @@ def _finish(done: _Searched) -> Diagnosis:
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
     written["composed"] = plain(law.document) if law else None
+    stands = chosen if judgement.kind == "named" else bare
+    written["model"] = plain(standing(search, stands, ready.body))
     curves = None
     if ready.rig.predict != "effort":
         motion, curves = predicted(search, found)
@@ -277,6 +280,7 @@ def _finish(done: _Searched) -> Diagnosis:
         laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
         curves,
         law,
+        heldout(search, stands),
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from spirob.errors import ConfigError, DataError
 from spirob.given_number import MOST
+from spirob.machine.inside import inside
 from spirob.machine.model_file import load
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body
@@ -29,6 +30,7 @@ class RigidBody:
 
     def __init__(self, body: Body, folder: Path, angular: bool):
         self.body = body
+        self.file = inside(body.mjcf, folder, "body.mjcf")
         self.model = load(body.mjcf, folder)
         self.data = mujoco.MjData(self.model)
         self._angular = angular

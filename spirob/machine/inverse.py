@@ -151,6 +151,11 @@ class InverseProblem:
         """None: the orders of a ripple come from the residual's spectrum here (`shapes`)."""
         return []
 
+    @property
+    def compared(self) -> np.ndarray:
+        """Rows of all pieces in a row that are compared, (N,)."""
+        return self._kept
+
     def raw(self) -> list[np.ndarray]:
         """The unfiltered effort of each piece."""
         return [p.raw for r in self.recordings for p in r.pieces]

@@ -52,18 +52,10 @@ def load(name: str, folder: Path) -> mujoco.MjModel:
     Raises MissingLog where there is none, DataError and ConfigError where it is not read.
     """
     path = given_file.inside(name, folder, "body.mjcf")
-    tree = _parsed(given_file.content(path, "model", LARGEST), path)
-    folders = _folders(tree)
-    _only_what_moves(tree, path)
-    meshes = _meshes(tree, path, *folders)
-    # the lengths of muscles would be searched by simulation
-    compiler = SubElement(tree, "compiler")
-    SubElement(compiler, "lengthrange", mode="none")
+    text, meshes = checked(path)
     try:
-        with _unheard():
-            model = mujoco.MjModel.from_xml_string(tostring(tree, "unicode"), meshes)
-    except RecursionError:
-        raise ConfigError(f"{path}: is nested too deeply") from None
+        with unheard():
+            model = mujoco.MjModel.from_xml_string(text, meshes)
     except (ValueError, mujoco.FatalError) as error:
         said = " ".join(str(error).split())
         raise ConfigError(f"{path}: MuJoCo cannot read this model: {said[:200]}") from error
@@ -72,6 +64,24 @@ def load(name: str, folder: Path) -> mujoco.MjModel:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
     return model
+
+
+def checked(path: Path) -> tuple[str, dict[str, bytes]]:
+    """What is needed of a model file, as text, and the files of its meshes by name.
+
+    Raises MissingLog where there is none, ConfigError where it holds what is not read.
+    """
+    tree = _parsed(given_file.content(path, "model", LARGEST), path)
+    folders = _folders(tree)
+    _only_what_moves(tree, path)
+    meshes = _meshes(tree, path, *folders)
+    # the lengths of muscles would be searched by simulation
+    compiler = SubElement(tree, "compiler")
+    SubElement(compiler, "lengthrange", mode="none")
+    try:
+        return tostring(tree, "unicode"), meshes
+    except RecursionError:
+        raise ConfigError(f"{path}: is nested too deeply") from None
 
 
 def _parsed(text: bytes, path: Path) -> Element:
@@ -134,7 +144,7 @@ def _meshes(tree: Element, path: Path, beside: str, stripped: bool) -> dict[str,
 
 
 @contextmanager
-def _unheard() -> Iterator[None]:
+def unheard() -> Iterator[None]:
     """MuJoCo says nothing on the console meanwhile, and never writes MUJOCO_LOG.TXT."""
     log = mujoco.MjLogConfig.get()
     log.logto_file, heard = False, log.logto_console

@@ -20,6 +20,7 @@ ITERATIONS = 40  # of a fit at most: one that has not arrived is taken for a poo
 # turns needs a fine one
 STEP = 1e-3
 DELAY = "rig.delay"
+ROBUST = 10.0  # times the effort, where errors begin to count linearly: repairs took the outliers
 ROUGH = 0.02  # where blows come earlier or later by a number, and the residual is not smooth
 
 
@@ -90,7 +91,7 @@ class Models:
         names = [*self.base, *(f"{e.name()}.{f}" for e in effects for f in e.fitted())]
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
-        robust = 10.0 * self.size  # repairs have taken the outliers; plain least squares inside
+        robust = ROBUST * self.size  # plain least squares inside
         rough = any(shares_inertia(e) for e in effects)
         # a bounce is one moment: where the delay may be far off, it lies in a valley of its own
         starts = [begin, begin | {DELAY: 0.0}] if rough and begin.get(DELAY) else [begin]

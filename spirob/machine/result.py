@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from spirob.logs.atomic import write_text
+from spirob.logs.atomic import replacing, write_text
 from spirob.machine.composed import Composed
 
 
@@ -48,6 +48,7 @@ class Diagnosis:
     laws        rows of held-out samples: what each named effect does there
     motion      measured and predicted motion; None where the rig does not ask for it
     law         composed for what no name explains; None where nothing is left, or nothing held
+    heldout     the held-out logs and what the model that stands says of them; see `standing`
     """
 
     document: dict[str, Any]
@@ -57,6 +58,7 @@ class Diagnosis:
     laws: pd.DataFrame
     motion: pd.DataFrame | None = None
     law: Composed | None = None
+    heldout: pd.DataFrame | None = None
     sources: Sources = field(default_factory=Sources)
 
     @property
@@ -126,7 +128,7 @@ class Diagnosis:
         return pd.DataFrame(self.document["atlas"])
 
     def save(self, folder: Path | str) -> Path:
-        """Write `diagnosis.json`, the page `index.html` and the file of a composed law.
+        """Write `diagnosis.json`, `heldout.parquet`, the page and the file of a composed law.
 
         Each is written whole or not at all.
         """
@@ -138,6 +140,9 @@ class Diagnosis:
         out.mkdir(parents=True, exist_ok=True)
         text = json.dumps(self.document, indent=2, ensure_ascii=False, allow_nan=False)
         write_text(out / "diagnosis.json", text + "\n")
+        if self.heldout is not None:
+            with replacing(out / "heldout.parquet") as temporary:
+                self.heldout.to_parquet(temporary, compression="zstd", index=False)
         write_text(out / "index.html", build_rig_page(self))
         if self.law is not None:
             write_text(out / self.law.document["file"], self.law.text)

@@ -273,6 +273,21 @@ class Session:
             if effect.port == "sensing.frame":
                 self._memory[row, :2] = 0.0  # of the lengths, which pass this port first
 
+    def constants(self) -> dict[str, np.ndarray]:
+        """What the loop is given beside the schedule, by its argument's name, as it begins."""
+        return {
+            "qpos": self._data.qpos.copy(),
+            "p": self._p.copy(),
+            "gains": self._plant._gains(),
+            "guides": self._columns,
+            "units": self._units,
+            "gravity": self._model.opt.gravity.copy(),
+            "stiffness": self._stiffness,
+            "drive_steps": np.array(self._drive_steps),
+            "state": self._state.copy(),
+            "memory": self._memory.copy(),
+        }
+
     def play(self, schedule: Schedule) -> Response:
         """Play a schedule; the response has one row more than it, the state at its end."""
         rows, hinges = schedule.cycles + 1, self._plant.rig.units

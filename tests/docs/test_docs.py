@@ -21,7 +21,7 @@ SHORT = {"diagnosis": 1200, "any_rig": 1200}  # words
 
 
 @pytest.mark.parametrize(
-    ("page", "blocks"), [("tutorial", 13), ("new_effect", 2), ("from_python", 1)]
+    ("page", "blocks"), [("tutorial", 16), ("new_effect", 2), ("from_python", 1)]
 )
 def test_every_block_does_what_the_page_says(page, blocks, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

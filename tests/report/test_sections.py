@@ -42,6 +42,7 @@ def test_sections_stand_in_the_order_of_the_page():
         "transfer",
         "sweep",
         "library",
+        "home",
         "loop",
         "provenance",
     ]

@@ -16,11 +16,13 @@ class Plan:
     """Where the axis is asked to be, (n,) at FINE; `around` what else moves, where anything does.
 
     warming  by how much friction in proportion to speed has changed at the end of a log
+    ahead    torque that the controller adds, (n,); None: none.  A rigid axis alone knows it
     """
 
     wanted: np.ndarray
     around: np.ndarray
     warming: float = 0.0
+    ahead: np.ndarray | None = None
 
 
 @dataclass(frozen=True)

@@ -87,12 +87,13 @@ def play(machine: Machine, hidden: Hidden, plan: Plan) -> Motion:
     """Simulate one log."""
     p = machine.numbers
     wanted = np.column_stack([plan.wanted, np.gradient(plan.wanted, 1 / FINE)])
-    q, v, u = _played(wanted, p, hidden, memory(), plan.warming, 1.0 / FINE)
+    ahead = np.zeros(len(wanted)) if plan.ahead is None else plan.ahead
+    q, v, u = _played(wanted, ahead, p, hidden, memory(), plan.warming, 1.0 / FINE)
     return Motion(q, v, (u + p.back * v) / machine.constant)
 
 
 @njit(cache=True)
-def _played(wanted, p, h, cells, warming, period):
+def _played(wanted, ahead, p, h, cells, warming, period):
     """Position, speed and asked torque, each (n,)."""
     n, dt = len(wanted), period / PARTS
     out = np.empty((3, n))
@@ -103,6 +104,7 @@ def _played(wanted, p, h, cells, warming, period):
         t = k * period
         if k % p.hold == 0:
             asked = p.stiff * (wanted[k, 0] - q) + p.damped * (wanted[k, 1] - v)
+            asked += ahead[k]
         out[0, k], out[1, k], out[2, k] = q, v, asked
         viscous = p.viscous * (1.0 + warming * k / n)
         for _ in range(PARTS):

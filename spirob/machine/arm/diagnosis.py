@@ -133,7 +133,31 @@ def written(
         "repairs": [*said, *_strangers(search, residuals)],
         "excluded": {},
         "numbers": _numbers(search),
+        "model": _standing(rig, search, residuals, found["verdict"] == "named"),
         "motion": None,
+    }
+
+
+def _standing(
+    rig: ArmFile, search: Search, residuals: Mapping[str, Residual], named: bool
+) -> dict[str, Any]:
+    """The model that stands, as another program needs it; see `spirob.machine.standing`."""
+    last, plant = search.rungs[-1 if named else 0], residuals["train"].plant
+    values = dict(
+        zip(plant.table.names, plant.table.vector(last.fit.changes).tolist(), strict=True)
+    )
+    there = [
+        e
+        for e in plant.effects
+        if any(values[f"{e.name()}.{f}"] != neutral for f, neutral in e.neutral.items())
+    ]
+    owners = {name for name, _ in plant.rig.parts()} | {e.name() for e in there}
+    return {
+        "format": 1,
+        "machine": "arm",
+        "rig": rig.arm,
+        "effects": [e.name() for e in there],
+        "changes": {n: v for n, v in values.items() if n.partition(".")[0] in owners},
     }
 
 

@@ -16,6 +16,7 @@ from spirob.report.rig.overlay import RigOverlay
 from spirob.report.rig.repairs import Repairs
 from spirob.report.rig.verdict import RigVerdict
 from spirob.report.sections.failure import Failure
+from spirob.report.sections.home import Home
 from spirob.report.sections.ladder import Ladder
 from spirob.report.sections.library import Library
 from spirob.report.sections.parameters import Parameters
@@ -32,6 +33,7 @@ SECTIONS = (
     Parameters,
     Repairs,
     Library,
+    Home,
     ProvenanceSection,
 )
 

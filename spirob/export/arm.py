@@ -1,0 +1,154 @@
+"""The corrected arm: its numbers, effects and the trials kept aside, as the pipeline left them."""
+
+import json
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from spirob.effects import Effect, all_effects
+from spirob.errors import ConfigError, ExportError, SpirobError
+from spirob.export.corrected import finite
+from spirob.identify.measurement import Measurement
+from spirob.logs import read_parquet
+from spirob.plant import Plant, Rig
+from spirob.robot import Scene
+
+BASE = "identified/base.json"
+MODEL, CONFIG, TRACES = "model.json", "config/config.yaml", "traces"
+
+
+@dataclass(frozen=True)
+class CorrectedArm:
+    """An arm with what was fitted and named.
+
+    changes  numbers that are not those of the rig, `owner.field` -> value
+    fitted   name -> value, low, high, unit, of the diagnosis
+    correlation  of some of them, (name, name) -> value, of the fit before effects were added
+    data     folder of the pipeline's data; None where the arm was logged elsewhere
+    heldout  names of the trials kept aside
+    """
+
+    name: str
+    verdict: str
+    sentence: str
+    rig: Rig
+    effects: tuple[type[Effect], ...]
+    changes: dict[str, float]
+    fitted: dict[str, dict[str, Any]]
+    data: Path | None
+    heldout: tuple[str, ...]
+    correlation: dict[tuple[str, str], float] = field(default_factory=dict)
+
+    def plant(self) -> Plant:
+        """The model itself."""
+        return Plant(self.rig, self.effects)
+
+    def trials(self) -> list[Measurement]:
+        """The trials kept aside in which nothing is touched or hung on a winch.
+
+        Raises ExportError where there is none.
+        """
+        found = []
+        for name in self.heldout if self.data else ():
+            path = self.data / TRACES / f"{name}.parquet"  # type: ignore[operator]
+            try:
+                trial = Measurement.from_trace(read_parquet(path))
+            except (SpirobError, OSError) as error:
+                raise ExportError(f"{path}: {error}") from None
+            if trial.scene == Scene() and trial.schedule.held is None:
+                found.append(trial)
+        if not found:
+            raise ExportError(
+                "no trial of the arm was kept aside in which it moves freely, so nothing can be "
+                "played"
+            )
+        return found
+
+
+def corrected_arm(document: dict[str, Any], folder: Path) -> CorrectedArm:
+    """The arm of a diagnosis in `folder`.
+
+    Raises ExportError where the diagnosis is of another version or something beside it is gone.
+    """
+    told = document.get("model")
+    try:
+        if isinstance(told, dict):
+            if told.get("format") != 1 or told.get("machine") != "arm":
+                raise ValueError("of another version")
+            return _arm(document, told, told["rig"], None, ())
+        data = folder.parent
+        told = json.loads(_text(folder / MODEL))
+        config = yaml.safe_load(_text(data / CONFIG))
+        trials = [t["name"] for t in config["experiment"]["trials"] if t["role"] == "heldout"]
+        found = _arm(document, told, config["rig"], data, tuple(map(str, trials)))
+        return _with_base(found, json.loads(_text(data / BASE)))
+    except (KeyError, TypeError, ValueError, AttributeError, yaml.YAMLError) as error:
+        raise ExportError(
+            f"{folder / 'diagnosis.json'}: its model cannot be read ({str(error)[:100]}); it is of "
+            "another version, or not whole: diagnose again"
+        ) from None
+    except ConfigError as error:
+        raise ExportError(f"{folder / 'diagnosis.json'}: {error}") from None
+
+
+def _arm(
+    document: dict[str, Any],
+    told: dict[str, Any],
+    rig: dict[str, Any],
+    data: Path | None,
+    heldout: tuple[str, ...],
+) -> CorrectedArm:
+    known = all_effects()
+    names = list(map(str, told["effects"]))
+    if strange := [name for name in names if name not in known]:
+        raise ExportError(
+            f"effect '{strange[0]}' is none of the library; an arm takes home only those, so put "
+            "its file there"
+        )
+    changes = {str(name): finite(value) for name, value in told["changes"].items()}
+    made = Rig.from_mapping(rig)
+    effects = tuple(known[name] for name in names)
+    plant = Plant(made, effects)
+    changes = {n: v for n, v in changes.items() if n in plant.table.names}
+    numbers = {k: v for k, v in document.get("numbers", {}).items() if "." in k}
+    for effect in document["effects"]:
+        numbers |= {f"{effect['name']}.{f}": v for f, v in effect["parameters"].items()}
+    return CorrectedArm(
+        made.name,
+        str(document["verdict"]),
+        str(document["sentence"]),
+        made,
+        effects,
+        changes,
+        numbers,
+        data,
+        heldout,
+    )
+
+
+def _with_base(model: CorrectedArm, base: dict[str, Any]) -> CorrectedArm:
+    """The arm with the numbers that were fitted before an effect was added.
+
+    Values are those of the model that stands; their intervals keep the widths of that fit.
+    """
+    fitted = {}
+    for name, told in base["parameters"].items():
+        value, before = model.changes.get(name, told["value"]), finite(told["value"])
+        ends = {end: value + finite(told[end]) - before for end in ("low", "high")}
+        fitted[name] = {"value": value, **ends, "unit": told["unit"]}
+    told = base.get("resolution") or {"names": [], "correlation": []}
+    pairs = {
+        (a, b): finite(told["correlation"][i][j])
+        for i, a in enumerate(told["names"])
+        for j, b in enumerate(told["names"])
+    }
+    return replace(model, fitted={**fitted, **model.fitted}, correlation=pairs)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ExportError(f"{path}: {error.strerror}; diagnose again") from None

@@ -1,0 +1,116 @@
+"""The held-out logs of a diagnosis, and what a model that is played elsewhere makes of them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from spirob.errors import ExportError
+from spirob.export.corrected import Corrected
+from spirob.machine.motion import Motion, late
+from spirob.machine.recording import Recording
+
+FILE = "heldout.parquet"
+COLUMNS = (
+    "time", "position", "speed", "acceleration", "effort", "carried", "payload", "offset",
+    "along", "across",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Errors:
+    """RMS over the held-out rows, in the unit of the effort.
+
+    ours, exported  model less measurement, of the model here and of the exported one
+    apart           the one less the other;  size  of what the effects do together
+    """
+
+    ours: float
+    exported: float
+    apart: float
+    size: float
+
+    @property
+    def lost(self) -> float:
+        """What the export loses, as a share of the effects' size; of the effort without any."""
+        return self.apart / self.size if self.size > 0.0 else np.inf * self.apart
+
+
+class Heldout:
+    """The rows of the held-out logs.
+
+    starts (pieces + 1,), steps (pieces,)  where pieces begin, and their sample periods [s]
+    """
+
+    def __init__(self, model: Corrected):
+        path = model.folder / FILE
+        try:
+            self.table = pd.read_parquet(path)
+        except (OSError, ValueError):
+            raise ExportError(f"{path}: is missing or unreadable; diagnose again") from None
+        needed = {"trial", "piece", "used", "modelled", "without", *COLUMNS}
+        if missing := sorted(needed - set(self.table.columns)):
+            raise ExportError(f"{path}: has no column '{missing[0]}'; diagnose again")
+        self.model = model
+        own = self.table[["trial", "piece"]].to_numpy()
+        cuts = np.flatnonzero(np.any(np.diff(own, axis=0) != 0, axis=1)) + 1
+        self.starts = np.array([0, *cuts, len(own)])
+        self._trials = own[self.starts[:-1], 0]
+        try:
+            self.steps = np.array([float(model.trials[k]["period"]) for k in self._trials])
+        except (IndexError, KeyError, TypeError, ValueError):
+            raise ExportError(f"{path}: belongs to another diagnosis; diagnose again") from None
+
+    def given(self) -> dict[str, np.ndarray]:
+        """What a player needs."""
+        kept = [str(n) for n in self.table.columns if n not in ("used", "trial")]
+        found = {name: self.table[name].to_numpy(float) for name in kept}
+        numbers, q = self.model.numbers, found["position"]
+        turned = q if self.model.axis == "rad" else np.zeros_like(q)
+        weight = numbers["payload_cosine"] * np.cos(turned)
+        weight += numbers["payload_sine"] * np.sin(turned)
+        hung = found["payload"] * (numbers["payload_inertia"] * found["acceleration"] + weight)
+        found |= {"beside": found["offset"] + hung, "starts": self.starts, "steps": self.steps}
+        return found
+
+    def errors(self, effort: np.ndarray, framed: np.ndarray) -> Errors:
+        """How far a played effort is from the measurement, and from the model here.
+
+        effort  as reported, before the delay between motion and log, (n,)
+        framed  the measured effort as late as the frame of a bus brings it, (n,)
+        """
+        table = self.table
+        measured = table["effort"].to_numpy(float)
+        played = late(effort, self.model.numbers["delay"], self._motion()) + measured - framed
+        ours, bare = (table[n].to_numpy(float) for n in ("modelled", "without"))
+        used = table["used"].to_numpy(bool)
+
+        def rms(values: np.ndarray) -> float:
+            return float(np.sqrt(np.mean(self._last(values)[used] ** 2)))
+
+        return Errors(
+            rms(ours - measured),
+            rms(played - measured),
+            rms(played - ours),
+            rms(ours - bare) if self.model.effects else rms(measured),
+        )
+
+    def _motion(self) -> Motion:
+        none = np.zeros(len(self.table))
+        return Motion(self.starts, self.steps, none, none, none, none, none, {})
+
+    def _last(self, values: np.ndarray) -> np.ndarray:
+        """The filter that measured and modelled effort pass."""
+        out = np.empty_like(values)
+        for k, trial in enumerate(self._trials):
+            about = self.model.trials[trial]
+            rows = slice(self.starts[k], self.starts[k + 1])
+            filters = Recording("", about["period"], about["cutoff"], about["every"], [], [])
+            out[rows] = filters.last(values[rows])
+        return out
+
+
+def there(folder: Path) -> bool:
+    """Whether a diagnosis has its held-out logs beside it."""
+    return (folder / FILE).is_file()

@@ -1,0 +1,1 @@
+"""Scripts that play logs in what was exported; each runs alone, and imports nothing of ours."""

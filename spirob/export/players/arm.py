@@ -1,0 +1,51 @@
+"""Plays trials in an exported arm, beside plain MuJoCo.
+
+Run apart from the project: python -I arm.py FOLDER GIVEN.npz RESULT.npz
+"""
+# mypy: ignore-errors
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+STEPS = 2  # of the body in a cycle
+
+
+def play(module, model, given, k):
+    """Currents and lengths of a trial, (T, 2) each."""
+    data, controller = mujoco.MjData(model), module.Controller(model, given[f"angle_{k}"])
+    controller.start(model, data)
+    controller.mode[:], controller.limit[:] = given[f"mode_{k}"], given[f"limit_{k}"]
+    wanted, rates = given[f"reference_{k}"], given[f"rate_{k}"]
+    current, length = np.zeros_like(wanted), np.zeros_like(wanted)
+    for cycle in range(len(wanted)):
+        controller.reference[:], controller.reference_rate[:] = wanted[cycle], rates[cycle]
+        for step in range(STEPS):
+            controller.before_step(model, data)
+            if step == 0:
+                current[cycle] = controller.read("current")
+                length[cycle] = controller.read("displacement")
+            mujoco.mj_step(model, data)
+    return current, length
+
+
+def main():
+    """Play what is given and keep the result."""
+    folder, given = Path(sys.argv[1]), dict(np.load(sys.argv[2]))
+    about = json.loads(str(given.pop("about")))
+    spec = importlib.util.spec_from_file_location("exported", folder / f"{about['name']}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    model = mujoco.MjModel.from_xml_path(str(folder / f"{about['name']}.xml"))
+    result = {}
+    for k in range(about["trials"]):
+        result[f"current_{k}"], result[f"length_{k}"] = play(module, model, given, k)
+    np.savez(sys.argv[3], **result)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""Plays logs in an exported file of BAM, by the equations of its paper.
+
+    J·a = τ_m + τ_e + τ_f,    τ_f = -sign(v)·(base + load·|τ_e - τ_m| + stribeck) - viscous·v
+(Duclusaud, Passault, Padois, Ly, Extended friction models for servo actuators, 2024, eq. 4 to 9;
+while it slides.)  BAM itself is not needed.
+
+Run apart from the project: python -I bam.py FOLDER GIVEN.npz RESULT.npz
+"""
+# mypy: ignore-errors
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+PASSES = 60
+
+
+def effort(told, given):
+    """Control that each row needs."""
+    v, a = given["speed"], given["acceleration"]
+    external = -given["carried"] - given["beside"]
+    sliding = told["friction_base"] + np.zeros_like(v)
+    if "friction_stribeck" in told:
+        slow = np.exp(-(np.abs(v / told["dtheta_stribeck"]) ** told["alpha"]))
+        sliding += told["friction_stribeck"] * slow
+    needed = told["armature"] * a - external + told["friction_viscous"] * v
+    torque = needed.copy()
+    for _ in range(PASSES):
+        by_load = told.get("load_friction_base", 0.0) * np.abs(external - torque)
+        torque = needed + np.sign(v) * (sliding + by_load)
+    if told["actuator"].startswith("mx"):  # commanded in volts
+        return told["R"] * torque / told["kt"] + told["kt"] * v
+    return torque / told["kt"]
+
+
+def main():
+    """Play what is given and keep the result."""
+    given = dict(np.load(sys.argv[2]))
+    (file,) = Path(sys.argv[1]).glob("*_m?.json")
+    told = json.loads(file.read_text(encoding="utf-8"))
+    np.savez(sys.argv[3], effort=effort(told, given), framed=given["effort"])
+
+
+if __name__ == "__main__":
+    main()

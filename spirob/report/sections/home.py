@@ -1,0 +1,54 @@
+"""What of this diagnosis may be taken home, and how: the corrected model for other programs."""
+
+from typing import Any
+
+from spirob.report.data import ReportData
+from spirob.report.sections.section import Section
+
+TARGETS = (  # target, for whom, what it holds, whether of an arm too
+    (
+        "mujoco",
+        "plain MuJoCo",
+        "every effect, stepped beside mj_step by a small Python module",
+        True,
+    ),
+    (
+        "mjcf",
+        "MuJoCo without Python",
+        "what its attributes and actuators can say; the file lists the rest with its size",
+        True,
+    ),
+    ("c", "a drive or a controller", "the feed-forward and the friction terms, in C99", True),
+    ("bam", "BAM", "friction of a servo, models M1 to M4", False),
+    (
+        "table",
+        "a paper, or randomisation",
+        "numbers with intervals, covariance, and a script that draws machines",
+        True,
+    ),
+)
+GOES = {
+    "named": "The fitted numbers and what is named",
+    "undecided": "The fitted numbers alone, as what is missing is not decided",
+    "nothing_missing": "The fitted numbers, in which nothing is missing",
+    "unknown": "The fitted numbers alone, as what is missing has no name",
+}
+
+
+class Home(Section):
+    """The model that stands, and the command for each program that can run it."""
+
+    order = 82
+    title = "Take it home"
+    template = "home.html.j2"
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        told = data.diagnosis
+        arm = "rig" not in told or told.get("model", {}).get("machine") == "arm"
+        named = told["effects"] if told["verdict"] == "named" else []
+        return {
+            "goes": GOES.get(told["verdict"], GOES["unknown"]),
+            "named": [effect["title"] for effect in named],
+            "where": "DIR/diagnosis.json" if "rig" in told else "data/diagnosis/diagnosis.json",
+            "targets": [row[:3] for row in TARGETS if row[3] or not arm],
+        }

@@ -1,0 +1,100 @@
+"""Every effect of the library goes home: played on held-out logs it is the same to a per cent.
+
+The players run in this process here; `test_exporting` lets them run apart.
+"""
+
+import shutil
+
+import pytest
+
+from spirob.effects import all_effects
+from spirob.export import targets
+from spirob.export.checking import LOSS, about_of
+from spirob.export.heldout import Heldout
+from spirob.export.players import c, mujoco
+from spirob.logs.atomic import write_text
+from tests.export.machines import exported_model
+
+HINGED = {"joint_viscoelasticity", "mount_tilt", "rest_curvature", "stiffness_hardening"}
+OF_THE_ARM = {  # act on a tendon or a drum: `test_arm` and `test_kernels`
+    "capstan_friction", "creep", "drum_build_up", "eccentric_winch", "stretch", "supply_sag",
+}  # fmt: skip
+NATIVE = {  # what plain MJCF holds, within this share of its size
+    "cogging", "constant_force", "coulomb_friction", "current_gain", "current_offset",
+    "gear_compliance", "joint_viscoelasticity", "mount_tilt", "presliding_friction",
+    "quadratic_drag", "rest_curvature", "stiffness_hardening", "stribeck_friction", "tip_payload",
+}  # fmt: skip
+SAID = 0.05
+COMPILER = pytest.mark.skipif(
+    not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler is installed here"
+)
+
+
+@pytest.fixture(scope="module", params=sorted(set(all_effects()) - OF_THE_ARM))
+def machine(request, tmp_path_factory):
+    """The effect's name, its model, and a folder."""
+    folder = tmp_path_factory.mktemp(request.param)
+    body = request.param in HINGED
+    return request.param, exported_model(folder, [request.param], body, seconds=1.5), folder
+
+
+def lost(model, target, folder):
+    """What a target loses of the effect."""
+    player, place = targets()[target].PLAYER, folder / target
+    for name, text in targets()[target].files(model).items():
+        write_text(place / name, text)
+    heldout, about = Heldout(model), about_of(model, player)
+    if player == "c":
+        library = c.compiled(place, about["name"], place)
+        effort, framed = c.play(library, about["name"], about["fields"], heldout.given())
+    else:
+        effort, framed = mujoco.play(mujoco.Played(place, about), about, heldout.given())
+    errors = heldout.errors(effort, framed)
+    assert errors.size > 0.0
+    return errors.lost
+
+
+MACHINES = {
+    "sensor at the load": {"position": {"column": "q", "unit": "rad", "side": "load"}},
+    "slide in volts": {
+        "position": {"column": "q", "unit": "m"},
+        "effort": {"column": "i", "unit": "V", "kind": "voltage", "origin": "command"},
+        "known": {"scale": 0.5, "inertia": 0.02, "back_emf": 0.1, "delay": 0.004},
+    },
+    "slow log": {"step": 5e-3},
+    "a spring": {"known": {"scale": 0.5, "inertia": 0.02, "stiffness": 0.3, "delay": -0.002}},
+    "logs that differ": {"logs": {"log": {"offset": 0.05, "zero": 0.3}}},
+}
+
+
+@COMPILER
+@pytest.mark.parametrize("kind", MACHINES)
+def test_machines_of_every_kind_are_the_same(kind, tmp_path):
+    side = "load" if "load" in kind else "motor"
+    names = ["gear_compliance"] if side == "load" else ["presliding_friction", "current_lag"]
+    model = exported_model(tmp_path, names, side=side, **MACHINES[kind])
+    assert lost(model, "c", tmp_path) < LOSS
+    assert lost(model, "mujoco", tmp_path) < LOSS
+
+
+@COMPILER
+def test_c_holds_it(machine):
+    _, model, folder = machine
+    assert lost(model, "c", folder) < LOSS
+
+
+def test_mujoco_holds_it(machine):
+    _, model, folder = machine
+    assert lost(model, "mujoco", folder) < LOSS
+
+
+def test_mjcf_holds_it_or_says_that_it_does_not(machine):
+    name, model, folder = machine
+    share = lost(model, "mjcf", folder)
+    text = next((folder / "mjcf").glob("*.xml")).read_text()
+    if name in NATIVE:
+        assert share < SAID
+        assert f"holds {name}" in text
+    else:
+        assert share > SAID
+        assert f"leaves out {name}: costs " in text
