@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 
 from spirob.errors import ConfigError, DataError
+from spirob.given_file import inside
 from spirob.given_number import MOST
-from spirob.machine.inside import inside
 from spirob.machine.model_file import load
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body
