@@ -32,7 +32,7 @@ from spirob.export.axis_text import (
 from spirob.export.corrected import Corrected, Held
 from spirob.export.kernels import kernel_functions, kernel_name
 from spirob.export.translate import Function
-from spirob.machine.asked import ADDED, BEFORE, HINGE, PASSES, SENSOR
+from spirob.machine.asked import ADDED, BEFORE, HINGE, PASSES, READINGS, SENSOR
 from spirob.machine.forward.torque import PASSES as SENSED
 
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
@@ -170,11 +170,11 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
         shares=_calls(model.at(SHARE), "share"),
         added=_calls(_several(model, ADDED), "+out"),
     )
-    errors = _calls(wrong, "+error", upstream="q")
+    errors = _calls(wrong, "+error", pad=8 * " ", upstream="q")
     turned = "q" if model.axis == "rad" else "0.0"
     carries = any(model.numbers[n] for n in model.numbers if n.startswith("payload"))
     texts = [(WITH_PAYLOAD.format(turned=turned) if carries else LOADED, "s")]
-    texts += [(MISREAD.format(errors=errors), ""), (BEHIND, "")] if wrong else []
+    texts += [(MISREAD.format(errors=errors, readings=READINGS), ""), (BEHIND, "")] if wrong else []
     texts += [(MOTOR.format(**sensed), "s")] if sensors else []
     texts += [(compensate, "s"), (torque, "s")]
     texts += [(REPORTED.format(report=_calls(model.at(REPORT), "effort")), "s")]

@@ -87,8 +87,12 @@ def framed(s, effort, dt):
 '''
 MISREAD = '''
 def misread(q, v):
-    """Error of the position sensor at this position."""
+    """Error of the position sensor where it reads this position."""
+    read = q
     error = 0.0
+    for _ in range({readings}):
+        q = read - error
+        error = 0.0
 {errors}
     return error
 '''
