@@ -15,9 +15,7 @@ from pipeline.robots import build, drive_of
 from pipeline.schema import Config
 from pipeline.sides import merged
 from pipeline.trials import experiment_trials, paper_wraps, robot_wraps, unseen_wraps
-from spirob.bench import Trial
-from spirob.bench.trial import ROLES
-from spirob.bench.wrap import WrapSettings
+from spirob.campaign.arm.strength import strength_of
 from spirob.can_interface import require_known
 from spirob.effects import Effect, find_effects
 from spirob.emulator.faults import wire_from
@@ -27,12 +25,14 @@ from spirob.errors import ConfigError, SpirobError
 from spirob.experiments import experiment_from
 from spirob.identify.residual import Filter
 from spirob.logs.reader import FILTER_WINDOW
-from spirob.machine.own_effects import tried
-from spirob.perceive.choice import require_choices
+from spirob.machine.loading import tried
 from spirob.perceive.size import SizeSettings
+from spirob.perceive.study import require_choices
 from spirob.plant import Plant, Rig
 from spirob.safety import Limits
-from spirob.trial.strength import strength_of
+from spirob.trials import Trial
+from spirob.trials.trial import ROLES
+from spirob.trials.wrap import WrapSettings
 
 LEAST_SIZES = 3  # that a stack can learn from
 

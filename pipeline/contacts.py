@@ -15,17 +15,17 @@ from pipeline.sides import Stand
 from pipeline.stage import entry, tell, write_json
 from pipeline.wraps import SENSOR_NOISE
 from spirob.errors import ConfigError
-from spirob.experiments.contact_parts import in_parts
 from spirob.experiments.contact_rates import (
     SIGNALS,
     Uncurling,
+    in_parts,
     outcomes,
     roc,
     scaled,
     tuned,
     uncurlings,
 )
-from spirob.experiments.side import Side
+from spirob.experiments.experiment import Side
 
 SIMULATED, EMULATED = 40, 10  # pegs for each of five motions
 LOGS = Path("data/contacts/raw")

@@ -16,8 +16,8 @@ from pipeline.overlay import motion, overlay
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
 from spirob.diagnosis.document import document, metrics, restated
+from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import Answer, Question, answered
-from spirob.diagnosis.noise import noise_floor
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.survey import KEYS
 from spirob.identify.measurement import Measurement

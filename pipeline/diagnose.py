@@ -10,14 +10,14 @@ from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnosis.document import document, metrics
+from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.noise import noise_floor
-from spirob.diagnosis.rungs import Rules, Search, Settings
+from spirob.diagnosis.rungs import Ladder, Rules, Settings
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
-from spirob.identify.sense import refuse_senseless
+from spirob.identify.plausibility import refuse_senseless
 
 OUT = Path("data/search")
 
@@ -62,7 +62,7 @@ def settings_of(config: Config) -> Settings:
     return Settings(scale=config.identify.scale, **own)
 
 
-def model_of(search: Search, verdict: Verdict) -> dict[str, Any]:
+def model_of(search: Ladder, verdict: Verdict) -> dict[str, Any]:
     """The model that stands: with what was named, or the fitted one without."""
     last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
     changes = {name: float(value) for name, value in last.fit.changes.items()}

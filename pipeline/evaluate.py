@@ -12,13 +12,12 @@ import pandas as pd
 from pipeline.features import features_of
 from pipeline.stage import entry, read_json, tell, write_json
 from pipeline.train import CHOICE
+from spirob.campaign.arm.answers import right
 from spirob.logs.atomic import replacing
-from spirob.perceive.bootstrap import mean_gain, scored
 from spirob.perceive.model_file import load_model
-from spirob.perceive.rivals import rivals
+from spirob.perceive.score import mean_gain, scored
 from spirob.perceive.size import TARGET, predict
-from spirob.perceive.study import importance, learning_curve
-from spirob.trial.answers import right
+from spirob.perceive.study import importance, learning_curve, rivals
 
 
 def stage(root: Path) -> None:

@@ -10,23 +10,23 @@ from joblib import Parallel, delayed
 from pipeline.posture import WatchedRobot
 from pipeline.schema import Config
 from pipeline.stage import tell, workers
-from spirob.bench import Trial, record
-from spirob.bench.host import HostCurrentLoop, require_fitting
-from spirob.bench.simulated import SimulatedRobot
 from spirob.canbus import CanRobot, open_bus
 from spirob.drives import Drive, find_drive
-from spirob.drives.traffic import require_fast_enough
+from spirob.drives.drive import require_fast_enough
 from spirob.effects import find_effects
 from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
-from spirob.logs.provenance import git_commit, versions
-from spirob.logs.transmission import Transmission
+from spirob.logs.cycles import Transmission
+from spirob.logs.writer import git_commit, versions
 from spirob.plant import Plant, Rig
 from spirob.robot import Robot, Scene
 from spirob.safety import Limits
+from spirob.trials import Trial, record
+from spirob.trials.host import HostCurrentLoop, require_fitting
+from spirob.trials.simulation import SimulatedRobot
 
 RAW = Path("data/raw")
 BY_VOLTAGE = "gm6020"  # what an emulated robot has where it takes voltages

@@ -66,7 +66,7 @@ class PlantConfig(Strict):
 
 
 class Experiment(Strict):
-    """Trials; their own keys are checked by `spirob.bench.Trial`."""
+    """Trials; their own keys are checked by `spirob.trials.Trial`."""
 
     trials: list[dict[str, Any]] = Field(min_length=1)
 

@@ -13,8 +13,6 @@ from joblib import Parallel, delayed
 from pipeline.robots import build, drive_of, loop_of
 from pipeline.schema import Config
 from pipeline.stage import HIDDEN, public_config, read_json, read_yaml, workers
-from spirob.bench import Trial, record
-from spirob.bench.simulate import simulate
 from spirob.control.law import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
@@ -22,10 +20,12 @@ from spirob.ending import end_with_parent
 from spirob.experiments import Play, Side
 from spirob.experiments.experiment import repeating
 from spirob.logs import read_log
-from spirob.logs.transmission import Transmission
+from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
 from spirob.plant.single import single_dynamics
 from spirob.robot import MOTORS, Scene
+from spirob.trials import Trial, record
+from spirob.trials.simulation import simulate
 
 # which effects the model has and which numbers are not nominal: `{effects: [...], changes: {...}}`
 Models = Mapping[str, Mapping[str, Any]]

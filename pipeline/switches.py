@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from pipeline.overlay import CHANNELS, table_of, write_table
-from spirob.diagnosis.rungs import Search, label
+from spirob.diagnosis.confirm import Alone, together
+from spirob.diagnosis.rungs import Ladder, label
 from spirob.diagnosis.screen import without
-from spirob.diagnosis.together import Alone, together
 from spirob.effects import Effect
 from spirob.identify.residual import Residual
 
@@ -31,7 +31,7 @@ class Model:
     how: str
 
 
-def switches(folder: Path, residuals: Mapping[str, Residual], search: Search, scale: float) -> None:
+def switches(folder: Path, residuals: Mapping[str, Residual], search: Ladder, scale: float) -> None:
     """combinations.parquet: responses of all combinations; rows are the overlay's.
 
     Nothing is written where no candidate passed the screening.
@@ -51,7 +51,7 @@ def switches(folder: Path, residuals: Mapping[str, Residual], search: Search, sc
         write_table(folder / "combinations.parquet", whole)
 
 
-def candidates(train: Residual, search: Search) -> list[Alone]:
+def candidates(train: Residual, search: Ladder) -> list[Alone]:
     """The finalists of the first round, and the next best of its screening, up to `MOST`."""
     confirmed = [c for c in (search.rounds[0] if search.rounds else []) if len(c.effects) == 1]
     found = [Alone(c.effects[0], c.fit.changes, c.fit.residual) for c in confirmed]
@@ -64,7 +64,7 @@ def candidates(train: Residual, search: Search) -> list[Alone]:
     return found[:MOST]
 
 
-def models(train: Residual, search: Search, alone: Sequence[Alone], scale: float) -> list[Model]:
+def models(train: Residual, search: Ladder, alone: Sequence[Alone], scale: float) -> list[Model]:
     """One for every combination, fewer effects first."""
     found = [
         Model((one.effect,), one.changes, "refitted" if one.refitted else "screened")
@@ -78,7 +78,7 @@ def models(train: Residual, search: Search, alone: Sequence[Alone], scale: float
     return found
 
 
-def laws(folder: Path, residuals: Mapping[str, Residual], search: Search, named: bool) -> None:
+def laws(folder: Path, residuals: Mapping[str, Residual], search: Ladder, named: bool) -> None:
     """laws.parquet: each effect's model with and without it, all else as fitted.
 
     named  the effects of the last rung; otherwise the first candidates, each in its own model

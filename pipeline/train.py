@@ -7,10 +7,10 @@ import pandas as pd
 from pipeline.features import features_of
 from pipeline.schema import Config
 from pipeline.stage import entry, public_config, tell, workers, write_json
-from spirob.perceive.choice import chosen
 from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
 from spirob.perceive.size import SizeModel, SizeSettings, train
+from spirob.perceive.study import chosen
 
 CHOICE = Path("data/models/choice.json")
 

@@ -24,10 +24,9 @@ from pipeline.train import learnt as learnt_from
 from pipeline.trials import compared_wraps
 from pipeline.wraps import wrapped
 from spirob.parameter import Table
-from spirob.perceive.bootstrap import mean_gain, scored
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
 from spirob.perceive.model_file import load_model
-from spirob.perceive.score import score
+from spirob.perceive.score import mean_gain, score, scored
 from spirob.perceive.size import SizeModel, predict
 
 MOVED = 1.2  # ratio from which on a fitted number stood in for the effect

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from pipeline.diagnose import settings_of
 from pipeline.stage import entry, public_config, tell, workers, write_json
-from spirob.trial.campaign import cases, play
-from spirob.trial.case import quickly
-from spirob.trial.rates import rates
+from spirob.campaign.arm.case import quickly
+from spirob.campaign.arm.rates import rates
+from spirob.campaign.arm.running import cases, play
 
 
 def stage(root: Path) -> None:

@@ -37,8 +37,8 @@ from spirob.errors import ConfigError
 from spirob.experiments import Play, experiment_from
 from spirob.experiments.active_contact import RAW, RIGHT, ActiveContact
 from spirob.experiments.current_error import AIM_RMSE, rmse
-from spirob.experiments.onset import detected
-from spirob.identify.differences import differences
+from spirob.experiments.response import detected
+from spirob.identify.descent import differences
 from spirob.identify.intervals import block_covariance
 from spirob.identify.scaling import Scaling
 from spirob.perceive.contact import ContactSettings

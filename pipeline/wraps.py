@@ -25,13 +25,13 @@ from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import FAILED, public_config, read_json, tell, workers
 from pipeline.trials import paper_wraps, train_wraps
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
 from spirob.effects import find_effects
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, MissingLog, SpirobError
 from spirob.logs.atomic import replacing
 from spirob.perceive.features import table
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 
 SENSOR_NOISE = 0.005  # A, of a drive of this class; the robot's own is not known
 SHARES = Path("data/wraps")

@@ -28,8 +28,8 @@ PARENTS = {
         Parallel(n_jobs=2, initializer=end_with_parent)(delayed(sleeper)() for _ in range(2))
     """,
     "a trial": """
-        from spirob.trial import campaign
-        from spirob.trial.case import Case
+        from spirob.campaign.arm import campaign
+        from spirob.campaign.arm.case import Case
         campaign._one = sleeper
         campaign.play([Case("none", 0), Case("none", 1)], folder / "cases.jsonl", 2)
     """,

@@ -5,23 +5,15 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from spirob.benchmark import (
-    coupled_tick,
-    decoding,
-    diagnosis,
-    feedforward,
-    identification,
-    screening,
-    threads,
-)
-from spirob.benchmark.turns import TINY, Size
+from spirob.benchmark import diagnosis, feedforward, identification, throughput
+from spirob.benchmark.timing import TINY, Size
 
 MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
-    "coupled_tick": coupled_tick.measure,
-    "threads": threads.measure,
-    "decoding": decoding.measure,
+    "coupled_tick": throughput.measure_cycles,
+    "threads": throughput.measure_threads,
+    "decoding": throughput.measure_decoding,
     "identification": identification.measure,
-    "screening": screening.measure,
+    "screening": diagnosis.measure_screening,
     "diagnosis": diagnosis.measure,
     "feedforward": feedforward.measure,
 }

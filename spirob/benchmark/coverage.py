@@ -18,9 +18,7 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from spirob.bench.simulated import SimulatedRobot
-from spirob.benchmark.recording import recorded
-from spirob.benchmark.trials import moving
+from spirob.benchmark.timing import moving, recorded
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.ending import end_with_parent
 from spirob.identify.fit import STEPS, Fit, fit
@@ -30,6 +28,7 @@ from spirob.identify.residual import Residual
 from spirob.logs.atomic import write_text
 from spirob.parameter import Table
 from spirob.plant import Plant, Rig
+from spirob.trials.simulation import SimulatedRobot
 
 # standard deviation of a draw: of the logarithm where a number spans decades, otherwise of itself
 SPREADS = {

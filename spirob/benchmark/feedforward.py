@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.benchmark.turns import Size
+from spirob.benchmark.timing import Size
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.export.axis import PLAYED, SIGNALS

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from spirob.bench import Trial
 from spirob.benchmark.coverage import LOSS_SCALE, SPREADS
-from spirob.benchmark.recording import recorded
+from spirob.benchmark.timing import recorded
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.ending import end_with_parent
 from spirob.identify.fit import STEPS, Fit, fit
@@ -26,6 +25,7 @@ from spirob.identify.polish import polished
 from spirob.identify.residual import Residual
 from spirob.logs.atomic import write_text
 from spirob.plant import Plant, Rig
+from spirob.trials import Trial
 
 WEIGHT = 1.0  # kg
 # motor that moves, its (duration [s], length [m]), current of the other motor [A]: low, because

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from spirob.campaign import recorder as recording
-from spirob.campaign.kinds import (
+from spirob.campaign.recorder import Recorder
+from spirob.campaign.scoring import (
     BESIDE,
     DRAWN,
     KINDS,
@@ -20,7 +21,6 @@ from spirob.campaign.kinds import (
     OUTSIDE,
     answers,
 )
-from spirob.campaign.recorder import Recorder
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.hidden import Hidden, Hiding, Scale, hiding
 from spirob.campaign.simulators.motion import Machine, Motion, Plan, Simulator

@@ -1,4 +1,4 @@
-"""A case diagnosed blind: the diagnosis gets a description and columns, nothing else."""
+"""A case diagnosed blind, and the figures from which a calibration can learn."""
 
 import tempfile
 import time
@@ -10,12 +10,114 @@ from typing import Any
 from spirob import __version__
 from spirob.campaign import true_law
 from spirob.campaign.case import Case, drawn
-from spirob.campaign.features import errors, features, law, said
 from spirob.campaign.scoring import outcome
 from spirob.errors import SpirobError
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
+
+CLOSE = 1.1  # times the error of the chosen model: candidates within it are near rivals
+
+
+def said(document: Mapping[str, Any]) -> dict[str, Any]:
+    """The verdict and its names."""
+    return {
+        "verdict": document["verdict"],
+        "effects": [
+            {
+                "name": e["name"],
+                "probability": e["probability"],
+                "equivalents": e["equivalents"],
+                "rivals": e["rivals"],
+            }
+            for e in document["effects"]
+        ],
+        "sentence": document["sentence"],
+    }
+
+
+def features(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Figures of the search, with or without a name at its end.
+
+    chosen      effects of the model that the search stands by, whatever the verdict
+    evidence    what says the same as each, what is a rival, and the figures of `certainty`
+    stated      probability of the least sure of them; of the first candidate where none is named
+    gain        fall of the squared held-out error beside the best model with another effect
+    taken       fall of the squared held-out error beside the bare model;  taken_train  of fitted
+    remaining   held-out error over the effort's RMS
+    ceiling     share of the squared error left that still follows from the motion
+    numbers     of the rig and the named effects;  at_bound  those that ended at a bound
+    close       candidates that are not chosen, within a tenth of the held-out error
+    considered  all that were screened
+    delay       [s], fitted; null where it was not
+    """
+    rungs = [r for r in document["ladder"] if not r.get("ceiling")]
+    bare, chosen = rungs[0], rungs[-1]
+    names = chosen["effects"]
+    error = chosen["test"]["rmse"]
+    others = [
+        c["heldout_rmse"]
+        for c in document["candidates"]
+        if c["name"] not in names and c["heldout_rmse"] is not None
+    ]
+    fitted = [*document["numbers"].values()]
+    fitted += [n for e in document["effects"] for n in e["parameters"].values()]
+    stated = [e["probability"] for e in document["effects"]]
+    stated = stated or [c["probability"] for c in document["candidates"][:1]]
+    return {
+        "chosen": names,
+        "evidence": document["evidence"],
+        "stated": min(stated, default=None),
+        "gain": 1.0 - (error / min(others)) ** 2 if others and min(others) > 0 else None,
+        "taken": _fall(bare["test"]["rmse"], error),
+        "taken_train": _fall(bare["train"]["rmse"], chosen["train"]["rmse"]),
+        "remaining": error / document["effort_rms"]["test"],
+        "remaining_train": chosen["train"]["rmse"] / document["effort_rms"]["train"],
+        "noise": document["noise_floor"] / document["effort_rms"]["train"],
+        "ceiling": document["left"]["share"],
+        "numbers": len(fitted),
+        "at_bound": sum(_at_bound(n) for n in fitted),
+        "close": sum(rmse <= CLOSE * error for rmse in others),
+        "considered": len(document["candidates"]),
+        "delay": document["numbers"].get("delay", {}).get("value"),
+        "notes": len(document["repairs"]),
+    }
+
+
+def law(document: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What a composed law is, None where there is none."""
+    found = document["composed"]
+    if found is None:
+        return None
+    kept = {key: found[key] for key in ("shape", "formula", "terms", "share", "dissipative")}
+    return kept | {"numbers": len(found["numbers"]), "nearest": found["nearest"]}
+
+
+def errors(document: Mapping[str, Any], least: float | None) -> dict[str, float | None]:
+    """Held-out RMSE over that of the effort, by what the model holds.
+
+    bare   the fitted numbers alone;  said  with the named effects, where there are any
+    law    with the composed law besides, null where there is none
+    true   with nothing hidden (`least`), which is what knowing the law leaves
+    """
+    size = document["effort_rms"]["test"]
+    rungs = [r["test"]["rmse"] for r in document["ladder"] if not r.get("ceiling")]
+    named, found = bool(document["effects"]), document["composed"]
+    return {
+        "bare": rungs[0] / size,
+        "said": rungs[-1 if named else 0] / size,
+        "law": None if found is None else found["rmse"]["test"] / size,
+        "true": None if least is None else least / size,
+    }
+
+
+def _fall(before: float, after: float) -> float | None:
+    return 1.0 - (after / before) ** 2 if before > 0 else None
+
+
+def _at_bound(number: Mapping[str, Any]) -> bool:
+    """An interval is cut to the bounds of its number, so at one of them it ends at the value."""
+    return number["low"] != number["high"] and number["value"] in (number["low"], number["high"])
 
 
 def result(case: Case) -> dict[str, Any]:

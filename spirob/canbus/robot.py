@@ -7,13 +7,26 @@ from contextlib import suppress
 import can
 
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
-from spirob.canbus.lateness import Lateness
-from spirob.canbus.operator import set_up
-from spirob.canbus.urgency import Urgency
+from spirob.canbus.deadlines import Lateness, Urgency
 from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene
 from spirob.safety import Stopped
+
+
+def set_up(scene: Scene) -> str:
+    """How arm and surroundings have to stand before a trial."""
+    around = scene.cylinder
+    put = "nothing near the arm"
+    if around:
+        put = (
+            f"a cylinder of {1e3 * around.diameter:.1f} mm at x = {1e3 * around.x:.1f} mm, "
+            f"y = {1e3 * around.y:.1f} mm"
+        )
+    if hung := scene.weights:
+        put += f", weights of {hung.left:g} kg (left) and {hung.right:g} kg (right) on the drums"
+    return f"Arm straight and at rest, tendons just taut, {put}; then press Enter. "
+
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 SILENCE_NS = 10_000_000  # ten feedback frames lost in a row: the drive is gone

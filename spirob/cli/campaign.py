@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from spirob.campaign.case import Case, able, cases, together
-from spirob.campaign.kinds import DRAWN, KINDS, NONE
 from spirob.campaign.running import Line, known, play
+from spirob.campaign.scoring import DRAWN, KINDS, NONE, law_lines, laws, lines, rates
 from spirob.campaign.simulators import SIMULATORS
-from spirob.campaign.table import law_lines, laws, lines, rates
 from spirob.cli.progress import Progress
 from spirob.errors import ConfigError
 from spirob.logs.atomic import write_text

@@ -23,10 +23,9 @@ def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Pat
     Choices of a run that does not come to its end are taken back.
     """
     from spirob.cli.exit_codes import DONE
-    from spirob.cli.kept import Kept, alone
+    from spirob.cli.interruption import Kept, alone
     from spirob.cli.project import read_overrides, write_overrides
-    from spirob.cli.reproduce import reproduce
-    from spirob.cli.stages import stages
+    from spirob.cli.reproduce import reproduce, stages
 
     project = taken_up(arguments)
     stages(project, target)  # a stage that is none is said before anything is changed

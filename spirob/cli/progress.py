@@ -1,4 +1,4 @@
-"""Progress over units of work: a bar with the time left on a terminal, else a line for each unit.
+"""Progress on a terminal as a bar with the time left, else as lines.
 
 Both go to stderr, so that what a command prints can be piped.  Colours only on a terminal, and
 none where NO_COLOR is set.
@@ -10,7 +10,44 @@ from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, TextIO
 
-from spirob.cli.time_left import TimeLeft, clock
+from spirob.progress import Step
+
+
+class TimeLeft:
+    """Expected remaining time of a list of units that are done in order.
+
+    units     names in order;  expected  seconds that a unit took last time, where known
+    """
+
+    def __init__(self, units: Sequence[str], expected: Mapping[str, float] | None = None):
+        self._left = list(units)
+        self._expected = dict(expected or {})
+        self._taken: list[float] = []
+
+    def done(self, unit: str, seconds: float, worked: bool = True) -> None:
+        """A unit is over; one that had nothing to do says nothing about the others."""
+        if unit in self._left:
+            self._left.remove(unit)
+        if worked:
+            self._taken.append(seconds)
+
+    def seconds(self, in_current: float = 0.0) -> float | None:
+        """Seconds to the end, `in_current` of them being spent; None while nothing tells."""
+        mean = sum(self._taken) / len(self._taken) if self._taken else None
+        parts = [self._expected.get(unit, mean) for unit in self._left]
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            return None
+        first = max(0.0, known[0] - in_current) if known else 0.0
+        return first + sum(known[1:])
+
+
+def clock(seconds: float | None) -> str:
+    """Minutes and seconds, as 4:07; a dash where it is not known."""
+    if seconds is None:
+        return "–:––"
+    whole = round(seconds)
+    return f"{whole // 60}:{whole % 60:02d}"
 
 
 class Progress:
@@ -97,3 +134,40 @@ def bar_of(stream: TextIO, left: Callable[[], str]) -> Any:
 
     columns = (TextColumn("{task.description:12}"), BarColumn(), MofNCompleteColumn(), Left())
     return Bar(*columns, console=Console(file=stream), refresh_per_second=4)
+
+
+SHOWN = 44  # characters of a line beside the bar
+
+
+class SearchProgress(Progress):
+    """Context that is called with lines; those that are steps move the bar.
+
+    quiet  say nothing
+    """
+
+    def __init__(self, stream: TextIO, quiet: bool = False):
+        super().__init__([], stream=stream)
+        self._quiet = quiet
+        self._last: Step | None = None
+
+    def __enter__(self) -> "SearchProgress":
+        if not self._quiet:
+            super().__enter__()
+        return self
+
+    def __call__(self, text: str) -> None:
+        if self._quiet:
+            return
+        if self._bar is None or not isinstance(text, Step):
+            self.tell(text)
+            return
+        self._last = text
+        shown = text if len(text) <= SHOWN else f"{text[: SHOWN - 1]}…"
+        self._bar.update(self._task, description=shown, completed=text.done, total=text.of)
+
+    def left(self) -> str:
+        """Time left at most, from what a step took so far: a search may end before its last."""
+        if self._last is None:
+            return clock(None)
+        each = (time.monotonic() - self._begun) / self._last.done
+        return f"at most {clock(each * (self._last.of - self._last.done))}"

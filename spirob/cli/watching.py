@@ -5,7 +5,7 @@ import time
 
 import can
 
-from spirob.canbus.hearing import heard
+from spirob.canbus.bus import heard
 from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.perceive.live import Watch

@@ -1,4 +1,4 @@
-"""The paper's feedback points: current, velocity, displacement, force -> commanded current.
+"""The paper's feedback points, and what a trial asks of each motor, cycle by cycle.
 
 One scalar function, the same on a real robot (plain Python, once a cycle) and inside the compiled
 model.  Measured quantities are what the drive reports, already in SI units: wound-in length x,
@@ -12,6 +12,10 @@ its rate v, current i.
 (paper, "Alternative feedback points", e_Δℓ, e_Δℓ̇, e_F and Φ.)  The integral stops while the
 command is at its limit and the error would drive it further (anti-windup).
 """
+
+from dataclasses import dataclass
+
+import numpy as np
 
 from spirob.parameter import Numbers, bounded
 
@@ -70,3 +74,26 @@ def current_command(
     if command == limited or command * error < 0.0:
         integral += gain_integral * error * dt
     return limited, integral
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Feedback mode and reference of every motor at every cycle.
+
+    mode           (M,) int, constants of `control.law`; fixed during a trial
+    reference      (T, M) in the unit of the mode: A, m/s, m or N
+    reference_rate (T, M) [m/s], read by the displacement mode only
+    current_limit  (M,) the command stays within ± this [A]
+    held           (M,) currents under which the arm has come to rest before [A]; None: none
+    """
+
+    mode: np.ndarray
+    reference: np.ndarray
+    reference_rate: np.ndarray
+    current_limit: np.ndarray
+    held: np.ndarray | None = None
+
+    @property
+    def cycles(self) -> int:
+        """Length of the trial in cycles."""
+        return len(self.reference)

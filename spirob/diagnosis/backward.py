@@ -7,12 +7,11 @@ later one goes; and the first of two, which was chosen without the second, may b
 from collections.abc import Callable, Mapping, Sequence
 
 from spirob.diagnosis.confirm import CLEARLY, briefly, confirm, finished, shaped
-from spirob.diagnosis.evidence import improvement
-from spirob.diagnosis.noise import complete
+from spirob.diagnosis.evidence import complete, improvement
 from spirob.diagnosis.rungs import (
     Confirmed,
+    Ladder,
     Rung,
-    Search,
     Settings,
     label,
     line,
@@ -22,8 +21,8 @@ from spirob.diagnosis.rungs import (
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.weighing import counts, with_probability
 from spirob.effects import Effect
+from spirob.identify.coarse import near
 from spirob.identify.fit import STEPS, fit
-from spirob.identify.near import near
 from spirob.identify.problem import Problem
 
 INSTEAD = 3  # candidates that are tried in the place of the first effect
@@ -65,7 +64,7 @@ def fitted_again(
 
 
 def pruned(
-    search: Search,
+    search: Ladder,
     residuals: Mapping[str, Problem],
     settings: Settings,
     progress: Callable[[str], None],
@@ -85,7 +84,7 @@ def pruned(
 
 
 def exchanged(
-    search: Search,
+    search: Ladder,
     candidates: Sequence[type[Effect]],
     residuals: Mapping[str, Problem],
     settings: Settings,

@@ -3,15 +3,71 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from spirob.diagnosis.evidence import half_seconds
+from spirob.diagnosis.flexible import Ceiling, ceiling
 from spirob.diagnosis.proposals import Proposal, told
-from spirob.diagnosis.rungs import Confirmed, Rung, Search, label, parameters_of
-from spirob.diagnosis.steps import steps
+from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, label, parameters_of
 from spirob.diagnosis.verdict import Verdict
 from spirob.identify.problem import Effort, Problem
+from spirob.score import Interval, score, score_interval
+
+CEILING = "flexible residual on top (ceiling)"
+
+
+def steps(search: Ladder, problems: Mapping[str, Problem]) -> tuple[list[dict[str, Any]], Ceiling]:
+    """Rungs, the ceiling over the last one as a further entry, and the ceiling itself.
+
+    problems  by role: those that the rungs were scored on
+    """
+    missed = [_missed(rung, problems) for rung in search.rungs]
+    found = [_rung(r, m, problems) for r, m in zip(search.rungs, missed, strict=True)]
+    top = ceiling(problems, missed[-1])
+    return [*found, _top(top, problems)], top
+
+
+def _missed(rung: Rung, problems: Mapping[str, Problem]) -> dict[str, np.ndarray]:
+    """Model minus measurement by role, (N,) each."""
+    others = {role: problems[role](rung.fit.changes) for role in ROLES if role != "train"}
+    return {"train": rung.fit.residual, **others}
+
+
+def _rung(
+    rung: Rung, missed: Mapping[str, np.ndarray], problems: Mapping[str, Problem]
+) -> dict[str, Any]:
+    scores = {role: s.as_dict() for role, s in rung.scores.items()}
+    effort = {role: values[problems[role].rows] for role, values in missed.items()}
+    return {
+        "label": rung.label,
+        "effects": [e.name() for e in rung.effects],
+        **scores,
+        "interval": _intervals(effort, problems),
+    }
+
+
+def _top(found: Ceiling, problems: Mapping[str, Problem]) -> dict[str, Any]:
+    scores = {}
+    for role, left in found.left.items():
+        measured = problems[role].measured()[problems[role].rows]
+        scores[role] = score(measured, measured + left).as_dict()
+    intervals = _intervals(found.left, problems)
+    return {"label": CEILING, "effects": [], **scores, "interval": intervals, "ceiling": True}
+
+
+def _intervals(
+    missed: Mapping[str, np.ndarray], problems: Mapping[str, Problem]
+) -> dict[str, dict[str, Interval]]:
+    """95 % intervals of the scores, by role; `missed` of the effort alone, (n,) each."""
+    found = {}
+    for role, values in missed.items():
+        measured = problems[role].measured()[problems[role].rows]
+        found[role] = score_interval(measured, measured + values, half_seconds(problems[role]))
+    return found
 
 
 def document(
-    search: Search,
+    search: Ladder,
     verdict: Verdict,
     where: Mapping[str, Any],
     noise_floor: float,
@@ -78,7 +134,7 @@ def described(kind: str, explanation: str, where: Mapping[str, Any]) -> str:
     return f"{explanation} {depends}" if kind == "unknown" and depends else explanation
 
 
-def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:
+def metrics(search: Ladder, verdict: Verdict, effort: Effort) -> dict[str, Any]:
     """The few figures that `dvc metrics` follows, with their unit."""
     first, last = search.rungs[0].scores["heldout"], search.rungs[-1].scores["heldout"]
     named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
@@ -93,7 +149,7 @@ def metrics(search: Search, verdict: Verdict, effort: Effort) -> dict[str, Any]:
     }
 
 
-def _probability(search: Search, verdict: Verdict, name: str) -> float:
+def _probability(search: Ladder, verdict: Verdict, name: str) -> float:
     """The verdict's; of several effects each has its own rate of winning."""
     if len(search.rungs[-1].effects) == 1:
         return verdict.probability

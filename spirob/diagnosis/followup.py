@@ -7,11 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from spirob.diagnosis.again import decided_again, joined, proposed
-from spirob.diagnosis.contest import Contestant, in_question
+from spirob.diagnosis.contest import Contestant, decided_again, in_question, joined, proposed
 from spirob.diagnosis.proof import FOUND, Proof, proved, put_to_proof, sifted, to_prove
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.rungs import Ladder, Settings
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
@@ -68,7 +67,7 @@ class Answer:
     """
 
     verdict: Verdict
-    search: Search | None = None
+    search: Ladder | None = None
     models: tuple[Contestant, ...] = ()
     experiment: str = ""
     aside: bool = False
@@ -76,7 +75,7 @@ class Answer:
 
 
 def asked(
-    search: Search, verdict: Verdict, problems: Mapping[str, Residual], settings: Settings
+    search: Ladder, verdict: Verdict, problems: Mapping[str, Residual], settings: Settings
 ) -> Question:
     """What would decide between what was found and those beside it, and what would prove it."""
     validate = problems["validate"]
@@ -134,7 +133,7 @@ def _proved(
 
 
 def _settled(
-    stands: Answer, search: Search, own: Mapping[str, Residual], settings: Settings
+    stands: Answer, search: Ladder, own: Mapping[str, Residual], settings: Settings
 ) -> Answer:
     verdict = judge(search, own, settings)
     return replace(

@@ -4,20 +4,175 @@ Fits use the training trials, decisions the validation trials; the held-out tria
 reported.  A candidate is added only if the rung below, fitted again from the candidate's own
 numbers, does not do as well; of candidates that do about equally well the simplest is added; where
 none helps alone, pairs are tried; and once two are in, each has to be needed beside the other.
+
+One round of the search after another: screen, confirm in full simulation, add the best.
+
+A candidate counts only if the rung below, fitted again from the candidate's own numbers, does not
+do as well; of candidates that do about equally well the simplest is added; where none helps alone,
+pairs are tried.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
 
-from spirob.diagnosis.confirm import CLEARLY
-from spirob.diagnosis.rounds import Rounds
-from spirob.diagnosis.rungs import Search, Settings, line, rung_of
-from spirob.diagnosis.weighing import LEADERS
+from spirob.diagnosis.backward import exchanged, fitted_again, pruned
+from spirob.diagnosis.confirm import CLEARLY, confirm, finished
+from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.restarts import to_the_end
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, label, line, rung_of
+from spirob.diagnosis.screen import Screened, amplitudes, screen
+from spirob.diagnosis.weighing import (
+    LEADERS,
+    counts,
+    leading,
+    least_of,
+    periodic,
+    rms,
+    simplest,
+    with_probability,
+)
 from spirob.effects import Effect
+from spirob.identify.coarse import near
 from spirob.identify.fit import STEPS, Fit, fit, fit_identifiable
-from spirob.identify.near import near
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.scaling import Scaling
-from spirob.told import Steps
+from spirob.progress import Steps
+
+MOST = 6  # rounds, if backward steps take out what was added
+PAIRED = 3  # candidates of which pairs are tried
+POOR = 0.25  # of a rung's squared error, if a fit from elsewhere leaves less: another valley
+
+
+@dataclass
+class Rounds:
+    """The rounds of one search; `ladder.climb` says what the fields are.
+
+    afresh  the candidates were ranked in a poor valley once, and are ranked anew
+    """
+
+    residuals: Mapping[str, Problem]
+    names: Sequence[str]
+    candidates: Sequence[type[Effect]]
+    settings: Settings
+    progress: Callable[[str], None]
+    known: Ladder | None
+    afresh: bool = False
+
+    def goes_on(self, search: Ladder) -> bool:
+        """Whether something may still be added to the last rung."""
+        rung, validate, settings = search.rungs[-1], self.residuals["validate"], self.settings
+        if len(rung.effects) >= settings.rounds or len(search.rounds) >= MOST:
+            return False
+        # as the verdict will measure it, with what the length channel shows
+        done = rms(rung.errors) < complete(validate, settings.floor)
+        if not self._absent(rung) or (rung.effects and done):
+            return False
+        error = rung.scores["validate"].rmse
+        return settings.always or error >= settings.floor * effort_rms(validate)
+
+    def add(self, search: Ladder) -> bool:
+        """One round: the best candidate becomes a rung; False where none helps."""
+        rung, settings, progress = search.rungs[-1], self.settings, self.progress
+        # a round stays near its rung; what it ends with is scored, and finished, on the trials
+        close = {**self.residuals, "train": near(self.residuals["train"], rung.fit.changes)}
+        ranked, tried = self._finalists(search, close)
+        passed = self._passing(tried, search)
+        if not passed:
+            joint = self._pairs(ranked, rung, close)
+            passed = self._passing(joint, search)
+            tried += passed
+        again = fitted_again(passed, rung, close, self.residuals["train"], settings, progress)
+        if again is not None:
+            poor = again.errors.mean() < POOR * rung.errors.mean()
+            search.rungs[-1] = rung = again
+            passed = self._passing(passed, search)
+            if (poor or not passed) and not self.afresh:
+                self.afresh = True
+                return True
+        ended = [to_the_end(c, self.residuals, settings, progress) for c in leading(passed)]
+        leaders = [c for c in ended if periodic(c, self.residuals["train"])]
+        improved = {c.effects: c for c in leaders}
+        smooth = {c.effects for c in ended} - set(improved)
+        tried = [improved.get(c.effects, c) for c in tried if c.effects not in smooth]
+        search.screened.append(ranked)
+        search.rounds.append(with_probability(tried, rung, close["train"], settings))
+        if leaders:
+            self._grow(search, leaders, close)
+        return bool(leaders)
+
+    def _absent(self, rung: Rung) -> list[type[Effect]]:
+        return [c for c in self.candidates if c not in rung.effects]
+
+    def _finalists(
+        self, search: Ladder, close: Mapping[str, Problem]
+    ) -> tuple[list[Screened], list[Confirmed]]:
+        """All candidates as the screening ranks them; the best of them after a full refit."""
+        rung, train, settings = search.rungs[-1], close["train"], self.settings
+        absent, done = self._absent(rung), {}
+        seen = self.known if self.known and not (search.screened or self.afresh) else None
+        if seen and _screened_here(seen):
+            ranked = [s for s in seen.screened[0] if s.effect in absent]
+            done = {c.effects: c for c in seen.rounds[0]}
+        else:
+            fitted = _names(rung, self.names, train)
+            ranked = screen(train, rung.fit, fitted, absent, settings.scale)
+        best = ", ".join(f"{s.effect.name()} {s.gain:+.0%}" for s in ranked[:5])
+        self.progress(f"screened: {best}")
+        return ranked, [
+            done.get((s.effect,)) or confirm([s], rung, close, settings, self.progress)
+            for s in ranked[: self._kept(rung)]
+            if s.gain > 0.0
+        ]
+
+    def _kept(self, rung: Rung) -> int:
+        return max(1, self.settings.finalists - len(rung.effects))
+
+    def _pairs(
+        self, ranked: Sequence[Screened], rung: Rung, close: Mapping[str, Problem]
+    ) -> list[Confirmed]:
+        """The first finalists two by two, where nothing was added yet and much is left."""
+        enough = complete(close["validate"], self.settings.floor)
+        if rung.effects or rung.scores["validate"].rmse <= enough:
+            return []
+        first = [s for s in ranked[: self._kept(rung)] if s.gain > 0.0][:PAIRED]
+        return [
+            confirm(pair, rung, close, self.settings, self.progress)
+            for pair in combinations(first, 2)
+        ]
+
+    def _passing(self, tried: Sequence[Confirmed], search: Ladder) -> list[Confirmed]:
+        """Those that count as effects beside the last rung."""
+        rung, validate = search.rungs[-1], self.residuals["validate"]
+        least = least_of(search, validate, self.settings)
+        return [c for c in tried if counts(c, rung, self.residuals, self.settings, least)]
+
+    def _grow(
+        self, search: Ladder, leaders: Sequence[Confirmed], close: Mapping[str, Problem]
+    ) -> None:
+        """Add the simplest of the leaders, and question what stood before."""
+        settings = self.settings
+        best = finished(
+            simplest(leaders, self.residuals["train"], settings), self.residuals, settings
+        )
+        effects = [*search.rungs[-1].effects, *best.effects]
+        grown = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
+        search.rungs.append(grown)
+        # of two that were added together each needs what a second one needs beside a first
+        least = least_of(search, close["validate"], settings)
+        pruned(search, close, settings, self.progress, least)
+        exchanged(search, self.candidates, self.residuals, settings, self.progress)
+
+
+def _screened_here(known: Ladder) -> bool:
+    """Whether the first round began at the fit with which the search began."""
+    return bool(known.screened and known.rounds) and known.rungs[0] is known.base
+
+
+def _names(rung: Rung, fitted: Sequence[str], problem: Problem) -> list[str]:
+    """The numbers of a rung that are fitted along: the model's, and amplitudes of its effects."""
+    return [*fitted, *(n for e in rung.effects for n in amplitudes(e, problem))]
+
 
 NEAR = 0.03  # of its range: a number so close to a bound is held by it
 
@@ -29,8 +184,8 @@ def climb(
     start: Mapping[str, float],
     settings: Settings,
     progress: Callable[[str], None] = lambda text: None,
-    known: Search | None = None,
-) -> Search:
+    known: Ladder | None = None,
+) -> Ladder:
     """Search for missing effects; residuals by role share one plant that holds all candidates.
 
     names  parameters fitted at every rung;  start  where their fit begins.  What the data do not
@@ -66,7 +221,7 @@ def begun(
     start: Mapping[str, float],
     settings: Settings,
     steps: Sequence[float] = STEPS,
-) -> Search:
+) -> Ladder:
     """A search that has not looked for anything yet: the fit of the parameters alone.
 
     steps  of its differences; the last alone where `start` is a fit with the wide ones
@@ -86,7 +241,7 @@ def begun(
         slopes=first.jacobian,
     )
     base = rung_of("fitted parameters", [], found, residuals)
-    return Search(base, [base], vague=vague)
+    return Ladder(base, [base], vague=vague)
 
 
 def off_its_bounds(train: Problem, found: Fit, settings: Settings) -> Fit:
@@ -109,5 +264,5 @@ def off_its_bounds(train: Problem, found: Fit, settings: Settings) -> Fit:
     return again if again.cost < (1.0 - CLEARLY) * found.cost else found
 
 
-def _known(earlier: Search) -> Search:
-    return Search(earlier.base, [earlier.base], vague=list(earlier.vague))
+def _known(earlier: Ladder) -> Ladder:
+    return Ladder(earlier.base, [earlier.base], vague=list(earlier.vague))

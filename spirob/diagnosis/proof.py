@@ -19,11 +19,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.again import compared, further_of, settled
-from spirob.diagnosis.contest import Contestant
-from spirob.diagnosis.noise import complete
+from spirob.diagnosis.contest import Contestant, compared, further_of, settled
+from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposal
-from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.rungs import Ladder, Settings
 from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, share_of
 from spirob.diagnosis.weighing import simplest
 from spirob.effects import Effect
@@ -72,7 +71,7 @@ class Proof:
 Proofs = Mapping[frozenset[type[Effect]], Proof]  # by the effects of a name
 
 
-def to_prove(search: Search, problem: Residual, settings: Settings) -> list[Proposal]:
+def to_prove(search: Ladder, problem: Residual, settings: Settings) -> list[Proposal]:
     """The experiment that puts what was found to the proof.
 
     None where nothing was found, or where it would show less there than counts as an effect.
@@ -116,7 +115,7 @@ def sifted(
     proofs: Proofs,
     own: Mapping[str, Residual],
     settings: Settings,
-) -> Search | None:
+) -> Ladder | None:
     """The contest among the names that hold, as a search of one round.
 
     None where all hold, or none: then the proof tells nothing of which it is.

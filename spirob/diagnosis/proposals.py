@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from spirob.bench.simulate import simulate
-from spirob.bench.trial import Trial
 from spirob.errors import SimulationError
 from spirob.geometry import PUBLISHED
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, effort_rms
 from spirob.identify.residual import Residual
-from spirob.plant.holes import stroke
+from spirob.plant.tendon import stroke
 from spirob.robot import MOTORS
+from spirob.trials.simulation import simulate
+from spirob.trials.trial import Trial
 
 LIMIT = 5.0  # A
 DECIDE = "decide", "explanations differ"

@@ -10,7 +10,7 @@ from pydantic import Field
 from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.screen import Screened
 from spirob.effects import Effect
-from spirob.effects.individual import differences
+from spirob.effects.effect import differences
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Effort, Problem
 from spirob.score import Score, score
@@ -95,7 +95,7 @@ class Rung:
 
 
 @dataclass
-class Search:
+class Ladder:
     """Everything that the search saw; rounds[k] are the finalists of round k, best first.
 
     base  the fitted parameters alone, as they were when the search began

@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.orders import best_orders
-from spirob.diagnosis.waves import BY_LOAD, answers, following
+from spirob.diagnosis.orders import BY_LOAD, answers, best_orders, following
 from spirob.effects import Effect
-from spirob.effects.individual import differences
+from spirob.effects.effect import differences
 from spirob.identify.descent import Anchor, corrected, linear_step, robust_cost
 from spirob.identify.fit import Fit, anchor_of
 from spirob.identify.problem import Problem

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.periodogram import peaks
+from spirob.diagnosis.orders import peaks
 from spirob.identify.problem import Stretch
 
 HIGHEST = 50.0  # periods a turn of the motor

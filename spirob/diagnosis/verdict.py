@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.evidence import alike
-from spirob.diagnosis.noise import complete, noise_floor
-from spirob.diagnosis.rungs import Confirmed, Search, Settings, label
+from spirob.diagnosis.evidence import alike, complete, noise_floor
+from spirob.diagnosis.rungs import Confirmed, Ladder, Settings, label
 from spirob.diagnosis.weighing import counts
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
@@ -45,7 +44,7 @@ class Verdict:
         return self.kind == "undecided" or bool(self.equivalents)
 
 
-def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) -> Verdict:
+def judge(search: Ladder, residuals: Mapping[str, Problem], settings: Settings) -> Verdict:
     """Judge the first round; later rounds are further rungs of the same answer.
 
     residuals  by role; the held-out trials can only take a name away
@@ -86,14 +85,14 @@ def judge(search: Search, residuals: Mapping[str, Problem], settings: Settings) 
     return _named(search, best, whole, same, share, effort)
 
 
-def _brought(search: Search) -> Confirmed:
+def _brought(search: Ladder) -> Confirmed:
     """The candidate that brought in the effects of the last rung, or the first of them."""
     last = search.rungs[-1].effects
     own = [c for tried in search.rounds for c in tried if set(c.effects) <= set(last)]
     return max(own, key=lambda c: c.probability)
 
 
-def explained(search: Search, floor: float) -> float:
+def explained(search: Ladder, floor: float) -> float:
     """Share of the squared validation error above the floor that the named effects account for.
 
     floor  RMS that noise and small differences between machine and model leave
@@ -102,7 +101,7 @@ def explained(search: Search, floor: float) -> float:
     return share_of(before, after, floor)
 
 
-def foretold(search: Search, heldout: Problem, settings: Settings) -> float:
+def foretold(search: Ladder, heldout: Problem, settings: Settings) -> float:
     """The same share on the held-out trials; all of it where the last rung is complete there.
 
     What was chosen for the validation trials may be what imitates the missing effect on them: a
@@ -164,7 +163,7 @@ def _poorly_explained(
 
 
 def _named(
-    search: Search,
+    search: Ladder,
     best: Confirmed,
     whole: float,
     same: Sequence[Confirmed],

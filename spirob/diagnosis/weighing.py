@@ -9,9 +9,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from spirob.diagnosis.evidence import beaten, block_errors, foreseen, improvement, win_rates
-from spirob.diagnosis.noise import complete
-from spirob.diagnosis.rungs import Confirmed, Rung, Search, Settings, label
+from spirob.diagnosis.evidence import (
+    beaten,
+    block_errors,
+    complete,
+    foreseen,
+    improvement,
+    win_rates,
+)
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, label
 from spirob.identify.fit import INDEPENDENT, Fit
 from spirob.identify.problem import Problem, effort_rms
 
@@ -77,7 +83,7 @@ def _size(before: np.ndarray, after: np.ndarray) -> float:
     return float(np.sqrt(max(0.0, float(before.mean() - after.mean()))))
 
 
-def least_of(search: Search, validate: Problem, settings: Settings) -> float | None:
+def least_of(search: Ladder, validate: Problem, settings: Settings) -> float | None:
     """The least size of an effect beside the first of a search; none is said for the first.
 
     A share of what was added first, which may have been two together: beside each other each needs

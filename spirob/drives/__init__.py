@@ -4,8 +4,8 @@
     description.py  which message and signal is which motor's command, angle, speed ...
     drive.py        the drive: commands out, its frames in, as C620-style frames
     recorded.py     the same for all frames of a log at once
-    volts.py        voltages as a command payload, for drives that take them
-    traffic.py      whether a bus is fast enough for a drive's frames
+    codec.py        voltages as a command payload, for drives that take them
+    drive.py      whether a bus is fast enough for a drive's frames
 
 The program speaks one language, that of `spirob.can_protocol`: currents, or voltages, and feedback
 in counts.  A drive translates it to what is on the bus and back; a log keeps what was on the bus.

@@ -14,9 +14,8 @@ from scipy.optimize import least_squares
 from spirob.effects import sampling
 from spirob.effects.discovery import all_effects
 from spirob.effects.effect import Effect
-from spirob.effects.equation import evaluate
+from spirob.effects.equation import BASE, evaluate, size
 from spirob.effects.replay import run
-from spirob.effects.units import BASE, size
 from spirob.errors import EffectError
 from spirob.ports import PORTS, SIGNALS
 

@@ -1,4 +1,4 @@
-"""Find effects by walking the package; a user's own file is found by its path."""
+"""The library: found by walking the package, a user's own file by its path; as a table."""
 
 import importlib
 import importlib.util
@@ -74,3 +74,32 @@ def _effects_in(module: ModuleType) -> dict[str, type[Effect]]:
         names = " and ".join(c.__name__ for c in own)
         raise EffectError(f"{module.__name__} defines {names}; an effect is one file")
     return {c.name(): c for c in own}
+
+
+HEAD = ("| effect | acts on | numbers | shows as | needs |", "|---|---|---|---|---|")
+
+
+def table() -> str:
+    """All effects by place, as Markdown; at zero of its numbers in bold an effect is absent."""
+    found = all_effects().values()
+    places = sorted({_place(effect) for effect in found})
+    parts = []
+    for place in places:
+        rows = [_row(effect) for effect in found if _place(effect) == place]
+        parts.append("\n".join([f"### {place}", "", *HEAD, *rows]))
+    return "\n\n".join(parts) + "\n"
+
+
+def _place(effect: type[Effect]) -> str:
+    return effect.__module__.split(".")[-2]
+
+
+def _row(effect: type[Effect]) -> str:
+    numbers = []
+    for name, about in effect.parameters().items():
+        shown = f"**{about.symbol}**" if name in effect.neutral else about.symbol
+        unit = "" if about.unit == "1" else f" {about.unit}"
+        numbers.append(f"{shown} {about.nominal:g}{unit} ({about.meaning})")
+    who = f"`{effect.name()}`<br>{effect.title}"
+    cells = (who, f"`{effect.port}`", "<br>".join(numbers), effect.signature, effect.needs)
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -1,8 +1,14 @@
-"""What an effect is: a declaration and one pure scalar function.
+"""What an effect is: a declaration and one pure scalar function; what differs between two motors.
 
 It declares where it acts (`port`), what it reads, what it remembers, its numbers and how to
 recognise it.  Everything else is derived from that: the compiled loop, the parameter vector, the
 check of the configuration, the diagnosis' sentence and the tests.
+
+What differs between two motors of one machine.
+
+A friction level is much the same in two motors of one make.  A number that may have either sign,
+the phase of a ripple or the offset of a sensor, is an accident of the single motor: a machine with
+two of them gets such a number twice, as mean and half difference (left minus right).
 """
 
 import inspect
@@ -10,7 +16,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from spirob.errors import EffectError
-from spirob.parameter import Numbers
+from spirob.parameter import Numbers, Parameter
 from spirob.ports import PORTS, READABLE, SIGNALS
 
 OPTIONAL = {"dt"}  # a kernel may ask for the step [s]
@@ -143,3 +149,26 @@ def _check_numbers(cls: type[Effect], who: str) -> None:
     for field, about in numbers.items():
         if not (about.unit and about.symbol and about.meaning):
             raise EffectError(f"{who}: number '{field}' needs a unit, a symbol and a meaning")
+
+
+SUFFIX = "_difference"
+
+
+def differences(effect: type[Effect]) -> dict[str, Parameter]:
+    """Half differences of the amplitudes of either sign, by field name; neutral at zero."""
+    if PORTS[effect.port].each != "motor":
+        return {}
+    found = {}
+    for field, neutral in effect.neutral.items():
+        about = effect.parameters()[field]
+        if about.low < neutral < about.high:
+            reach = min(neutral - about.low, about.high - neutral)
+            found[field + SUFFIX] = Parameter(
+                0.0,
+                -reach,
+                reach,
+                about.unit,
+                f"Δ{about.symbol}",
+                f"half of left minus right: {about.meaning}",
+            )
+    return found

@@ -15,7 +15,7 @@ from spirob.can_interface import require_interface
 from spirob.emulator.build import AS_DESIGNED, BUILDS
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
-from spirob.emulator.service import serve
+from spirob.emulator.robot import serve
 from spirob.ending import end_with_parent
 from spirob.errors import SpirobError
 

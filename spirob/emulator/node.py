@@ -18,7 +18,7 @@ from spirob.can_protocol import (
     encode_command,
     encode_feedback,
 )
-from spirob.drives.volts import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, decode_volts
+from spirob.drives.codec import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, decode_volts
 from spirob.emulator.faults import Wire
 from spirob.emulator.machine import Machine
 from spirob.robot import CYCLE_NS, MOTORS

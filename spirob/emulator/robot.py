@@ -1,7 +1,14 @@
-"""The emulated robot: both ends of a virtual bus, driven one cycle at a time."""
+"""The emulated robot: both ends of a virtual bus a cycle at a time, or a process on a shared bus.
+
+The emulated robot in real time, as a process of its own on a bus that others share.
+
+Every millisecond of the wall clock is one of the machine's, under the latest command that has come
+by then; drives send their feedback whether or not they are spoken to, as real ones do.
+"""
 
 import itertools
 import os
+import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,12 +16,12 @@ import can
 import numpy as np
 
 from spirob.can_protocol import CanFrame
-from spirob.emulator.faults import wire_from
+from spirob.emulator.faults import Wire, wire_from
 from spirob.emulator.machine import Machine
 from spirob.emulator.node import IDLE, SECOND_NS, DriveNode
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import HardwareError
-from spirob.robot import Scene
+from spirob.robot import CYCLE_NS, Scene
 
 _instances = itertools.count()
 
@@ -131,3 +138,33 @@ def _message(frame: CanFrame) -> can.Message:
 
 def _virtual_bus(channel: str) -> can.BusABC:
     return can.Bus(interface="virtual", channel=channel, preserve_timestamps=True)
+
+
+MOST = 1000  # cycles lived through at once
+NAP_NS = 200_000  # before the deadline, where sleeping is not exact any more
+
+
+def serve(bus: can.BusABC, machine: Machine, seconds: float, wire: Wire | None = None) -> int:
+    """Run for some seconds of the wall clock; returns in how many cycles nobody was told anything.
+
+    Where the computer is late, the machine still lives through the time: its drives only fail to
+    speak.
+    """
+    wire = wire or Wire()
+    wire.begin(machine.generator)
+    node = DriveNode(bus, machine, wire)
+    deadline = start = time.monotonic_ns()
+    dropped = 0
+    while deadline - start < seconds * 1e9:
+        deadline += CYCLE_NS
+        while (left := deadline - time.monotonic_ns()) > 0:
+            if left > NAP_NS:
+                time.sleep((left - NAP_NS) * 1e-9)
+        missed = min(MOST, (time.monotonic_ns() - deadline) // CYCLE_NS)
+        for _ in range(missed):
+            node.cycle(silent=True)
+        dropped += missed
+        deadline += missed * CYCLE_NS
+        wire.cycle(node.now_ns)
+        node.cycle()
+    return dropped

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.emulator.anatomy import anatomy
-from spirob.emulator.build import Build
+from spirob.emulator.build import Build, anatomy
 from spirob.emulator.physics.compiled import HINGES, SIDES
 from spirob.emulator.physics.layout import NUMBERS
 from spirob.emulator.rig import EmulatedRig

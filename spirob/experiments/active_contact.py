@@ -18,15 +18,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.bench.wrap import beside
 from spirob.errors import DataError
 from spirob.experiments.current_error import each_in_its_own, in_one_motion
-from spirob.experiments.experiment import SIDES, Experiment, Play, Sides, curve, plan, row, trial
-from spirob.experiments.onset import detected, onset
-from spirob.experiments.recoil import Recoil, Repeat
-from spirob.experiments.response import PERIOD
-from spirob.experiments.side import Side
+from spirob.experiments.experiment import (
+    SIDES,
+    Experiment,
+    Play,
+    Side,
+    Sides,
+    curve,
+    plan,
+    row,
+    trial,
+)
+from spirob.experiments.response import PERIOD, Recoil, Repeat, detected, onset
 from spirob.perceive.contact import ContactSettings
+from spirob.trials.wrap import beside
 
 RIGHT = 1
 RESTS = 0.3  # s before and after the motion

@@ -5,21 +5,24 @@ place of the peg and its gap.  Each has a twin with the peg out of reach and wit
 since noise alone moves the slips of the tendon in time; a contact begins when their currents part.
 What a detector says before, or of a twin, is a false alarm; what it says while the tendon is
 pressed on by no more than a given travel is a hit, so travel stands for strength.
+
+Rates of contacts told apart by where the peg stands and by how the arm comes to it.
+
+Place and gap are drawn and are cut into equal parts, of contacts alone; speed and load, which set
+how hard the arm presses, are those of the motions, whose free twins count as free motion.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from spirob.experiments.active_contact import RIGHT, ActiveContact
-from spirob.experiments.experiment import Play
-from spirob.experiments.onset import onset
-from spirob.experiments.response import PERIOD
-from spirob.experiments.side import Side
-from spirob.perceive.contact import ContactSettings
-from spirob.perceive.contact_levels import Levels, declared, levels
+from spirob.experiments.experiment import Play, Side
+from spirob.experiments.response import PERIOD, onset
+from spirob.perceive.contact import ContactSettings, Levels, declared, levels
 
 MOTIONS = ((0.035, 0.1), (0.035, 0.2), (0.05, 0.15), (0.06, 0.1), (0.06, 0.2))  # m/s, A
 PLACES, GAPS = (0.45, 0.95), (0.004, 0.02)  # of the length; m
@@ -153,3 +156,51 @@ def tuned(found: Sequence[Outcome]) -> float:
 
 def _share(holds: np.ndarray) -> float:
     return float(np.mean(holds)) if len(holds) else 0.0
+
+
+PARTS = 5
+
+
+def in_parts(found: Sequence[Outcome], rules: ContactSettings) -> dict[str, Any]:
+    """All rates of one detector on one signal, together and as by_place, by_gap and by_motion."""
+    return {
+        **rates(found, rules),
+        "by_place": by_place(found, rules),
+        "by_gap": by_gap(found, rules),
+        "by_motion": by_motion(found, rules),
+    }
+
+
+def by_place(found: Sequence[Outcome], rules: ContactSettings) -> list[dict[str, Any]]:
+    """Rates in five equal parts of the places; "place" is a part's middle, of the arm's length."""
+    return _cut(found, rules, "place", PLACES, lambda one: one.place or 0.0)
+
+
+def by_gap(found: Sequence[Outcome], rules: ContactSettings) -> list[dict[str, Any]]:
+    """Rates in five equal parts of the gaps; "gap" is a part's middle [m]."""
+    return _cut(found, rules, "gap", GAPS, lambda one: one.gap)
+
+
+def by_motion(found: Sequence[Outcome], rules: ContactSettings) -> list[dict[str, Any]]:
+    """Rates for each motion; "speed" [m/s] and "load" [A] are its own."""
+    parts = []
+    for speed, load in MOTIONS:
+        there = [o for o in found if (o.speed, o.load) == (speed, load)]
+        parts.append({"speed": speed, "load": load, **rates(there, rules)})
+    return parts
+
+
+def _cut(
+    found: Sequence[Outcome],
+    rules: ContactSettings,
+    name: str,
+    span: tuple[float, float],
+    value: Callable[[Outcome], float],
+) -> list[dict[str, Any]]:
+    parts = []
+    contacts = [o for o in found if o.place is not None]
+    for low, high in pairwise(np.linspace(*span, PARTS + 1)):
+        there = [o for o in contacts if low <= value(o) < high]
+        middle = float(f"{(low + high) / 2:.6g}")
+        parts.append({name: middle, **rates(there, rules)})
+    return parts

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.experiments.experiment import repeating, row
-from spirob.experiments.side import Side
+from spirob.experiments.experiment import Side, repeating, row
 
 PAPER_RMSE = 0.307  # A, filtered
 AIM_RMSE = 0.1  # A

@@ -12,9 +12,19 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.experiment import Experiment, Play, Sides, curve, plan, row, trial, within
+from spirob.experiments.experiment import (
+    WINDOW,
+    Experiment,
+    Play,
+    Side,
+    Sides,
+    curve,
+    plan,
+    row,
+    trial,
+    within,
+)
 from spirob.experiments.response import PERIOD, crossing, step_times
-from spirob.experiments.side import WINDOW, Side
 from spirob.trace import moving_average
 
 PAPER = 52.4  # ms, "steady-state delay" at 1 N

@@ -13,6 +13,7 @@ from spirob.experiments.experiment import (
     LIMIT,
     Experiment,
     Play,
+    Side,
     Sides,
     curve,
     plan,
@@ -21,7 +22,6 @@ from spirob.experiments.experiment import (
     within,
 )
 from spirob.experiments.response import PERIOD, smooth
-from spirob.experiments.side import Side
 
 AIM = 0.05
 NAME = "extreme_curl"

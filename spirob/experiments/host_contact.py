@@ -11,10 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, RADIUS, difference
-from spirob.experiments.experiment import Sides, curve, row
+from spirob.experiments.experiment import Side, Sides, curve, row
 from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.response import smooth
-from spirob.experiments.side import Side
 from spirob.experiments.single_contact import (
     PEAK,
     READ,
@@ -25,7 +24,7 @@ from spirob.experiments.single_contact import (
     visible,
 )
 from spirob.identify.latency import latency
-from spirob.plant.nominal import Motor
+from spirob.plant.rig import Motor
 
 ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off

@@ -14,7 +14,7 @@ from spirob.control.host_loop import HostLoop
 from spirob.errors import ConfigError
 from spirob.experiments.direct_drive import DIRECT, DRUM
 from spirob.experiments.experiment import Experiment, Play, row
-from spirob.plant.nominal import Motor
+from spirob.plant.rig import Motor
 
 
 @dataclass(frozen=True)

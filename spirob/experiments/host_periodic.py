@@ -13,11 +13,10 @@ import numpy as np
 from scipy.signal import find_peaks, welch
 
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.experiment import Sides, curve, row, within
+from spirob.experiments.experiment import Side, Sides, curve, row, within
 from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.periodic_contact import BAND, PAPER, PeriodicContact, seen
 from spirob.experiments.response import PERIOD, smooth
-from spirob.experiments.side import Side
 
 SMOOTHING = 11  # samples
 SEGMENT = 4.0  # s: lines 0.25 Hz apart

@@ -11,9 +11,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.experiment import Experiment, Play, Sides, curve, plan, row, trial, within
+from spirob.experiments.experiment import (
+    Experiment,
+    Play,
+    Side,
+    Sides,
+    curve,
+    plan,
+    row,
+    trial,
+    within,
+)
 from spirob.experiments.response import PERIOD
-from spirob.experiments.side import Side
 
 AIM = 0.1  # of the robot's
 NONE = 0.05  # of the robot's: a loop as small as that is about none

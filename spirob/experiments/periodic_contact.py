@@ -11,12 +11,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.bench.wrap import beside
 from spirob.experiments.direct_drive import both, difference, direct
-from spirob.experiments.experiment import Experiment, Play, Sides, curve, row, trial
+from spirob.experiments.experiment import WINDOW, Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.response import amplitude, strongest_period
-from spirob.experiments.side import WINDOW, Side
 from spirob.trace import moving_average
+from spirob.trials.wrap import beside
 
 PAPER = (0.4, 0.35, 0.15)  # s, from base to tip
 BAND = (0.02, 1.5)  # s, shortest and longest period that counts

@@ -1,6 +1,17 @@
-"""When a signal answers a step, and by how much it differs from its twin without a disturbance."""
+"""When a signal answers, when a contact begins, and the recoil from it.
+
+Recoil from a contact: the trial goes on with its last part as soon as the detector speaks.
+
+A model may also repeat the motion of another side, and recoil when that one did.
+"""
+
+from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
+
+from spirob.experiments.experiment import WINDOW
+from spirob.perceive.contact import ContactDetector, ContactSettings
 
 PERIOD = 1e-3  # s, of every signal here
 SETTLED = 5  # samples over which a noisy signal has to stay beyond a level
@@ -68,3 +79,72 @@ def amplitude(values: np.ndarray, period: float) -> float:
     time = np.arange(n) * PERIOD
     level = values[:n] - np.polyval(np.polyfit(time, values[:n], 1), time)
     return float(2 / n * abs(level @ np.exp(-2j * np.pi * time / period)))
+
+
+DEPARTS = 0.025  # A: five times the sensor's noise
+PARTED = 50  # samples
+
+
+def onset(contact: np.ndarray, free: np.ndarray, first: int) -> float:
+    """Time [s] at which a current parts from that of the same motion without contact.
+
+    From a sample `first` on it has to be `DEPARTS` above for `PARTED` samples, or to the end, as a
+    mean of 21; NaN where it never does.  The shorter current decides how far they are compared.
+    """
+    both = min(len(contact), len(free))
+    apart = smooth(contact[:both] - free[:both], 21)[first:] > DEPARTS
+    runs = np.convolve(np.append(apart, np.ones(PARTED - 1)), np.ones(PARTED), mode="valid")
+    began = apart & (runs > PARTED - 0.5)
+    return PERIOD * (first + int(np.argmax(began))) if began.any() else float("nan")
+
+
+def detected(values: np.ndarray, first: int, last: int, rules: ContactSettings) -> float:
+    """Time [s] at which a contact is declared between two samples; NaN where none is."""
+    detector = ContactDetector(rules, PERIOD)
+    for k in range(first, last):
+        if detector.update(float(values[k])) is not None:
+            return PERIOD * k
+    return float("nan")
+
+
+class Recoil:
+    """The streaming contact detector on one motor, as a `spirob.trials.play.Reaction`.
+
+    motor   whose current is heard;  filtered  through the paper's 100-sample mean
+    begins  row from which on it listens;  ends  first row of the recoil, which comes at the latest
+            when the schedule has come there by itself
+    told    row at which a contact was declared, None where none was
+    """
+
+    def __init__(
+        self, motor: int, filtered: bool, begins: int, ends: int, rules: ContactSettings
+    ) -> None:
+        # the mean is a trial's: it has heard what came before, in the log as on the robot
+        self.begins = begins - WINDOW if filtered else begins
+        self.ends = ends
+        self.told: int | None = None
+        self._motor, self._first = motor, begins
+        self._detector = ContactDetector(rules, PERIOD)
+        self._heard: deque[float] = deque(maxlen=WINDOW if filtered else 1)
+
+    def __call__(self, row: int, currents: Sequence[float]) -> int:
+        """Listen; the recoil's first row where a contact is declared."""
+        self._heard.append(currents[self._motor])
+        if row < self._first:
+            return row
+        level = sum(self._heard) / len(self._heard)
+        if self._detector.update(level) is None:
+            return row
+        self.told = row
+        return self.ends
+
+
+class Repeat:
+    """The recoil of another side, at the row at which that one's began; none where none did."""
+
+    def __init__(self, told: int | None, begins: int, ends: int) -> None:
+        self.begins, self.ends, self.told = begins, ends, told
+
+    def __call__(self, row: int, currents: Sequence[float]) -> int:
+        """The recoil's first row where the other recoiled."""
+        return self.ends if row == self.told else row

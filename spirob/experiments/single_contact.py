@@ -15,12 +15,10 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.stats import spearmanr
 
-from spirob.bench.wrap import beside
-from spirob.experiments.direct_drive import both, difference, direct
-from spirob.experiments.experiment import Experiment, Play, Sides, curve, row, trial
-from spirob.experiments.profile import profile
+from spirob.experiments.direct_drive import both, difference, direct, profile
+from spirob.experiments.experiment import Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.response import smooth
-from spirob.experiments.side import Side
+from spirob.trials.wrap import beside
 
 SHIFT = (0.3, 0.6)  # s after the hit: the paper's steady shift
 PEAK = 0.3  # s after the hit

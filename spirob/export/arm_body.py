@@ -7,8 +7,8 @@ from spirob.effects import Effect
 from spirob.export.arm import CorrectedArm
 from spirob.export.body import Machine
 from spirob.plant.body import build_spec
-from spirob.plant.nominal import Holes
 from spirob.plant.plant import CYCLE, SUBSTEPS
+from spirob.plant.rig import Holes
 from spirob.robot import MOTORS, Scene
 
 

@@ -3,7 +3,7 @@
 import inspect
 from dataclasses import replace
 
-from spirob.effects.individual import SUFFIX, differences
+from spirob.effects.effect import SUFFIX, differences
 from spirob.export.arm import CorrectedArm
 from spirob.export.axis import ADDED, BEFORE, CURRENT, FRAME, REPORT, SHARE
 from spirob.export.code import about, c_files, c_name

@@ -1,7 +1,7 @@
 """The equations of a plain axis as one text of plain arithmetic, from which C and Python are made.
 
-    compensate  effort that a motion asks for: the inverse model of `spirob.machine.asked`, one
-                sample after the other, with its memory in a state
+    compensate  effort that a motion asks for, by `spirob.machine.inverse_equations`, one sample
+                after the other, with its memory in a state
     torque      what drive and effects put on the axis at an effort: `spirob.machine.forward`
     reported    an effort as the drive reports it;  framed  as late as the bus brings it
     seen        a position as its sensor reads it
@@ -32,8 +32,8 @@ from spirob.export.axis_text import (
 from spirob.export.corrected import Corrected, Held
 from spirob.export.kernels import kernel_functions, kernel_name
 from spirob.export.translate import Function
-from spirob.machine.asked import ADDED, BEFORE, HINGE, PASSES, READINGS, SENSOR
 from spirob.machine.forward.torque import PASSES as SENSED
+from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, PASSES, READINGS, SENSOR
 
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
 SHARE = "winch.efficiency"

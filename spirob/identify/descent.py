@@ -6,11 +6,14 @@ In directions in which the data hold little, the numbers are held where they beg
 without it η, b_m, J_m and the stiffness drift together to a bound, which hides what is missing.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import lsq_linear
+
+from spirob.identify.problem import Problem
+from spirob.identify.scaling import Scaling
 
 STEPS_BETWEEN = 6  # between two sets of differences
 SHORTEST = 0.004  # a step cut below this share of the reach ends the walk
@@ -138,3 +141,47 @@ def descend(
         share = max(share, 0.25)
     assert slopes is not None
     return Descent(u, residual, slopes, robust_cost(residual, scale))
+
+
+EXACT = 3e-3  # step of the differences for intervals
+
+
+def differences(
+    residual: Problem,
+    scaling: Scaling,
+    u: np.ndarray,
+    fixed: Mapping[str, float],
+    step: float = EXACT,
+) -> np.ndarray:
+    """Central differences of the residual by the scaled parameters, (samples, parameters).
+
+    One-sided ones bend the weak directions: with η, b_m and J_m nearly moving together, they
+    halved the interval of η.  Next to a bound they end at it.
+    """
+    points = []
+    low, high = scaling.around(u)
+    widths = np.zeros(len(u))
+    for k in range(len(u)):
+        for sign in (1.0, -1.0):
+            moved = u.copy()
+            moved[k] = np.clip(u[k] + sign * step, low[k], high[k])
+            widths[k] += sign * moved[k]
+            points.append({**fixed, **scaling.physical(moved)})
+    values = residual.many(points)
+    pairs = zip(values[::2], values[1::2], widths, strict=True)
+    return np.column_stack([(ahead - behind) / width for ahead, behind, width in pairs])
+
+
+def slopes_ahead(
+    residual: Problem,
+    scaling: Scaling,
+    u: np.ndarray,
+    fixed: Mapping[str, float],
+    at: np.ndarray,
+    step: float,
+) -> np.ndarray:
+    """One-sided differences away from the nearer bound: half the price, for the way there."""
+    widths = np.where(u + step <= scaling.around(u)[1], step, -step)
+    moved = [u + width * unit for width, unit in zip(widths, np.eye(len(u)), strict=True)]
+    values = residual.many([{**fixed, **scaling.physical(m)} for m in moved])
+    return np.column_stack([(v - at) / w for v, w in zip(values, widths, strict=True)])

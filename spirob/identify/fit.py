@@ -1,6 +1,6 @@
 """Bounded robust least squares over parameters of the model.
 
-    p* = argmin Σ ρ((e_model(p) - e_measured)/s),   ρ(z) = 2(√(1+z²) - 1),   p in its bounds
+p* = argmin Σ ρ((e_model(p) - e_measured)/s),   ρ(z) = 2(√(1+z²) - 1),   p in its bounds
 
 (paper, eq. ident), e being the effort in its own unit.  It moves in the coordinates of `scaling`,
 and is held by a weak anchor where the data say nothing (`descent`).  Intervals come from the
@@ -13,15 +13,50 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import optimize
 from scipy.stats import qmc
 
-from spirob.identify.descent import Anchor, descend, robust_cost
-from spirob.identify.differences import differences, slopes_ahead
+from spirob.identify.descent import Anchor, Descent, descend, differences, robust_cost, slopes_ahead
 from spirob.identify.intervals import Estimate, block_covariance, estimates
-from spirob.identify.optimum import to_the_optimum
 from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
+
+
+def to_the_optimum(
+    residual: Problem,
+    scaling: Scaling,
+    value: Callable[[np.ndarray], np.ndarray],
+    start: np.ndarray,
+    fixed: Mapping[str, float],
+    scale: float,
+    iterations: int,
+    step: float,
+) -> Descent:
+    """By trust regions; differences of one width `step`, at most `iterations` of them."""
+    slopes = np.zeros((0, 0))
+
+    def jacobian(at: np.ndarray) -> np.ndarray:
+        nonlocal slopes
+        slopes = slopes_ahead(residual, scaling, at, fixed, value(at), step)
+        return slopes
+
+    found = optimize.least_squares(
+        value,
+        start,
+        jac=jacobian,
+        method="trf",
+        bounds=(scaling.low, scaling.high),
+        loss="soft_l1",
+        f_scale=scale,
+        max_nfev=iterations,
+        xtol=1e-4,
+        ftol=1e-4,
+        gtol=1e-10,
+    )
+    u = np.asarray(found.x)
+    return Descent(u, value(u), slopes, float(found.cost))
+
 
 # Steps of the differences, of the scaled parameter: first wide, which looks over the ripple that
 # slack and contact put on the error, and may be, because the current is nearly linear.  From three

@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from spirob.control.host_gains import Winding
 from spirob.errors import DataError
-from spirob.plant.nominal import Motor
+from spirob.plant.rig import Motor
 
 LATEST = 5e-3  # s
 REACH = 0.2  # of the nominal resistance

@@ -152,3 +152,17 @@ def compared(count: int, every: int, use: np.ndarray | None) -> np.ndarray:
 def effort_rms(problem: Problem) -> float:
     """RMS of the measured effort itself, in its unit."""
     return float(np.sqrt(np.mean(problem.measured()[problem.rows] ** 2)))
+
+
+FITTED = (
+    "winch.efficiency",
+    "motor.rotor_damping",
+    "motor.rotor_inertia",
+    "arm.base_stiffness",
+    "arm.damping_time",
+    "arm.bends_per_hinge",
+    "tendon.stiffness",
+    "winch.efficiency_difference",
+    "motor.rotor_damping_difference",
+    "motor.rotor_inertia_difference",
+)

@@ -4,10 +4,10 @@
 Raw CAN frames are the truth of a log; everything in SI units is derived from them.
 """
 
+from spirob.logs.cycles import Transmission
 from spirob.logs.parquet import read_parquet, write_parquet
 from spirob.logs.reader import read_log
 from spirob.logs.replay import scene_of, schedule_of
-from spirob.logs.transmission import Transmission
 from spirob.logs.writer import TrialLog
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Work done in the order it was given, in a thread of its own.
+"""A trial's log written in a thread of its own, in order, for a loop with deadlines.
 
 For a loop with deadlines: packing, compressing and writing a chunk of a log takes up to a few
 milliseconds, which a cycle of one millisecond does not have.
@@ -6,10 +6,13 @@ milliseconds, which a cycle of one millisecond does not have.
 
 import queue
 import threading
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import Any, Self
 
+from spirob.can_protocol import CanFrame
 from spirob.errors import DataError
+from spirob.logs.writer import TrialLog
 
 MOST = 120_000  # pieces of work waiting: a minute of a loop at 1 kHz
 
@@ -54,3 +57,38 @@ class Background:
                     function(*arguments)
                 except BaseException as error:
                     self._error = error
+
+
+class ThreadedLog(TrialLog):
+    """Writes the same bytes; an error of the disk comes back with a later cycle.
+
+    What is handed over must not change any more.
+    """
+
+    def __enter__(self) -> Self:
+        super().__enter__()
+        self._background = Background()
+        return self
+
+    def frames(self, frames: Sequence[CanFrame]) -> None:
+        """Keep frames soon; raises what keeping earlier ones raised."""
+        self._background(super().frames, frames)
+
+    def cycle(self, *about: Any, **named: Any) -> None:
+        """Keep a cycle soon; raises what keeping earlier ones raised."""
+        assert not named  # the loop gives everything by position
+        self._background(super().cycle, *about)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            self._background.close()
+        except BaseException as late:
+            if error is None:
+                super().__exit__(type(late), late, late.__traceback__)
+                raise
+        super().__exit__(kind, error, trace)

@@ -1,5 +1,7 @@
 """The frames of a log sorted into cycles, and turned into SI units, motor by motor."""
 
+from math import pi
+
 import numpy as np
 
 from spirob.can_protocol import (
@@ -9,11 +11,66 @@ from spirob.can_protocol import (
     FEEDBACK_ID,
     decode_feedback_array,
 )
-from spirob.drives.volts import VOLT_PER_COUNT
-from spirob.errors import MissingChannel
-from spirob.logs.alignment import hold, rows_of, unwrap
-from spirob.logs.transmission import Transmission
+from spirob.drives.codec import VOLT_PER_COUNT
+from spirob.errors import DataError, MissingChannel
+from spirob.parameter import Numbers, bounded
 from spirob.robot import CYCLE_NS, MOTORS
+
+HALF_TURN = COUNTS_PER_TURN // 2
+
+
+class Transmission(Numbers):
+    """Nominal gearbox and winch between a drive's rotor and its tendon.
+
+    x = r·θ/G [m] wound in, positive with positive rotor angle;  v = r·ω/G [m/s].
+    """
+
+    owner = "transmission"
+
+    gear_ratio: float = bounded(3591 / 187, 0.01, 1e3, "1", "G", "rotor turns a winch turn")
+    winch_radius: float = bounded(0.020, 1e-4, 1.0, "m", "r", "radius of the bare winch")
+
+    @property
+    def metre_per_count(self) -> float:
+        """Tendon length a count of rotor angle [m]."""
+        return 2 * pi / COUNTS_PER_TURN * self.winch_radius / self.gear_ratio
+
+    @property
+    def metre_per_second_per_rpm(self) -> float:
+        """Tendon speed a revolution per minute of the rotor [m/s]."""
+        return 2 * pi / 60 * self.winch_radius / self.gear_ratio
+
+
+LONGEST_TRIAL = 24 * 3600 * 1000  # cycles; more is a broken time stamp
+
+
+def rows_of(stamps: np.ndarray) -> np.ndarray:
+    """The cycle each stamp belongs to, counted from the first."""
+    if not np.all(stamps[1:] > stamps[:-1]):
+        raise DataError("the time stamps of the commands do not increase")
+    if int(stamps[-1]) - int(stamps[0]) >= LONGEST_TRIAL * CYCLE_NS:
+        raise DataError("the time stamps span more than a day")
+    return np.rint((stamps - stamps[0]) / CYCLE_NS).astype(np.int64)
+
+
+def hold(rows: np.ndarray, cycles: int) -> tuple[np.ndarray, int, int]:
+    """For each cycle the index of its latest sample, holding over gaps; gaps and duplicates.
+
+    The cycles before the first sample take the first.
+    """
+    latest = np.full(cycles, -1)
+    np.maximum.at(latest, rows, np.arange(len(rows)))
+    filled = int(np.count_nonzero(latest >= 0))
+    held = np.maximum(np.maximum.accumulate(latest), 0)
+    return held, cycles - filled, len(rows) - filled
+
+
+def unwrap(angle: np.ndarray) -> np.ndarray:
+    """Counts since the first sample; right as long as a sample turns less than half a turn."""
+    counts = angle.astype(np.int64)
+    step = np.zeros_like(counts)
+    step[1:] = counts[1:] - counts[:-1]
+    return np.cumsum(np.mod(step + HALF_TURN, COUNTS_PER_TURN) - HALF_TURN)
 
 
 class Cycles:

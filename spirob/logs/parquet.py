@@ -1,9 +1,10 @@
-"""A `Trace` as one Parquet file: columns of float64, everything else as JSON in the schema.
+"""A `Trace` as one Parquet file, and how large a table may be that is read at once.
 
 The same trace gives the same bytes, so a hash of the file tells whether anything changed.
 """
 
 import json
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,33 @@ import pyarrow.parquet as pq
 
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs.atomic import replacing
-from spirob.logs.bounds import check_table
 from spirob.trace import Trace
+
+LARGEST = 2**29  # bytes
+
+
+def check_table(file: pq.ParquetFile) -> None:
+    """Raise ValueError where an open Parquet file claims too many numbers."""
+    check_columns(file, None)
+
+
+def check_columns(file: pq.ParquetFile, names: Collection[str] | None) -> None:
+    """The same of some of its columns, named as they begin; None means all."""
+    about = file.metadata
+    groups = range(min(about.num_row_groups, 10_000))
+    if names is None:
+        columns = about.num_columns
+        unpacked = sum(about.row_group(k).total_byte_size for k in groups)
+    else:
+        whole = [about.schema.column(c).path.partition(".")[0] for c in range(about.num_columns)]
+        chosen = [c for c, name in enumerate(whole) if name in names]
+        columns = len(chosen)
+        unpacked = sum(
+            about.row_group(k).column(c).total_uncompressed_size for k in groups for c in chosen
+        )
+    if max(8 * about.num_rows * columns, unpacked) > LARGEST:
+        raise ValueError(f"it unpacks to more than {LARGEST >> 20} MiB")
+
 
 TIME = "time_ns"
 KEY = b"spirob"

@@ -16,7 +16,7 @@ from spirob.control.law import CURRENT, DISPLACEMENT, FORCE, VELOCITY
 from spirob.drives import Drive
 from spirob.drives.recorded import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, TooShort
-from spirob.logs.cycles import Cycles
+from spirob.logs.cycles import Cycles, Transmission
 from spirob.logs.messages import unpack_commands, unpack_frames
 from spirob.logs.records import Content, read_content
 from spirob.logs.schema import (
@@ -29,7 +29,6 @@ from spirob.logs.schema import (
     STOPPED,
     TRIAL_FILE,
 )
-from spirob.logs.transmission import Transmission
 from spirob.robot import MOTORS
 from spirob.trace import Trace, moving_average
 

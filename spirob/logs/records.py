@@ -15,8 +15,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, DataEnd, Metadata
 
 from spirob.errors import DataError, MissingLog
-from spirob.logs.locating import RECORD
-from spirob.logs.payloads import CHUNK_LIMIT, MessagesByTopic, Payloads, stream
+from spirob.logs.payloads import CHUNK_LIMIT, RECORD, MessagesByTopic, Payloads, stream
 
 MAGIC = b"\x89MCAP0\r\n"
 FILE_LIMIT = 256 * 2**20  # about 24 minutes of both motors at 1 kHz

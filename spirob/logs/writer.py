@@ -1,8 +1,11 @@
 """One trial, one MCAP file, readable up to the last half second whatever happens."""
 
 import io
+import platform
+import subprocess
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -10,12 +13,13 @@ from typing import Any, Self
 import yaml
 from mcap.writer import CompressionType, Writer
 
+import spirob
 from spirob.can_protocol import CanFrame
 from spirob.drives import Drive
 from spirob.errors import DataError
 from spirob.logs.atomic import publish
+from spirob.logs.cycles import Transmission
 from spirob.logs.messages import JointPacker, pack_command, pack_frame
-from spirob.logs.provenance import versions
 from spirob.logs.schema import (
     ABOUT,
     COMMAND_TOPIC,
@@ -29,8 +33,31 @@ from spirob.logs.schema import (
     STOPPED,
     TRIAL_FILE,
 )
-from spirob.logs.transmission import Transmission
 from spirob.robot import MOTORS
+
+PACKAGES = ("numpy", "mujoco")
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, spirob and of the packages that decide the numbers."""
+    found = {"python": platform.python_version(), "spirob": spirob.__version__}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "absent"
+    return found
+
+
+def git_commit(folder: Path | str) -> str:
+    """Commit of the work tree that `folder` lies in; 'unknown' where there is none."""
+    command = ["git", "-C", str(folder), "rev-parse", "HEAD"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return answer.stdout.strip()
+
 
 CHUNK_BYTES = 64 * 1024  # about 0.15 s: what a power cut may cost
 

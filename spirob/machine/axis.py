@@ -16,29 +16,26 @@ from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.beyond import beyond
-from spirob.machine.differing import KINDS, may_differ
+from spirob.machine.criteria import Criteria
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import judge, likely, structured, weigh
 from spirob.machine.laws import for_axis
-from spirob.machine.log_numbers import log_numbers, with_payload
+from spirob.machine.loading import chosen, files
 from spirob.machine.models import Model, label
-from spirob.machine.own_effects import chosen, files
-from spirob.machine.plausible import beyond_bounds, doubts, oddities, released
-from spirob.machine.predicted import predicted
+from spirob.machine.motion import without_holds
+from spirob.machine.numbers import log_numbers, with_payload
+from spirob.machine.open_questions import AT_LOAD, KINDS, fits_at_load, may_differ, may_sit_at_load
+from spirob.machine.page_tables import laws, overlay, parameters, predicted
+from spirob.machine.plausibility import beyond_bounds, doubts, oddities, released
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
-from spirob.machine.sensor_side import AT_LOAD, fits_at_load, may_sit_at_load
-from spirob.machine.shown import laws, overlay, parameters
-from spirob.machine.sizes_of import sizes_of
-from spirob.machine.splitting import split
+from spirob.machine.selection import split
 from spirob.machine.standing import heldout, standing
-from spirob.machine.standstill import without_holds
-from spirob.machine.worth import Settings
 
 LEAVES = 2.0  # times the least effect: a model that leaves more is not complete
 
@@ -79,7 +76,7 @@ def diagnose_recordings(
     folder: Path,
     train: list[Recording],
     test: list[Recording],
-    settings: Settings | None = None,
+    settings: Criteria | None = None,
     progress: Callable[[str], None] = lambda text: None,
     own: Sequence[type[Effect]] | None = None,
     without: Collection[str] = (),
@@ -91,7 +88,7 @@ def diagnose_recordings(
     """
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
-    settings = settings or Settings()
+    settings = settings or Criteria()
     held = chosen(files(rig.effects, folder)) if own is None else own
     ready = _ready(rig, folder, train, test, held, without)
     # small matrices and trees lose more time to waiting threads than they win
@@ -126,7 +123,7 @@ def base_model(
     """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
     ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
     with threadpool_limits(1):
-        search, _ = _search(ready, Settings(), lambda text: None)
+        search, _ = _search(ready, Criteria(), lambda text: None)
         return search, search.models.fitted((), {})
 
 
@@ -141,12 +138,12 @@ def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
     return replace(ready, rig=rig, own=own, possible=possible, excluded=excluded)
 
 
-def _searched(ready: _Ready, settings: Settings, progress: Callable[[str], None]) -> "_Searched":
+def _searched(ready: _Ready, settings: Criteria, progress: Callable[[str], None]) -> "_Searched":
     search, gate = _search(ready, settings, progress)
     return _Searched(ready, search, gate, search.run())
 
 
-def _aligned(done: "_Searched", settings: Settings, progress: Callable[[str], None]) -> "_Searched":
+def _aligned(done: "_Searched", settings: Criteria, progress: Callable[[str], None]) -> "_Searched":
     """The search with effort and motion as close together as logs usually are, where that holds.
 
     What is missing of a model may look like a delay: once it is named, a far one is not needed.
@@ -219,7 +216,7 @@ def _library(
 
 
 def _search(
-    ready: _Ready, settings: Settings, progress: Callable[[str], None]
+    ready: _Ready, settings: Criteria, progress: Callable[[str], None]
 ) -> tuple[Search, Identifiability]:
     """The search over a rig's logs, and what they can say about its numbers."""
     rig = with_payload(ready.rig, ready.sizes)

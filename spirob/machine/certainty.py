@@ -14,7 +14,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.alignment import usual
-from spirob.machine.equivalence import alike
+from spirob.machine.candidates import alike
 from spirob.machine.flexible import Ceiling
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search

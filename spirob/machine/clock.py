@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.errors import DataError, NothingLeft, TooShort
-from spirob.logs.even_clock import EvenClock, even_clock
-from spirob.logs.stamps import GAP, Ordered, ordered
+from spirob.logs.stamps import GAP, EvenClock, Ordered, even_clock, ordered
 
 SHORTEST = 1.0  # s
 FEWEST = 40  # samples

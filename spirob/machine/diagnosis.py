@@ -12,19 +12,17 @@ from spirob.effects import Effect
 from spirob.errors import ConfigError
 from spirob.given_file import named
 from spirob.logs.readers import Table, read_table
-from spirob.logs.readers.columns.frame import from_frame
-from spirob.machine.alike import filtered_alike
+from spirob.logs.readers.columns.sorting import from_frame
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.given_twice import each_once
-from spirob.machine.loading import described, load_rig
+from spirob.machine.criteria import Criteria
+from spirob.machine.loading import chosen, described, files, load_rig
 from spirob.machine.numerical import failures_told
-from spirob.machine.own_effects import chosen, files
+from spirob.machine.page_tables import laws
 from spirob.machine.recording import of_table
 from spirob.machine.result import Diagnosis, Sources
 from spirob.machine.rig import RigFile
-from spirob.machine.shown import laws
-from spirob.machine.worth import Settings
+from spirob.machine.selection import each_once, filtered_alike
 
 Log = Path | str | pd.DataFrame
 
@@ -33,7 +31,7 @@ def diagnose(
     rig: Path | str | Mapping[str, Any],
     train: Sequence[Log],
     test: Sequence[Log] = (),
-    settings: Settings | None = None,
+    settings: Criteria | None = None,
     progress: Callable[[str], None] = lambda text: None,
     command: str = "",
     effects: Sequence[Path | str] = (),
@@ -103,7 +101,7 @@ def _arm(
     """Diagnose our arm from logs of somebody else; its search has settings of its own."""
     from spirob.diagnosis.rungs import Settings as ArmSettings
     from spirob.machine.arm import diagnosis as arm
-    from spirob.machine.arm.page import overlay, parameters
+    from spirob.machine.arm.diagnosis import overlay, parameters
 
     settings = ArmSettings(intervals=False)
     trials, said = arm.read(rig, train, test)

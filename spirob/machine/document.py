@@ -7,19 +7,17 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnosis.atlas import Regime, worst
-from spirob.diagnosis.evidence import half_seconds
-from spirob.diagnosis.lateness import lateness
-from spirob.diagnosis.noise import noise_floor
+from spirob.diagnosis.document import CEILING
+from spirob.diagnosis.evidence import half_seconds, noise_floor
+from spirob.diagnosis.flexible import worth
 from spirob.diagnosis.spectrum import orders
-from spirob.diagnosis.steps import CEILING
-from spirob.diagnosis.trees import worth
+from spirob.diagnosis.survey import lateness
 from spirob.machine.flexible import Ceiling
 from spirob.machine.judgement import Judgement
 from spirob.machine.models import Model
 from spirob.machine.rig import RigFile
 from spirob.machine.search import Found, Search
-from spirob.score import score
-from spirob.score_interval import Interval, score_interval
+from spirob.score import Interval, score, score_interval
 
 
 def document(

@@ -1,6 +1,14 @@
-"""The filters of a log: zero phase, the same for motion, effort and model."""
+"""The filters of a log, zero phase, and the noise of a motion sensor behind them.
+
+The noise of a motion sensor, and what is left of it in the effort that the model asks for.
+
+An encoder's counts, differentiated twice, are acceleration: J·a carries noise of its own, which no
+law explains and every smoothing of the model lowers.  So the filter is set by it where the
+description sets none, and no effect smaller than it is named.
+"""
 
 from functools import cache
+from math import comb
 
 import numpy as np
 from scipy import signal
@@ -80,3 +88,72 @@ def _anti_alias(every: int) -> tuple[np.ndarray, np.ndarray]:
 def _settled(sections: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A filter's sections, and its state after a constant of 1."""
     return sections, signal.sosfilt_zi(sections)
+
+
+FASTEST = 50.0  # Hz; motors move their load within tens of milliseconds
+SAMPLES = 8.0  # in a period of the cutoff
+LEAST = 4.0  # of them in a slow log; in a period of what is compared there are twice as many
+ENOUGH = 12.5  # Hz; a log is slow where its usual cutoff lies below
+CLEAN = 0.01  # noise over RMS acceleration at which a cutoff is low enough
+SLOWEST = 4.0  # times the frequency below which most of the effort lies
+MOST = 0.9  # of its variance
+STEPS = 8  # from the fastest cutoff to the slowest
+
+
+def sensor_noise(values: np.ndarray) -> float:
+    """Deviation of the white noise on a signal, in its unit.
+
+    From its differences of second to fourth order, in which a smooth signal vanishes sooner or
+    later: white noise has √C(2k, k) times its deviation there, anything else adds to it.
+    """
+    orders = (2, 3, 4)
+    return float(min(np.std(np.diff(values, n=k)) / np.sqrt(comb(2 * k, k)) for k in orders))
+
+
+def acceleration_noise(values: np.ndarray, order: int, cutoff: float, period: float) -> float:
+    """Deviation of the noise in a compared acceleration, from a position (order 2) or velocity (1).
+
+    Compared is what passes the last filter.
+    """
+    return sensor_noise(values) * _passed(order, BELOW * cutoff, period)
+
+
+def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: float) -> float:
+    """The filter's cutoff [Hz] for a log on an even grid, where the description names none.
+
+    values  position (order 2) or velocity (1), which is differentiated to acceleration
+    """
+    usual, wanted = 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period)
+    fastest = min(FASTEST, max(usual, min(wanted, ENOUGH, 1.0 / (LEAST * period))))
+    slowest = min(FASTEST, usual, wanted)
+    for cutoff in map(float, np.geomspace(fastest, slowest, STEPS)):
+        size = float(np.std(_derived(smooth(values, BELOW * cutoff, period), order, period)))
+        if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:
+            return cutoff
+    return slowest
+
+
+def noise_in_effort(noise: float, effort: np.ndarray, a: np.ndarray) -> float:
+    """What noise of the acceleration is in a modelled effort; effort and acceleration are (N,)."""
+    columns = np.column_stack([a, np.ones_like(a)])
+    return noise * abs(float(np.linalg.lstsq(columns, effort, rcond=None)[0][0]))
+
+
+def _derived(values: np.ndarray, order: int, period: float) -> np.ndarray:
+    for _ in range(order):
+        values = derivative(values, period)
+    return values
+
+
+def _band(effort: np.ndarray, period: float) -> float:
+    """Frequency below which most of the effort's variance lies [Hz]."""
+    lines, power = signal.periodogram(effort - effort.mean(), 1.0 / period)
+    share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
+    return float(lines[min(int(np.searchsorted(share, MOST)), len(lines) - 1)])
+
+
+@cache
+def _passed(order: int, cutoff: float, period: float) -> float:
+    """Deviation of the acceleration for white noise of deviation 1 on what is differentiated."""
+    white = np.random.default_rng(0).standard_normal(20_000)
+    return float(np.std(_derived(smooth(white, cutoff, period), order, period)))

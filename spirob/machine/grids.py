@@ -1,16 +1,135 @@
-"""From the columns of a log to even grids: its clock, its positions, and what breaks it."""
+"""From the columns of a log to even grids, one for each piece between what breaks it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
 
+from spirob.errors import DataError, NothingLeft
 from spirob.machine import checks
-from spirob.machine.clock import Clock, clock_of
+from spirob.machine.clock import SHORTEST, Clock, bridged, clock_of
 from spirob.machine.columns import ANGLES, TICK, TIME_UNITS, Column, PositionColumn
-from spirob.machine.pieces import breaks, grids_of
 from spirob.machine.positions import Repaired, repaired
 from spirob.machine.unwrapping import Track
+
+PIECE = 0.5  # s, of a piece at least
+FEWEST = 12  # samples of one
+SINGLE = 2.5  # periods over which a curve through the rows beside is as good as a row
+MOST = 0.5  # of a log has to be left
+SLOWER = 1.5  # times the period of the log: a column of its own period
+FILLED = "filled"  # rows of a grid where there was no row of the log, 0 or 1
+
+
+def breaks(
+    where: str, name: str, clock: Clock, values: np.ndarray, said: list[str]
+) -> tuple[np.ndarray, float]:
+    """Between which rows a column says nothing, (n - 1,), and its own sample period [s].
+
+    values  (n,), NaN where there is none
+
+    Raises DataError where it holds hardly a number.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    count, missing = len(values), len(values) - len(known)
+    broken = np.zeros(count - 1, bool)
+    if not missing:
+        return broken, clock.period
+    if len(known) < FEWEST:
+        raise DataError(f"{where}: column '{name}' has no number in {missing} of {count} rows")
+    apart = np.diff(clock.seconds[known])
+    own = float(np.median(apart))
+    holes = (apart > max(clock.longest, bridged(own))) & (np.diff(known) > 1)
+    for begin, end in zip(known[:-1][holes], known[1:][holes], strict=True):
+        broken[begin:end] = True
+    broken[: known[0]] = broken[known[-1] :] = True
+    if own > SLOWER * clock.period:
+        said.append(f"{where}: '{name}' has a number in {len(known)} of {count} rows only.")
+        return broken, own
+    lost = int(np.count_nonzero(~np.isfinite(values[1:]) & broken))
+    if missing > lost:
+        said.append(f"{where}: {missing - lost} missing values of '{name}' were bridged.")
+    if lost:
+        said.append(
+            f"{where}: '{name}' has no number in {lost} rows in a run; the log was cut there."
+        )
+    return broken, clock.period
+
+
+def grids_of(
+    where: str,
+    clock: Clock,
+    columns: Mapping[str, np.ndarray],
+    broken: np.ndarray,
+    period: float,
+    said: list[str],
+) -> list[dict[str, np.ndarray]]:
+    """The columns, (n,) each, on an even grid for each piece, with `time` [s] and `filled`.
+
+    broken  (n - 1,) between which rows the log breaks besides its gaps
+    period  of the grid [s], that of the slowest column
+
+    Pieces shorter than half a second are dropped.  Raises DataError where less than half of the
+    log is left, NothingLeft where less than a trial needs.
+    """
+    steps = np.diff(clock.seconds)
+    begins = np.zeros(len(steps), bool)
+    begins[clock.begins - 1] = True
+    gaps = (steps > clock.longest) & ~begins
+    cuts = np.flatnonzero(gaps | begins | broken) + 1
+    grids, left, scraps = [], 0.0, 0.0
+    for rows in np.split(np.arange(len(clock.seconds)), cuts):
+        length = float(np.ptp(clock.seconds[rows]))
+        if length < PIECE or len(rows) < FEWEST:
+            scraps += length
+            continue
+        left += length
+        inside = {name: values[rows] for name, values in columns.items()}
+        grids.append(_grid(clock.seconds[rows], inside, period))
+    if gaps.any():
+        said.append(
+            f"{where}: {int(gaps.sum())} gaps, the longest {steps[gaps].max():.3g} s; the log was "
+            "cut there."
+        )
+    if len(grids) > 1 or scraps:
+        dropped = f", and {scraps:.2g} s of scraps dropped" if scraps else ""
+        said.append(f"{where}: used in {len(grids)} pieces, {left:.3g} s{dropped}.")
+    whole = steps[~gaps & ~begins & ~broken] / clock.period
+    if (lost := round(float(whole.sum())) - len(whole)) > 0:
+        said.append(f"{where}: {lost} lost samples were bridged.")
+    if left < SHORTEST:
+        raise NothingLeft(f"{where}: gaps leave less than {SHORTEST:g} s of it")
+    if left < MOST * (left + scraps):
+        raise DataError(
+            f"{where}: it is broken {len(cuts)} times, and {left:.3g} of {left + scraps:.3g} s are "
+            "left in pieces of half a second and more"
+        )
+    return grids
+
+
+def _grid(
+    seconds: np.ndarray, columns: Mapping[str, np.ndarray], period: float
+) -> dict[str, np.ndarray]:
+    even = np.arange(seconds[0], seconds[-1] + 0.5 * period, period)
+    filled = np.zeros(len(even))
+    grid = {}
+    for name, values in columns.items():
+        good = np.isfinite(values)
+        known, told = seconds[good], values[good]
+        grid[name] = _along(even, known, told, period)
+        after = np.clip(np.searchsorted(known, even), 1, len(known) - 1)
+        apart = known[after] - known[after - 1]
+        filled[apart > SINGLE * max(period, float(np.median(np.diff(known))))] = 1.0
+    return {**grid, FILLED: filled, "time": even}
+
+
+def _along(even: np.ndarray, seconds: np.ndarray, values: np.ndarray, period: float) -> np.ndarray:
+    """Values at even times, by a smooth curve through the rows, held beyond the last of them."""
+    if len(even) == len(seconds) and np.abs(even - seconds).max() < 1e-3 * period:
+        return values
+    at = np.clip(even, seconds[0], seconds[-1])
+    return np.asarray(Akima1DInterpolator(seconds, values, method="makima")(at))
+
 
 BITS = (8, 10, 12, 13, 14, 16, 17, 18, 20, 24, 32)  # of an encoder's turn
 TURNS = (1.0, 2.0)  # after which a position begins again

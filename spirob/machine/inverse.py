@@ -1,6 +1,6 @@
 """The inverse model of a rig on its trials: the effort asked for, compared with the measured one.
 
-Measured and modelled effort pass the same filters; the equations are in `asked`.
+Measured and modelled effort pass the same filters; the equations are in `inverse_equations`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,11 +10,10 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.identify.problem import Effort, Rotor, Stretch
-from spirob.machine.asked import AskedEffort
 from spirob.machine.body import RigidBody
-from spirob.machine.log_numbers import NONE, LogNumbers, profiled
+from spirob.machine.inverse_equations import AskedEffort
 from spirob.machine.motion import Kept, kept_rows, late, motion_of
-from spirob.machine.own_numbers import table_of
+from spirob.machine.numbers import NONE, LogNumbers, profiled, table_of
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes

@@ -1,4 +1,4 @@
-"""From the search to one of four verdicts, in words.
+"""From the search to one of four verdicts, in words: sentence, explanation, next experiment.
 
 named            a name that is more likely right than wrong; what is left beside it is said
 undecided        one of them could be another effect, and these data cannot tell which
@@ -11,12 +11,160 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.diagnosis.noise import noise_floor
+from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.flexible import share
+from spirob.effects import Effect
+from spirob.identify.problem import Effort
+from spirob.machine.candidates import equivalents
 from spirob.machine.certainty import figures, probability
-from spirob.machine.equivalence import equivalents
-from spirob.machine.flexible import Ceiling
+from spirob.machine.flexible import Ceiling, depends_on
+from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
-from spirob.machine.wording import Words, experiment, plain
+
+SOME = 0.25  # of what is left follows from the motion: worth a sentence
+
+
+@dataclass(frozen=True)
+class Words:
+    """Puts a verdict into sentences.
+
+    before, after  the bare model and the chosen one;  bare, rest  the ceilings over them
+    """
+
+    search: Search
+    before: Model
+    after: Model
+    bare: Ceiling
+    rest: Ceiling
+    effort: Effort
+
+    def say(
+        self,
+        kind: str,
+        same: dict[str, list[str]],
+        rivals: dict[str, list[str]],
+        warnings: list[str],
+    ) -> tuple[str, str]:
+        """The sentence and the explanation of a verdict of this kind."""
+        if warnings:
+            return "No verdict: the data or the model do not fit together.", " ".join(warnings)
+        return getattr(self, f"_{kind}")(same, rivals)  # type: ignore[no-any-return]
+
+    def _named(self, same: dict[str, list[str]], rivals: dict[str, list[str]]) -> tuple[str, str]:
+        titles = [_with_equivalents(e, same[e.name()]) for e in self.after.effects]
+        parts = [f"{e.signature} {e.explanation}" for e in self.after.effects]
+        return f"Missing: {' and '.join(titles)}.", " ".join([*parts, self._fall(), self._left()])
+
+    def _undecided(
+        self, same: dict[str, list[str]], rivals: dict[str, list[str]]
+    ) -> tuple[str, str]:
+        sets = []
+        for effect in self.after.effects:
+            names = [effect.name(), *same[effect.name()], *rivals[effect.name()]]
+            sets.append(" or ".join(plain(n) for n in names))
+        return (
+            f"Undecided: {'; and '.join(sets)}.",
+            f"Each of these explains the {self.effort.name} about as well on data that it was not "
+            f"fitted to; these data cannot tell them apart. {self._fall()} {self._left()}",
+        )
+
+    def _nothing_missing(
+        self, same: dict[str, list[str]], rivals: dict[str, list[str]]
+    ) -> tuple[str, str]:
+        return (
+            f"Nothing is missing: the model is within {self._share(self.before):.1%} of the "
+            f"{self.effort.name}.",
+            "With fitted numbers alone no effect of the library lowers the error on data left out "
+            f"by {self.search.worth.least / self.search.models.size:.1%} of the "
+            f"{self.effort.name}'s RMS, and a flexible model of the motion explains "
+            f"{self.bare.share:.0%} of the squared residual.",
+        )
+
+    def _unknown(self, same: dict[str, list[str]], rivals: dict[str, list[str]]) -> tuple[str, str]:
+        if self.after.effects:
+            partly = " and ".join(e.title for e in self.after.effects)
+            return (
+                f"Something is missing, and no name for it is likely enough; nearest: {partly}.",
+                f"{self._fall()} {self._left()}",
+            )
+        if self._follows < SOME:
+            return (
+                "Something is missing that the library does not hold: it follows from no signal "
+                "of the moment.",
+                f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS "
+                "on data left out, far more than the sensors' noise, and neither position, speed, "
+                "acceleration nor time explain it: blows, chatter or a memory would look so, and "
+                "so would logs that do not belong together.",
+            )
+        return (
+            f"Something is missing that the library does not hold: it depends "
+            f"{depends_on(self.rest)}.",
+            f"The model misses {self._share(self.after):.1%} of the {self.effort.name}'s RMS on "
+            f"data left out. A flexible model of the motion explains {self._follows:.0%} of that "
+            f"squared error there; no effect of the library has its shape.",
+        )
+
+    def _fall(self) -> str:
+        before = self.search.models.scores(self.before)["test"].rmse
+        after = self.search.models.scores(self.after)["test"].rmse
+        size = float(np.sqrt(np.mean(self.search.heldout.measured() ** 2)))
+        return (
+            f"On held-out data the RMS error falls from {self.effort.shown(before, after)}, from "
+            f"{before / size:.1%} to {after / size:.1%} of the {self.effort.name}'s RMS."
+        )
+
+    def _left(self) -> str:
+        if self._follows < SOME:
+            return "What is left hardly follows from the motion."
+        return (
+            f"Of what is left, {self._follows:.0%} of the square still follows from the motion: it "
+            f"depends {depends_on(self.rest)}."
+        )
+
+    @property
+    def _follows(self) -> float:
+        """Share of what is left, squared, that a flexible model explains on data left out."""
+        return max(self.rest.share, share(self.after.heldout, self.rest.heldout))
+
+    def _share(self, model: Model) -> float:
+        return float(np.sqrt(model.mean_square)) / self.search.models.size
+
+
+def experiment(
+    search: Search, kind: str, chosen: Model, rivals: dict[str, list[str]], found: Found
+) -> str:
+    """What to measure next, so that the verdict becomes surer."""
+    if kind == "nothing_missing":
+        return ""
+    if kind == "unknown":
+        return (
+            "Repeat the trials at a second load and at half the speed, and look at the atlas again."
+        )
+    for effect in chosen.effects:
+        for rival in rivals[effect.name()]:
+            if rival in effect.tell_apart:
+                return f"To decide: {effect.tell_apart[rival]}."
+    if kind == "undecided":
+        contested = [e for e in chosen.effects if rivals[e.name()]]
+        return f"To decide: a trial with {contested[0].needs}."
+    near = [o.effect.name() for o in found.offers[:6]]
+    for effect in chosen.effects:
+        for rival in near:
+            if rival not in chosen.names and rival in effect.tell_apart:
+                return f"To make sure: {effect.tell_apart[rival]}."
+    return ""
+
+
+def _with_equivalents(effect: type[Effect], same: list[str]) -> str:
+    if not same:
+        return effect.title
+    return f"{effect.title} (on this rig the same as {' or '.join(plain(n) for n in same)})"
+
+
+def plain(name: str) -> str:
+    """An effect's name as words."""
+    return name.replace("_", " ")
+
 
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
 # of the effort's RMS, and times the noise: three quarters of the square are then no noise

@@ -1,13 +1,27 @@
-"""`RIG.yaml` from disk: data, never code; a mistake is an error that says where it stands."""
+"""`RIG.yaml` and effects of one's own from disk; a mistake is an error that says where it stands.
 
-from collections.abc import Mapping
+The effects that a description or a command line names: the library's, and files of one's own.
+
+Such a file is a program.  A description may come from anybody, so it names only files beside or
+below itself; any other is given by hand.  Each is tried in a process apart before it is run here:
+one that never ends, or ends the program, is told in a sentence.
+"""
+
+import signal
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 from pydantic import ValidationError
 
 from spirob import given_file, plain_yaml
-from spirob.errors import ConfigError
+from spirob.effects import Effect, all_effects, find_effects, load_file, sampling
+from spirob.errors import ConfigError, EffectError
+from spirob.given_file import inside
+from spirob.logs.readers.isolation import Crashed, apart
 from spirob.machine.arm.description import ArmFile
+from spirob.machine.kernel_loop import loop_of
 from spirob.machine.rig import RigFile
 
 LARGEST = 2**18  # bytes of a description
@@ -42,3 +56,90 @@ def _first(error: ValidationError) -> str:
         said = "no such key; docs/rig_keys.md lists all"
     more = error.error_count() - 1
     return f"{place + ': ' if place else ''}{said}" + (f" (and {more} more)" if more else "")
+
+
+LONGEST = 15.0  # s of computing: an import and a compilation take two or three
+STEP, SAMPLES = 1e-3, 100  # s, and how many of them
+BEYOND = 1e3  # times the declared span, as far as the signals of any machine go
+
+
+def files(names: Sequence[str], folder: Path, given: Sequence[Path | str] = ()) -> list[str]:
+    """Names as they are found: of effects of the library, and paths of files.
+
+    names  in a description in `folder`;  given  by hand, with paths from where the program runs
+    """
+    own = [str(inside(n, folder, "effects")) if n.endswith(".py") else n for n in names]
+    return [*own, *map(str, given)]
+
+
+def chosen(found: Sequence[str]) -> list[type[Effect]]:
+    """These effects; raises EffectError in a sentence whatever a file holds."""
+    effects: list[type[Effect]] = []
+    for name in found:
+        if name.endswith(".py"):
+            tried(name, kernel=True)
+            if Path(name).stem in all_effects():
+                raise EffectError(f"effect file '{name}': the library has an effect of that name")
+        effects += find_effects([name])
+    names = [effect.name() for effect in effects]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise EffectError(f"effect '{twice[0]}' is given twice")
+    return effects
+
+
+def tried(path: str, kernel: bool) -> None:
+    """Run a file apart, within bounds of time and memory.
+
+    kernel  the kernel has to run as well
+
+    Raises MissingLog or DataError where there is no file to read, EffectError where running fails.
+    """
+    given_file.checked(path, "effect file")
+    try:
+        loading, running = apart(_trial, path, LONGEST)
+    except Crashed:
+        raise EffectError(
+            f"effect file '{path}' does not end in {LONGEST:.0f} s of computing, or brings down "
+            "the process that runs it"
+        ) from None
+    except ValueError as error:
+        raise EffectError(f"effect file '{path}': {error}") from None
+    if loading or (kernel and running):
+        raise EffectError(loading or f"effect file '{path}': {running}")
+
+
+def _trial(path: str, longest: float) -> tuple[str, str]:
+    """What fails when the file is loaded, and when its kernel runs; empty where nothing does."""
+    if hasattr(signal, "setitimer"):  # ends this process, even inside compiled code
+        signal.setitimer(signal.ITIMER_PROF, longest)
+    try:
+        (effect,) = load_file(Path(path)).values()
+    except (EffectError, KeyboardInterrupt) as error:
+        return str(error) or f"effect file '{path}' fails: {type(error).__name__}", ""
+    try:
+        _run(effect)
+    except Exception as error:
+        return "", str(error) or type(error).__name__
+    return "", ""
+
+
+def _run(effect: type[Effect]) -> None:
+    """The kernel, compiled as in a diagnosis, over the bounds of its numbers and signals.
+
+    Beyond them it has to come to an end; what it gives there is nobody's business.
+    """
+    rng = np.random.default_rng(0)
+    loop = loop_of(effect)
+    whole, step, out = np.array([0, SAMPLES]), np.array([STEP]), np.zeros(SAMPLES)
+
+    def over(inputs: sampling.Inputs, values: np.ndarray) -> None:
+        reads = np.array([inputs[name] for name in effect.reads]).reshape(-1, SAMPLES)
+        loop(out, whole, step, inputs.get("upstream", out), reads, values)
+
+    for numbers in sampling.corners(effect, rng):
+        values = np.array([numbers[name] for name in effect.parameters()])
+        wild = sampling.extremes(effect, rng, SAMPLES)
+        over(wild, values)
+        over(sampling.motion(effect, rng, SAMPLES, STEP), values)
+        with suppress(ArithmeticError, ValueError):
+            over({name: BEYOND * signal for name, signal in wild.items()}, values)

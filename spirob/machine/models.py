@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.diagnosis.evidence import block_errors
-from spirob.diagnosis.trees import folds_of
+from spirob.diagnosis.flexible import folds_of
 from spirob.effects import Effect
 from spirob.identify.fit import Fit, fit
+from spirob.machine.flexible import left_out_linear
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
-from spirob.machine.regression import left_out
 from spirob.machine.screening import room
 from spirob.score import Score, score
 
@@ -109,7 +109,7 @@ class Models:
             for start in starts
         ]
         found = min(fits, key=lambda made: made.cost)
-        left = left_out(found.jacobian, found.residual, self.folds, *room(table, found))
+        left = left_out_linear(found.jacobian, found.residual, self.folds, *room(table, found))
         held = self.heldout(found.changes)
         made = Model(
             effects,

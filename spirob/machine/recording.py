@@ -14,21 +14,21 @@ from scipy.integrate import cumulative_trapezoid
 from spirob.errors import DataError, MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
+from spirob.machine.checks import stands, usable
 from spirob.machine.filtering import (
     ALIAS,
     BELOW,
+    acceleration_noise,
     averaged,
     before_thinning,
     derivative,
     rates,
     smooth,
+    usual_cutoff,
 )
-from spirob.machine.grids import Logged, even_grids
-from spirob.machine.motion_noise import acceleration_noise, usual_cutoff
-from spirob.machine.pieces import FILLED
+from spirob.machine.grids import FILLED, Logged, even_grids
+from spirob.machine.positions import agreement, shifted
 from spirob.machine.rig import Column, RigFile
-from spirob.machine.rows import stands, usable
-from spirob.machine.speeds import agreement, shifted
 from spirob.units import UNITS
 
 FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample

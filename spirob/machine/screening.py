@@ -16,8 +16,8 @@ import numpy as np
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
+from spirob.machine.flexible import error, products, step
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.regression import error, products, step
 from spirob.machine.shapes import grid, shaping, starts
 from spirob.parameter import Parameter, Table
 
@@ -63,7 +63,7 @@ class Probed:
 
 
 @dataclass(frozen=True)
-class Trial:
+class Tried:
     """A probed effect, regressed on: products of all columns, and the error of folds left out."""
 
     probed: Probed
@@ -127,7 +127,7 @@ class Screening:
         new = float(np.linalg.norm(outside) / (np.linalg.norm(probed.columns) + 1e-300))
         return Offer(effect, values, best.error, new)
 
-    def _best(self, effect: type[Effect]) -> Trial:
+    def _best(self, effect: type[Effect]) -> Tried:
         table = self.problem.table
         about = {f: table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
         if len(about) - len(effect.neutral) > GRIDDED:
@@ -136,7 +136,7 @@ class Screening:
         known: Columns = {}
         return min((self._trial(effect, s, known) for s in shapes), key=lambda trial: trial.error)
 
-    def _walked(self, effect: type[Effect], about: Mapping[str, Parameter]) -> Trial:
+    def _walked(self, effect: type[Effect], about: Mapping[str, Parameter]) -> Tried:
         """The best shape by walking along one number after the other, from the nominal ones."""
         shape = {f: p.nominal for f, p in about.items() if f not in effect.neutral}
         known: Columns = {}
@@ -152,10 +152,10 @@ class Screening:
                     best = tried
         return best
 
-    def _trial(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Trial:
+    def _trial(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Tried:
         probed = self._probe(effect, shape, known)
         sums = self._sums(probed.columns)
-        return Trial(probed, sums, self._error(sums, probed))
+        return Tried(probed, sums, self._error(sums, probed))
 
     def _probe(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Probed:
         """The columns of a shape; those that are `known` from another one are taken from there."""

@@ -1,7 +1,7 @@
 """The search for the set of missing effects: joint additions, backward steps, exchanges.
 
-Every set is fitted in full (`models`) and has to pass the questions of `worth`; the held-out trials
-can only veto.
+Every set is fitted in full (`models`) and has to pass the questions of `criteria`; the held-out
+trials can only veto.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,14 +11,13 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.alignment import only_aligns
-from spirob.machine.dry import is_dry
+from spirob.machine.candidates import is_dry, related, same_wave
+from spirob.machine.criteria import Criteria, Worth
+from spirob.machine.filtering import noise_in_effort
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.kinship import related, same_wave
 from spirob.machine.models import Model, Models, label
-from spirob.machine.motion_noise import noise_in_effort
 from spirob.machine.screening import ABSORBED, Offer, Screening
-from spirob.machine.worth import Settings, Worth
-from spirob.told import Steps
+from spirob.progress import Steps
 
 SINGLES, PAIRS, EXCHANGES = 4, 3, 3  # finalists of a round, fitted in full
 EACH = 2 + EXCHANGES  # steps for an effect of a set: without it, what then is missing, exchanges
@@ -56,7 +55,7 @@ class Search:
         heldout: InverseProblem,
         names: Sequence[str],
         candidates: Sequence[type[Effect]],
-        settings: Settings,
+        settings: Criteria,
         progress: Callable[[str], None] = lambda text: None,
     ):
         self.train, self.heldout = train, heldout

@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from spirob.diagnosis.periodogram import peaks
+from spirob.diagnosis.orders import peaks
 from spirob.effects import Effect
 from spirob.machine.kernel_loop import is_pipe
 from spirob.parameter import Parameter

@@ -1,20 +1,19 @@
 """What the robot touches, told from its motors alone: the size of an object it wraps.
 
-reading.py             a wrap from a trial, or the reason why it is none
-wrap.py                a wrap in its parts: free motion, rise of the current, plateau
-feature.py             what a feature is, and the table of all of them
+wrap.py         a wrap from a trial, or the reason why it is none; a wrap in its parts: free
+                motion, rise of the current, plateau
+feature.py      what a feature is, and the table of all of them
 temporal.py, spectral.py, electromechanical.py   the features themselves
-features.py            trials -> table of features
-base_models.py         the two regressors below, and the preparation of their inputs
-folds.py               folds that hold whole diameters out
-size.py                stacking: train and predict diameters
-model_file.py          a trained model on disk, with the hash that is checked before loading
-contact.py             contact, sample by sample, from one current
-contact_levels.py      the same for whole logs, to try many thresholds
-trust.py               errors on held-out sizes; wraps unlike those of the training
-interval.py            an interval with every size, or a refusal
-rivals.py              what the shipped predictor is compared with
-study.py               which features it needs, and how many samples
-live/                  contact and size from a bus, while it happens
-score.py               how far predictions are from the truth
+features.py     trials -> table of features
+base_models.py  the two regressors below, and the preparation of their inputs
+score.py        folds that hold whole diameters out; how far predictions are from the truth
+size.py         stacking: train and predict diameters
+model_file.py   a trained model on disk, with the hash that is checked before loading
+contact.py      contact, sample by sample, from one current; the same for whole logs, to try many
+                thresholds
+trust.py        errors on held-out sizes; wraps unlike those of the training
+interval.py     an interval with every size, or a refusal
+study.py        what the shipped predictor is compared with; which features it needs, and how many
+                samples
+live.py        contact and size from a bus, while it happens
 """

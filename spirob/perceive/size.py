@@ -21,7 +21,7 @@ import pandas as pd
 
 from spirob.errors import ConfigError, DataError
 from spirob.parameter import Numbers, bounded
-from spirob.perceive.folds import folds
+from spirob.perceive.score import folds
 
 PREDICTORS = ("remainder", "paper")
 TARGET = "diameter"

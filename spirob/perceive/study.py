@@ -1,15 +1,43 @@
-"""What a size model lives on: which features it needs, and how many samples."""
+"""What a size model lives on: features, samples, chosen numbers, and what it is compared with.
 
-from collections.abc import Mapping
+Predictors that the shipped one is compared with; none of them is used otherwise.
+
+ridge, svr          each base model alone, on the same samples as the shipped predictor
+paper               the paper's stack on the paper's samples
+few                 the shipped kind of predictor on the paper's samples
+gaussian_process    on the same samples as the shipped predictor, hyperparameters by likelihood
+mean                the mean diameter of the training, whatever was wrapped
+
+Numbers of the stack, chosen by the training alone.
+
+Of every combination the stack is trained, and the one with the least out-of-fold error is taken:
+the mean absolute error of the blend on diameters that its folds held out, between the smallest and
+the largest, as those of the ends are extrapolations.  No wrap that is tested has a say in it.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from sklearn.base import BaseEstimator, RegressorMixin
 
-from spirob.perceive.bootstrap import mean_error
-from spirob.perceive.score import MILLIMETRES, score
-from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
+from spirob.errors import ConfigError
+from spirob.perceive.base_models import Cut, MonotoneFeatures
+from spirob.perceive.score import MILLIMETRES, mean_error, score
+from spirob.perceive.size import (
+    BASES,
+    TARGET,
+    SizeModel,
+    SizeSettings,
+    blended,
+    feature_matrix,
+    predict,
+    train,
+)
 from spirob.perceive.trust import used_features
 
 SHUFFLES = 10
@@ -81,3 +109,104 @@ def _errors(model: SizeModel, table: pd.DataFrame) -> dict[str, float]:
     true, found = table[TARGET].to_numpy(float), predict(model, table)
     low, high = mean_error(true, found)
     return {"mae": score(true, found)["mae"], "mae_low": low, "mae_high": high}
+
+
+def rivals(
+    shipped: SizeModel, known: pd.DataFrame, listed: pd.DataFrame, wraps: pd.DataFrame
+) -> dict[str, np.ndarray]:
+    """Every rival's diameters [m] of some wraps, (n,) each.
+
+    known   features that the shipped model was trained on;  listed  those of the paper's samples
+    """
+    # the shipped settings are those of many samples
+    few = train(listed, SizeSettings(seed=shipped.settings.seed), "remainder")
+    return {
+        **{name: predict(shipped, wraps, name) for name in BASES},
+        "paper": predict(few, wraps, "paper"),
+        "few": predict(few, wraps),
+        "gaussian_process": gaussian_process(known, wraps, shipped.settings),
+        "mean": np.full(len(wraps), float(known[TARGET].mean())),
+    }
+
+
+def gaussian_process(
+    known: pd.DataFrame, wraps: pd.DataFrame, settings: SizeSettings | None = None
+) -> np.ndarray:
+    """Diameters [m] by a Gaussian process with an RBF kernel and noise, (n,).
+
+    It gets the features of the base models, prepared as theirs are.
+    """
+    from sklearn.compose import TransformedTargetRegressor
+    from sklearn.exceptions import ConvergenceWarning
+    from sklearn.gaussian_process import GaussianProcessRegressor
+    from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import StandardScaler
+
+    settings = settings or SizeSettings()
+    names = tuple(name for name in known.columns if name != TARGET)
+    kernel = ConstantKernel(10.0) * RBF(5.0) + WhiteKernel(1e-3, (1e-8, 1.0))
+    process = GaussianProcessRegressor(kernel, random_state=int(settings.seed))
+    chosen = MonotoneFeatures(settings.threshold)
+    model = TransformedTargetRegressor(
+        make_pipeline(chosen, StandardScaler(), Cut(), process), transformer=StandardScaler()
+    )
+    with warnings.catch_warnings():
+        # a hyperparameter at its bound is a fit all the same
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        model.fit(feature_matrix(known, names), known[TARGET].to_numpy(float))
+    return np.asarray(model.predict(feature_matrix(wraps, names)))
+
+
+def chosen(
+    table: pd.DataFrame,
+    settings: SizeSettings,
+    among: Mapping[str, Sequence[float]],
+    threads: int = 1,
+) -> tuple[SizeSettings, list[dict[str, float]]]:
+    """The settings with the least out-of-fold error, and every combination with its own [mm].
+
+    table     features with the true `diameter` [m]
+    among     values of each number to choose; the others stay as in `settings`
+    threads   that train combinations side by side; how many changes no bit
+    Of equal ones the first is taken.  Nothing to choose leaves the settings as they are.
+    Raises ConfigError on an unknown number, one without values or out of range, and what `train`
+    raises.
+    """
+    require_choices(among)
+    if not among:
+        return settings, []
+
+    def one(values: Sequence[float]) -> dict[str, float]:
+        numbers = dict(zip(among, map(float, values), strict=True))
+        found = train(table, _with(settings, numbers))
+        return {**numbers, "mae": out_of_fold_error(found, table)}
+
+    with ThreadPoolExecutor(threads) as pool:
+        tried = list(pool.map(one, product(*among.values())))
+    best = min(tried, key=lambda one: one["mae"])
+    return _with(settings, {name: best[name] for name in among}), tried
+
+
+def require_choices(among: Mapping[str, Sequence[float]]) -> None:
+    """Raises ConfigError on an unknown number of the stack, one without values or out of range."""
+    for name, values in among.items():
+        if not values:
+            raise ConfigError(f"choose: '{name}' has no values to choose from")
+        for value in values:
+            SizeSettings.from_mapping({name: value})
+
+
+def out_of_fold_error(model: SizeModel, table: pd.DataFrame) -> float:
+    """Mean absolute error of the blend on the held-out diameters of its training table [mm]."""
+    true = table[TARGET].to_numpy(float)
+    between = (true > model.sizes[0]) & (true < model.sizes[1])
+    found = blended(model.out_of_fold, model.weight)
+    return float(MILLIMETRES * np.abs(found - true)[between].mean())
+
+
+def _with(settings: SizeSettings, numbers: Mapping[str, float]) -> SizeSettings:
+    own = {name: getattr(settings, name) for name in settings.parameters()}
+    replaced = SizeSettings.from_mapping({**own, **numbers})
+    assert isinstance(replaced, SizeSettings)
+    return replaced

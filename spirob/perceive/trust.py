@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from spirob.errors import DataError
-from spirob.perceive.folds import folds
+from spirob.perceive.score import folds
 from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
 
 MOST_FOLDS = 10

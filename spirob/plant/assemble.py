@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 
 from spirob.control import host_loop, law
 from spirob.effects import Effect
-from spirob.effects.individual import SUFFIX, differences
+from spirob.effects.effect import SUFFIX, differences
 from spirob.errors import EffectError
 from spirob.generated import load
-from spirob.plant import chain, electrics, held, loop, outline, tendon, weight, winch
+from spirob.plant import body, chain, loop, motor, objects, tendon
 from spirob.ports import PORTS
 
 COMPONENTS: tuple[Callable[..., object], ...] = (
@@ -24,19 +24,19 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     chain.chain_solve,
     chain.chain_step,
     law.current_command,
-    electrics.current_loop_gains,
-    electrics.drive_current,
-    outline.bend_outline,
+    motor.current_loop_gains,
+    motor.drive_current,
+    objects.bend_outline,
     tendon.small_angle,
     tendon.half_angle,
     tendon.guide_length,
     tendon.pose_tendons,
-    weight.hinge_weights,
-    winch.free_rate,
-    winch.demanded_tension,
-    winch.one_sided_tensions,
+    body.hinge_weights,
+    motor.free_rate,
+    motor.demanded_tension,
+    motor.one_sided_tensions,
 )
-ON_THE_HOST: tuple[Callable[..., object], ...] = (host_loop.host_voltage, held.held_current)
+ON_THE_HOST: tuple[Callable[..., object], ...] = (host_loop.host_voltage, motor.held_current)
 LOCALS = {  # signal -> expression in the loop, valid at every port that may read it
     "time": "time",
     "motor.rest_speed": "p[P_motor_rest_speed]",

@@ -1,19 +1,30 @@
-"""The arm as a MuJoCo chain of hinges, generated from the spiral's law.
+"""The arm as a MuJoCo chain of hinges, generated from the spiral's law, and its weight.
 
 Each unit is a trapezoid mirrored about the elastic axis, of thickness h·width; its two outer edges
 and its four slanted faces are thin capsules, for objects and for other turns of the arm.
 Neighbouring faces never meet: the joints' end stop is at 0.96·Δθ.  The
 tendons are not MuJoCo's: their lengths are known in closed form (`plant.tendon`), which halves the
 cost of a step.  `tendons=True` adds them for export, so that other tools see the same machine.
+
+What the arm weighs at each of its hinges.
+
+For a chain of units with mass m_i and length l_i, direction u_i and centre of mass at l_i/2, the
+first moment of all that hinge i carries is
+
+    S_i = (m_i/2 + M_(i+1)) l_i u_i + S_(i+1),      M_i = m_i + M_(i+1),
+
+with the mass at the tip as M_(N+1).  Gravity g then turns the hinge by the moment S_i × g.
 """
+
+import math
 
 import mujoco
 import numpy as np
 
 from spirob.geometry import SpiralArm
-from spirob.plant.holes import with_holes
-from spirob.plant.nominal import Arm, Holes
 from spirob.plant.objects import ARM_BIT, OBJECT_BIT, add_objects
+from spirob.plant.rig import Arm, Holes
+from spirob.plant.tendon import with_holes
 from spirob.robot import MOTORS, Scene
 
 OUTLINE_RADIUS = 0.1  # capsule radius over half width
@@ -166,3 +177,25 @@ def _add_tendons(spec: mujoco.MjSpec, units: int) -> None:
             trntype=mujoco.mjtTrn.mjTRN_TENDON,
             gear=[-1, 0, 0, 0, 0, 0],  # positive control pulls
         )
+
+
+def hinge_weights(angles, units, weight):
+    """Fill weight (N, 2) [N·m]: torque at each hinge if gravity pointed along +x, along +y.
+
+    angles (N,) of the hinges [rad];  units (N + 1, 2) mass [kg] and length [m], the tip's mass last
+    """
+    hinges = weight.shape[0]
+    direction = 0.0
+    for i in range(hinges):
+        direction += angles[i]
+    beyond = units[hinges, 0]
+    moment_x = 0.0
+    moment_y = 0.0
+    for i in range(hinges - 1, -1, -1):
+        lever = (0.5 * units[i, 0] + beyond) * units[i, 1]
+        moment_x += lever * math.cos(direction)
+        moment_y += lever * math.sin(direction)
+        weight[i, 0] = -9.80665 * moment_y  # standard gravity [m/s²]
+        weight[i, 1] = 9.80665 * moment_x
+        beyond += units[i, 0]
+        direction -= angles[i]

@@ -9,8 +9,7 @@ from numba.core.errors import NumbaError
 from scipy.optimize import minimize_scalar
 
 from spirob.can_protocol import AMPERE_PER_COUNT
-from spirob.control.law import CURRENT, VELOCITY
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, VELOCITY, Schedule
 from spirob.effects import Effect, sampling
 from spirob.effects.check import Finding
 from spirob.effects.replay import run

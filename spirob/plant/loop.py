@@ -63,7 +63,7 @@ def run(
 
     guides (5, N) holds ρ_b·ρ_a, (ρ_b - ρ_a)², sin β/2n, cos β/2n, n of each hinge (`plant.tendon`);
     units (N + 1, 2) mass [kg] and length [m] of each unit, and the mass at the tip;
-    bows, heights, outline, positions move the units' outlines (`plant.outline`);
+    bows, heights, outline, positions move the units' outlines (`plant.objects`);
     chain holds the units' numbers for steps in which nothing is touched (`plant.chain`), no
     column where something else moves; post (3,) a fixed cylinder; gravity (2,) [m/s²];
     pull (2, N) is the shortening of each tendon per hinge angle weighted with the local tension

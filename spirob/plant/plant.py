@@ -8,23 +8,19 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
-from spirob.control.law import CURRENT
-from spirob.control.schedule import Schedule
-from spirob.drives.volts import VOLT_PER_COUNT
+from spirob.control.law import CURRENT, Schedule
+from spirob.drives.codec import VOLT_PER_COUNT
 from spirob.effects import Effect
-from spirob.effects.individual import differences
+from spirob.effects.effect import differences
 from spirob.errors import SimulationError
 from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_of
-from spirob.plant.holes import room, with_holes
-from spirob.plant.nominal import Arm, Holes
-from spirob.plant.objects import launch
-from spirob.plant.outline import bow, outlines
+from spirob.plant.objects import bow, launch, outlines
 from spirob.plant.rest import Torque, rest_pose
-from spirob.plant.rig import Rig
-from spirob.plant.tendon import guides, shortenings
+from spirob.plant.rig import Arm, Holes, Rig
+from spirob.plant.tendon import guides, room, shortenings, with_holes
 from spirob.robot import CYCLE_NS, Scene, Weights
 from spirob.unit_table import Geometry
 

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.plant.weight import hinge_weights
+from spirob.plant.body import hinge_weights
 
 DAMPING = 0.6  # s, over the stiffness: the slowest mode of the arm is then nearly critical
 STEP = 4e-3  # s

@@ -9,10 +9,9 @@ from markupsafe import Markup
 
 from spirob.logs.atomic import write_text
 from spirob.report.data import ReportData
-from spirob.report.embed import json_script
-from spirob.report.numbers import prose
-from spirob.report.plotly_script import plotly_script
+from spirob.report.embed import json_script, plotly_script
 from spirob.report.sections import Section, discover
+from spirob.report.words import prose
 
 SCRIPTS = (
     "packing.js",

@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
+from spirob.report.embed import pack, stride
 from spirob.report.figures import BASE, INK, MEASURED, NAMED, blank
-from spirob.report.numbers import column, shown
-from spirob.report.packing import pack, stride
 from spirob.report.regimes import spans
+from spirob.report.words import column, shown
 
 ROLES = ("heldout", "validate", "train")  # what nothing has seen comes first
 UNITS = {"current": "A", "displacement": "m", "velocity": "m/s"}

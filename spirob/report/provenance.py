@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from spirob.logs.provenance import git_commit, versions
+from spirob.logs.writer import git_commit, versions
 
 PACKAGES = (
     "scipy",

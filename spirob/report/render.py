@@ -16,7 +16,7 @@ from PIL import Image
 
 from spirob.geometry import SpiralArm
 from spirob.plant.body import build_spec
-from spirob.plant.nominal import Arm
+from spirob.plant.rig import Arm
 from spirob.report.film import RATE
 from spirob.robot import Scene
 

@@ -11,11 +11,10 @@ from typing import Protocol, runtime_checkable
 from spirob.can_protocol import FEEDBACK_ID, CanFrame, encode_command
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
-from spirob.safety.command import of_currents, of_voltages
-from spirob.safety.limits import Limits
+from spirob.safety.limits import Limits, of_currents, of_voltages
 from spirob.safety.motor import MotorState
 from spirob.safety.stop import Stopped
-from spirob.safety.watching import Watched, reason_to_stop
+from spirob.safety.stop_reasons import Watched, reason_to_stop
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 
@@ -29,7 +28,7 @@ class Armable(Protocol):
 
 
 class CurrentLoop(Protocol):
-    """Closes the current loop on the host; `spirob.bench.host` has the one of the paper."""
+    """Closes the current loop on the host; `spirob.trials.host` has the one of the paper."""
 
     def begin(self) -> None:
         """Forget the trial before."""

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.benchmark import sysid
+from spirob.benchmark import identification
 from spirob.benchmark.__main__ import MEASURES, main
 from spirob.errors import ConfigError
 
@@ -46,6 +46,6 @@ def test_the_bare_steps_play_the_same_trial(tmp_path):
 
 
 def test_without_the_extra_the_comparison_is_refused_in_a_sentence(monkeypatch):
-    monkeypatch.setattr(sysid, "import_module", lambda name: SimpleNamespace())
+    monkeypatch.setattr(identification, "import_module", lambda name: SimpleNamespace())
     with pytest.raises(ConfigError, match=r"needs mujoco\.sysid"):
-        sysid.fit(None, [], [])
+        identification.fit_by_mujoco(None, [], [])

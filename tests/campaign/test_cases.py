@@ -6,7 +6,7 @@ import pytest
 from spirob.campaign import case as drawing
 from spirob.campaign import recorder
 from spirob.campaign.case import Case, able, cases, drawn, together
-from spirob.campaign.kinds import KINDS, LIBRARY, OUTSIDE, answers
+from spirob.campaign.scoring import KINDS, LIBRARY, OUTSIDE, answers
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.motion import FINE, Motion
 from spirob.campaign.strength import HIGH, LOW, share, strength

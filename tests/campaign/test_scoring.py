@@ -2,9 +2,8 @@
 
 import pytest
 
-from spirob.campaign.features import features
-from spirob.campaign.scoring import group, outcome
-from spirob.campaign.table import lines, rates
+from spirob.campaign.diagnosed import features
+from spirob.campaign.scoring import group, lines, outcome, rates
 
 
 def result(must, verdict, *effects, near=(), inside=True, shown=True, hidden=None, besides=()):

@@ -8,14 +8,14 @@ import pytest
 
 from spirob.can_protocol import COMMAND_ID, decode_command
 from spirob.canbus import CanRobot, open_bus
+from spirob.canbus.bus import listen
 from spirob.canbus.checking import check
-from spirob.canbus.listening import listen
 from spirob.cli.main import main
 from spirob.drives import find_drive
 from spirob.emulator import EmulatedRobot
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
-from spirob.emulator.service import serve
+from spirob.emulator.robot import serve
 from spirob.errors import HardwareError
 from tests.canbus.fake_drives import FakeDrives
 from tests.canbus.stalls import steady
@@ -30,7 +30,7 @@ class Quiet:
     overruns = 0
 
     def __init__(self, change=lambda k, frames: frames):
-        from tests.bench.fake_robot import FakeRobot
+        from tests.trials.fake_robot import FakeRobot
 
         self.robot, self.change, self.k = FakeRobot(), change, 0
 

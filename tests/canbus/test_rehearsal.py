@@ -9,14 +9,14 @@ from pathlib import Path
 import can
 import pytest
 
-from spirob.bench import Trial, record
 from spirob.canbus import CanRobot, open_bus
 from spirob.control.law import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.safety import Limits
-from tests.bench.trials import plain_trial
+from spirob.trials import Trial, record
 from tests.canbus.stalls import HELD_UP, Worst, pauses_of, steady
+from tests.trials.trials import plain_trial
 
 CHANNEL = "239.74.163.77"
 NETWORK = ["--interface", "udp_multicast", "--channel", CHANNEL]

@@ -6,19 +6,19 @@ import time
 import can
 import pytest
 
-from spirob.bench import Trial, record
 from spirob.can_protocol import COMMAND_ID, encode_command
 from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.urgency import Urgency
+from spirob.canbus.deadlines import Urgency
 from spirob.control.law import Gains
 from spirob.emulator.__main__ import main as serve
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.robot import CYCLE_NS, MOTORS, Cylinder, Scene
 from spirob.safety import Limits
-from tests.bench.trials import plain_trial
+from spirob.trials import Trial, record
 from tests.canbus.fake_drives import FakeDrives
 from tests.canbus.stalls import steady
+from tests.trials.trials import plain_trial
 
 HALF_AMPERE = encode_command((0.5, 0.25))
 PATIENT_NS = 200_000_000  # a loaded machine may hold up the drives' thread for a while

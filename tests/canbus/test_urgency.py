@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from spirob.canbus.urgency import PRIORITY, Urgency
+from spirob.canbus.deadlines import PRIORITY, Urgency
 
 
 @pytest.fixture

@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial, record
-from spirob.bench.simulate import simulate
-from spirob.bench.wrap import wrap_trial
 from spirob.cli.main import main
 from spirob.control.law import Gains
 from spirob.emulator import EmulatedRobot
@@ -15,6 +12,9 @@ from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
 from spirob.perceive.size import train
 from spirob.plant import Plant, Rig
+from spirob.trials import Trial, record
+from spirob.trials.simulation import simulate
+from spirob.trials.wrap import wrap_trial
 
 
 @pytest.fixture(scope="module")

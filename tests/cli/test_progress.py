@@ -7,8 +7,7 @@ from contextlib import suppress
 import pytest
 
 from spirob.cli.commands import trial
-from spirob.cli.progress import Progress
-from spirob.cli.time_left import TimeLeft, clock
+from spirob.cli.progress import Progress, TimeLeft, clock
 
 
 def test_elsewhere_one_plain_line_for_each_unit():

@@ -12,7 +12,7 @@ import pytest
 
 from spirob.cli.main import main
 from spirob.cli.project import read_overrides
-from spirob.cli.stages import TIMES, stages
+from spirob.cli.reproduce import TIMES, stages
 from tests.cli.toy import toy
 
 

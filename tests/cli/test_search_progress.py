@@ -4,8 +4,8 @@ import io
 import os
 from contextlib import suppress
 
-from spirob.cli.search_progress import SearchProgress
-from spirob.told import Steps
+from spirob.cli.progress import SearchProgress
+from spirob.progress import Steps
 
 
 def search(tell):
@@ -51,7 +51,7 @@ def test_elsewhere_plain_lines_and_quiet_none():
 def test_on_a_terminal_a_bar_with_the_time_left_at_most(monkeypatch):
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("spirob.cli.search_progress.time.monotonic", lambda: 60.0)
+    monkeypatch.setattr("spirob.cli.progress.time.monotonic", lambda: 60.0)
     leader, follower = os.openpty()
     with open(follower, "w") as stream, SearchProgress(stream) as progress:
         progress._begun = 0.0

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from can.interfaces import virtual
 
-from spirob.bench.wrap import wrap_trial
 from spirob.cli.main import main
 from spirob.perceive.model_file import save_model
 from spirob.perceive.passive_region import learned
+from spirob.trials.wrap import wrap_trial
 from tests.perceive.live.played import frames_and_features, pushed
 from tests.perceive.test_passive import drawn
 

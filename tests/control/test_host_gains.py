@@ -18,7 +18,7 @@ from spirob.control.host_gains import (
 from spirob.control.host_loop import CYCLE, HostLoop, host_voltage
 from spirob.errors import ConfigError
 from spirob.plant import Rig
-from spirob.plant.held import held_current
+from spirob.plant.motor import held_current
 
 R, L = 0.194, 9.7e-5
 WINDING = Winding(R, L)

@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from spirob.diagnosis.atlas import Regime, atlas, worst
-from spirob.diagnosis.regimes import masks_of
+from spirob.diagnosis.atlas import Regime, atlas, masks_of, worst
 from spirob.identify.problem import Effort
 from tests.diagnosis.stretches import SECONDS, pair, problem, stretch
 

@@ -3,7 +3,7 @@
 import pytest
 
 from spirob.diagnosis.backward import exchanged, pruned
-from spirob.diagnosis.rungs import ROLES, Rung, Search, Settings, label, parameters_of, scores_of
+from spirob.diagnosis.rungs import ROLES, Ladder, Rung, Settings, label, parameters_of, scores_of
 from spirob.effects import find_effects
 from spirob.identify.fit import STEPS, fit
 from tests.identify.known import residual, spirob
@@ -35,7 +35,7 @@ def rung(residuals, effects):
 
 def climbed(residuals, *rungs):
     ladder = [rung(residuals, effects) for effects in rungs]
-    return Search(ladder[0], ladder, rounds=[[], []])
+    return Ladder(ladder[0], ladder, rounds=[[], []])
 
 
 def tell(text):

@@ -16,14 +16,13 @@ import pipeline.decide
 import pipeline.diagnose
 from pipeline.config import composed
 from pipeline.schema import validated
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
+from spirob.campaign.arm import case as trial
 from spirob.diagnosis import followup
 from spirob.diagnosis.contest import Contestant
 from spirob.diagnosis.followup import Answer, Question, answered, asked
 from spirob.diagnosis.proof import Proof
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.rungs import ROLES, Confirmed, Rung, Search, Settings, rung_of, scores_of
+from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, Settings, rung_of, scores_of
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.diagnosis.weighing import with_probability
 from spirob.effects import find_effects
@@ -31,7 +30,8 @@ from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement
-from spirob.trial import case as trial
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 from tests.identify.known import residual, spirob
 
 ROOT = Path(__file__).parents[2]
@@ -147,7 +147,7 @@ def robot():
 
     one = next(c for c in tried if c.effects == (Stretch,))
     rung = Rung("+ stretch", [Stretch], one.fit, one.scores, one.errors)
-    return Search(base, [base, rung], [tried]), own, play
+    return Ladder(base, [base, rung], [tried]), own, play
 
 
 def test_the_pipeline_and_the_trial_give_one_robot_the_same_answer(robot):

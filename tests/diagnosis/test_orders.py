@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from spirob.diagnosis.orders import best_orders
-from spirob.diagnosis.waves import answers, following
+from spirob.diagnosis.orders import answers, best_orders, following
 from spirob.effects.motor.cogging import Cogging
 from spirob.effects.motor.torque_ripple import TorqueRipple
 from spirob.identify.problem import Rotor

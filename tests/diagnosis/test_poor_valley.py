@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.rungs import ROLES, Search, Settings, rung_of
+from spirob.diagnosis.rungs import ROLES, Ladder, Settings, rung_of
 from spirob.effects import find_effects
 from spirob.identify.fit import fit
 from tests.identify.known import residual, spirob
@@ -23,7 +23,7 @@ def test_what_was_ranked_in_a_poor_valley_is_ranked_again():
     base = rung_of("fitted parameters", [], poor, residuals)
     told: list[str] = []
     search = climb(
-        residuals, NAMES, [FRICTION, OFFSET], {}, SETTINGS, told.append, Search(base, [base])
+        residuals, NAMES, [FRICTION, OFFSET], {}, SETTINGS, told.append, Ladder(base, [base])
     )
     again = [k for k, line in enumerate(told) if "fitted again" in line]
     screened = [k for k, line in enumerate(told) if "screened" in line]

@@ -4,19 +4,18 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
-from spirob.diagnosis.again import joined
-from spirob.diagnosis.contest import Contestant, in_question
+from spirob.diagnosis.contest import Contestant, in_question, joined
 from spirob.diagnosis.proof import Proof, proved, put_to_proof, sifted, to_prove
 from spirob.diagnosis.proposals import told
-from spirob.diagnosis.rungs import ROLES, Rung, Search, Settings, rung_of, scores_of
+from spirob.diagnosis.rungs import ROLES, Ladder, Rung, Settings, rung_of, scores_of
 from spirob.diagnosis.verdict import AGAIN, Verdict, judge
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement
 from spirob.robot import MOTORS
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 from tests.identify.known import residual, spirob
 
 TRUE = {"backlash.play": 1.5e-3}
@@ -48,7 +47,7 @@ def named(trials, base):
     def search(effect):
         found = fit(trials["train"], ["winch.efficiency", NUMBERS[effect]], {}, 0.05)
         scores, _, errors = scores_of(found, trials)
-        return Search(base, [base, Rung("+ one", [effect], found, scores, errors)])
+        return Ladder(base, [base, Rung("+ one", [effect], found, scores, errors)])
 
     return search
 
@@ -81,7 +80,7 @@ def test_what_is_asked_of_a_motor_was_seen_of_it(named, trials):
 
 
 def test_nothing_is_proved_where_nothing_was_found_or_would_show(base, named, trials):
-    assert to_prove(Search(base, [base]), trials["validate"], SETTINGS) == []
+    assert to_prove(Ladder(base, [base]), trials["validate"], SETTINGS) == []
     loose = replace(SETTINGS, floor=10.0)
     assert to_prove(named(Backlash), trials["validate"], loose) == []
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.document import document, metrics
+from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.noise import noise_floor
 from spirob.diagnosis.rungs import ROLES, Settings
 from spirob.diagnosis.verdict import judge
 from spirob.effects import find_effects

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.diagnosis import situations as module
-from spirob.diagnosis.situations import situations
+from spirob.diagnosis import atlas as module
+from spirob.diagnosis.atlas import situations
 from spirob.robot import Cylinder, Scene
 from tests.identify.known import residual, spirob
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.rungs import Confirmed, Rung, Search, Settings
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
 from spirob.diagnosis.verdict import foretold, judge
 from spirob.effects import find_effects
 from spirob.identify.fit import Fit
@@ -39,7 +39,7 @@ def search(heldout, before=0.010):
     """Found on validation trials, 10 -> 2 mA; on the held-out ones from `before` to `heldout`."""
     base, last = rung([], 0.010, before), rung(EFFECT, 0.002, heldout)
     found = Confirmed(tuple(EFFECT), 0.9, FIT, np.zeros(100), last.errors, last.scores, 1.0)
-    return Search(base, [base, last], [[found]])
+    return Ladder(base, [base, last], [[found]])
 
 
 def test_a_name_that_holds_on_held_out_trials_is_named():

@@ -9,16 +9,15 @@ from hypothesis import strategies as st
 
 from spirob.can_protocol import COMMAND_ID, CanFrame, Feedback, decode_feedback, encode_feedback
 from spirob.drives import Translator, find_drive
-from spirob.drives.drive import Drive
-from spirob.drives.recorded import translated
-from spirob.drives.traffic import require_fast_enough, seconds_a_cycle
-from spirob.drives.volts import (
+from spirob.drives.codec import (
     VOLT_PER_COUNT,
     VOLTAGE_FEEDBACK_ID,
     VOLTAGE_ID,
     decode_volts,
     encode_volts,
 )
+from spirob.drives.drive import Drive, require_fast_enough, seconds_a_cycle
+from spirob.drives.recorded import translated
 from spirob.errors import ConfigError
 from spirob.logs.messages import pack_frame, unpack_frames
 

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.bench import Trial, record
 from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, decode_feedback, encode_command
 from spirob.canbus import CanRobot, open_bus
 from spirob.control.law import Gains
@@ -19,9 +18,10 @@ from spirob.logs import Transmission, read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames
 from spirob.logs.records import read_content
 from spirob.safety import Limits
-from tests.bench.trials import plain_trial
+from spirob.trials import Trial, record
 from tests.canbus.stalls import steady
 from tests.drives.fake_odrives import TORQUE_CONSTANT, FakeODrives
+from tests.trials.trials import plain_trial
 
 DRIVE = find_drive("odrive")
 

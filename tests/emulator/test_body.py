@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from spirob.emulator.anatomy import DENSITY, FILL, THICKNESS, anatomy
+from spirob.emulator.build import DENSITY, FILL, THICKNESS, anatomy
 from spirob.geometry import spiral_arm
 from tests.emulator.conftest import hinge_angles, loosen, play
 

@@ -10,8 +10,7 @@ import pytest
 
 from spirob.can_protocol import encode_command
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
-from spirob.emulator.anatomy import anatomy
-from spirob.emulator.build import BUILDS, ROWS, Build, built
+from spirob.emulator.build import BUILDS, ROWS, Build, anatomy, built
 from spirob.emulator.machine import CYCLE, Machine
 from spirob.emulator.physics.compiled import HINGES, SIDES
 from spirob.emulator.truth import draw
@@ -20,9 +19,9 @@ from spirob.errors import ConfigError
 from spirob.geometry import spiral_arm
 from spirob.logs import read_log
 from spirob.robot import Scene
-from tests.bench.trials import record_on
 from tests.emulator.conftest import hinge_angles, loosen, play
 from tests.emulator.test_body import energy, mass_matrix
+from tests.trials.trials import record_on
 
 ARM = spiral_arm(HINGES)
 SHEET = draw(np.random.default_rng(0))

@@ -6,11 +6,11 @@ import json
 import numpy as np
 import pytest
 
-from spirob.bench import Trial
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.hidden import effects
 from spirob.emulator.machine import Machine
 from spirob.errors import ConfigError
+from spirob.trials import Trial
 from tests.emulator.conftest import hinge_angles, play
 from tests.emulator.visibility import (
     Recorded,

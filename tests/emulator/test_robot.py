@@ -11,7 +11,7 @@ from spirob.emulator.hidden.guide_friction import TYPICAL
 from spirob.errors import ConfigError, HardwareError
 from spirob.logs import read_log
 from spirob.robot import CYCLE_NS, MOTORS, Scene
-from tests.bench.trials import record_on
+from tests.trials.trials import record_on
 
 
 def record(robot, trial, cycles=60, currents=(0.5, 0.1)):

@@ -4,9 +4,9 @@ import can
 import numpy as np
 import pytest
 
-from spirob.drives.volts import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, encode_volts
+from spirob.drives.codec import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, encode_volts
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
-from spirob.emulator.latency import CYCLE, JITTER, MEAN, BusLatency
+from spirob.emulator.machine import CYCLE, JITTER, MEAN, BusLatency
 from spirob.robot import Scene
 
 

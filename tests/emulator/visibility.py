@@ -15,7 +15,6 @@ import numpy as np
 import yaml
 from scipy.signal import butter, sosfiltfilt
 
-from spirob.bench import Trial, guard, play
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -30,8 +29,9 @@ from spirob.control.law import Gains
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.hidden import effects
 from spirob.emulator.machine import Machine
-from spirob.logs.transmission import Transmission
+from spirob.logs.cycles import Transmission
 from spirob.robot import CYCLE_NS
+from spirob.trials import Trial, guard, play
 
 EXPERIMENT = Path(__file__).parents[2] / "conf/experiment/excitation.yaml"
 SHOWN = ("train_fast_left", "train_deep_right")

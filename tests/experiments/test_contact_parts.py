@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 
 from pipeline.contacts import judged
-from spirob.experiments.contact_parts import by_gap, by_motion, by_place, in_parts
-from spirob.experiments.contact_rates import GAPS, MOTIONS, PLACES, SIGNALS, uncurlings
-from spirob.experiments.side import Side
+from spirob.experiments.contact_rates import (
+    GAPS,
+    MOTIONS,
+    PLACES,
+    SIGNALS,
+    by_gap,
+    by_motion,
+    by_place,
+    in_parts,
+    uncurlings,
+)
+from spirob.experiments.experiment import Side
 from spirob.perceive.contact import ContactSettings
 from tests.experiments.test_contact_rates import outcome
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial
 from spirob.experiments.contact_rates import (
     MOTIONS,
     SCALES,
@@ -15,9 +14,9 @@ from spirob.experiments.contact_rates import (
     tuned,
     uncurlings,
 )
-from spirob.experiments.side import Side
-from spirob.perceive.contact import ContactSettings
-from spirob.perceive.contact_levels import levels
+from spirob.experiments.experiment import Side
+from spirob.perceive.contact import ContactSettings, levels
+from spirob.trials import Trial
 
 SAMPLES = 4000
 TIME = np.arange(SAMPLES) * 1e-3

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
 from spirob.errors import ConfigError
 from spirob.experiments import Side
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
 from spirob.experiments.host_periodic import HostPeriodic, highest, mean_line, peak_interval
 from spirob.plant import Plant, Rig
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 
 COUNT = 20 / 16384
 

@@ -8,13 +8,18 @@ from hypothesis import strategies as st
 from spirob.experiments.active_contact import ActiveContact
 from spirob.experiments.current_error import each_in_its_own, rmse
 from spirob.experiments.delay import Delay
-from spirob.experiments.experiment import repeating
+from spirob.experiments.experiment import Side, repeating
 from spirob.experiments.extreme_curl import knee
 from spirob.experiments.hysteresis import Hysteresis, loop_area
-from spirob.experiments.onset import detected, onset
 from spirob.experiments.periodic_contact import PeriodicContact, seen
-from spirob.experiments.response import amplitude, crossing, step_times, strongest_period
-from spirob.experiments.side import Side
+from spirob.experiments.response import (
+    amplitude,
+    crossing,
+    detected,
+    onset,
+    step_times,
+    strongest_period,
+)
 from spirob.experiments.single_contact import SingleContact, rank_agreement, responses, visible
 from spirob.perceive.contact import ContactSettings
 from spirob.trace import moving_average

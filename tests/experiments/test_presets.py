@@ -9,11 +9,11 @@ import yaml
 from pipeline.checks import check
 from pipeline.config import composed
 from pipeline.schema import validated
-from spirob.bench import Trial
 from spirob.errors import ConfigError
 from spirob.experiments import EXPERIMENTS, Side, experiment_from
 from spirob.experiments.experiment import SIDES, repeating
 from spirob.plant.single import Motion
+from spirob.trials import Trial
 
 ROOT = Path(__file__).parents[2]
 CONF = ROOT / "conf" / "experiments" / "settings"

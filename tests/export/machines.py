@@ -14,7 +14,7 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import described
 from spirob.machine.recording import prepare
-from spirob.machine.sizes_of import sizes_of
+from spirob.machine.scaling import sizes_of
 from spirob.machine.standing import heldout, standing
 
 PENDULUM = """

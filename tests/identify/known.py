@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.plant import Plant, Rig
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 
 
 def moves(motor: str, waypoints: list, hold: float) -> dict:

@@ -6,8 +6,8 @@ import pytest
 from spirob.control.host_gains import Winding
 from spirob.errors import DataError
 from spirob.identify.latency import answer, latency
-from spirob.plant.held import held_current
-from spirob.plant.nominal import Motor
+from spirob.plant.motor import held_current
+from spirob.plant.rig import Motor
 
 CYCLE = 1e-3
 MOTOR = Motor()

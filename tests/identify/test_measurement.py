@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.identify.measurement import Measurement
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 from tests.identify.known import TRIALS, spirob
 
 

@@ -24,10 +24,9 @@ from spirob.logs import read_log, read_parquet
 from spirob.logs.foreign import read_mapping
 from spirob.logs.readers import read_table
 from spirob.logs.records import MAGIC, read_bytes
-from spirob.logs.recover import recover
-from spirob.logs.survey import Survey
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
+from spirob.logs.recovery import Survey, recover
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 CHUNK = 60 * 2**20
 CHUNKS = 40

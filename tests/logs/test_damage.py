@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from spirob.errors import DataError, SpirobError
 from spirob.logs import read_log
 from spirob.logs.records import MAGIC
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 DAMAGE = settings(max_examples=150, deadline=None)
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.logs.even_clock import even_clock
+from spirob.logs.stamps import even_clock
 
 
 def off(stamps, true, period):

@@ -18,8 +18,8 @@ from spirob.logs import read_parquet
 from spirob.logs.foreign import read_mapping, trace_from
 from spirob.logs.foreign.mapping import mapping_from
 from spirob.logs.readers import read_table
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 GIGABYTE = 2**30
 FLIPS = st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(1, 255)), max_size=5)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 BESIDE = Path(sys.executable).with_name("rerun")
 RERUN = str(BESIDE) if BESIDE.exists() else shutil.which("rerun")

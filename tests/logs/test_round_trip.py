@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -19,8 +18,9 @@ from spirob.logs.records import read_content
 from spirob.logs.schema import COMMAND_TOPIC, RAW_TOPIC
 from spirob.robot import CYCLE_NS
 from spirob.trace import moving_average
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import plain_trial, record_on
+from spirob.trials import Trial
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import plain_trial, record_on
 
 
 class Recorder(FakeRobot):

@@ -5,8 +5,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from spirob.logs.records import read_content
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 TURNS = 60
 

@@ -7,12 +7,12 @@ import yaml
 
 from spirob.cli.main import main
 from spirob.errors import ConfigError, DataError, EffectError, MissingLog
+from spirob.machine.criteria import Criteria
 from spirob.machine.diagnosis import diagnose
-from spirob.machine.worth import Settings
 from tests.effects.test_declaration import GOOD
 from tests.machine.rigs import description
 
-NONE = Settings(most=0)  # no search
+NONE = Criteria(most=0)  # no search
 
 
 def log(folder, name, seed, size=0.004):

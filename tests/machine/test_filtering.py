@@ -5,12 +5,21 @@ import pytest
 from scipy import signal
 
 from spirob.errors import ConfigError, DataError
-from spirob.machine.filtering import BELOW, PAD, before_thinning, derivative, rates, smooth
-from spirob.machine.motion_noise import acceleration_noise, sensor_noise, usual_cutoff
+from spirob.machine.checks import EDGE
+from spirob.machine.filtering import (
+    BELOW,
+    PAD,
+    acceleration_noise,
+    before_thinning,
+    derivative,
+    rates,
+    sensor_noise,
+    smooth,
+    usual_cutoff,
+)
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.rows import EDGE
-from spirob.machine.sizes_of import sizes_of
+from spirob.machine.scaling import sizes_of
 from tests.machine.rigs import description
 
 

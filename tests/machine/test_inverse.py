@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.periodogram import peaks
+from spirob.diagnosis.orders import peaks
 from spirob.effects import all_effects
 from spirob.machine.candidates import applicable
 from spirob.machine.filtering import rates

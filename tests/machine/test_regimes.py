@@ -7,7 +7,7 @@ from spirob.diagnosis.spectrum import orders
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.sizes_of import sizes_of
+from spirob.machine.scaling import sizes_of
 
 GEAR = 50.0
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from spirob.diagnosis.trees import folds_of
+from spirob.diagnosis.flexible import folds_of
 from spirob.effects import all_effects
 from spirob.identify.fit import fit
+from spirob.machine.flexible import left_out_linear
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare
-from spirob.machine.regression import left_out
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
 from spirob.machine.screening import Screening
@@ -59,7 +59,7 @@ def test_the_error_of_an_offer_is_that_of_its_differences(screening, name):
         columns.append(screening.problem(point) - screening.residual)
     design = np.column_stack([screening.jacobian, *columns])
     free = np.full(design.shape[1], np.inf)
-    left = left_out(design, screening.residual, screening.folds, -free, free)
+    left = left_out_linear(design, screening.residual, screening.folds, -free, free)
     assert np.mean(left**2) == pytest.approx(offer.error, rel=1e-3)
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.open_questions import AT_LOAD
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.sensor_side import AT_LOAD
 from tests.machine.rigs import description
 
 T = np.arange(0.0, 10.0, 2e-3)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.perceive.bootstrap import mean_error, mean_gain
+from spirob.perceive.score import mean_error, mean_gain
 
 TRUE = np.linspace(0.01, 0.07, 200)
 NOISE = np.random.default_rng(0).normal(0, 2e-3, 200)

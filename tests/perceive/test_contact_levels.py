@@ -4,8 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.perceive.contact import ContactDetector, ContactSettings
-from spirob.perceive.contact_levels import declared, levels
+from spirob.perceive.contact import ContactDetector, ContactSettings, declared, levels
 
 RULES = st.builds(
     ContactSettings,

@@ -3,18 +3,17 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial, record
-from spirob.bench.wrap import wrap_trial
 from spirob.control.law import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.errors import ConfigError, DataError
 from spirob.logs import Transmission
 from spirob.logs.reader import read_log
 from spirob.perceive.features import table
-from spirob.perceive.folds import folds
-from spirob.perceive.score import score
+from spirob.perceive.score import folds, score
 from spirob.perceive.size import PREDICTORS, SizeSettings, predict, train
 from spirob.perceive.trust import held_out, unfamiliar, used_features
+from spirob.trials import Trial, record
+from spirob.trials.wrap import wrap_trial
 from tests.perceive.conftest import simulate
 
 

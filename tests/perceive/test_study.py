@@ -4,9 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.perceive.rivals import gaussian_process, rivals
 from spirob.perceive.size import TARGET, predict, train
-from spirob.perceive.study import importance, learning_curve
+from spirob.perceive.study import gaussian_process, importance, learning_curve, rivals
 from spirob.perceive.trust import MOST_FOLDS, held_out, used_features
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from spirob.control.schedule import Schedule
+from spirob.control.law import Schedule
 from spirob.plant import Plant
-from spirob.plant.electrics import current_loop_gains, drive_current
+from spirob.plant.motor import current_loop_gains, drive_current
 from spirob.robot import Scene
 
 DT = 1e-3

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from spirob.control.law import CURRENT, VELOCITY, Gains
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, VELOCITY, Gains, Schedule
 from spirob.plant import Rig
-from spirob.plant.nominal import Winch
+from spirob.plant.rig import Winch
 
 GEARED = Rig()
 DIRECT = Rig(

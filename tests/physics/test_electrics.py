@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from spirob.plant import Plant, Rig
-from spirob.plant.electrics import current_loop_gains, drive_current
-from spirob.plant.nominal import Drive, Motor, Winch
+from spirob.plant.motor import current_loop_gains, drive_current
+from spirob.plant.rig import Drive, Motor, Winch
 from spirob.robot import Scene
 from tests.physics.playing import currents
 

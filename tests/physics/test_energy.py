@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from spirob.plant.nominal import Arm
+from spirob.plant.rig import Arm
 from tests.physics.energy import account
 from tests.physics.playing import RIGS, currents, rising, seconds
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from spirob.plant import Plant
-from spirob.plant.nominal import Motor
+from spirob.plant.rig import Motor
 from spirob.robot import Scene
 from tests.physics.explicit_cycle import STEP, explicit_cycle, tendon_inertia
 from tests.physics.playing import DIRECT, RIGS, currents

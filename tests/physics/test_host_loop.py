@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from spirob.control.host_gains import Winding
 from spirob.control.host_loop import HostLoop, host_voltage
-from spirob.drives.volts import VOLT_PER_COUNT
+from spirob.drives.codec import VOLT_PER_COUNT
 from spirob.plant import Plant, Rig, assemble
-from spirob.plant.held import held_current
-from spirob.plant.nominal import Drive, Motor, Winch
+from spirob.plant.motor import held_current
+from spirob.plant.rig import Drive, Motor, Winch
 from spirob.robot import Scene
 from tests.physics.playing import DIRECT, currents
 

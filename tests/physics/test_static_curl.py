@@ -13,7 +13,7 @@ from scipy import optimize
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant
 from spirob.plant.body import hinge_stiffness, unit_inertia
-from spirob.plant.nominal import Arm, Motor
+from spirob.plant.rig import Arm, Motor
 from spirob.robot import Scene
 from tests.physics.playing import DIRECT, currents, rising, seconds
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spirob.plant import Plant, Response
-from spirob.plant.nominal import Arm
+from spirob.plant.rig import Arm
 from spirob.robot import Cylinder, Scene
 from tests.physics.playing import RIGS, currents, rising, seconds
 

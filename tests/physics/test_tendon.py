@@ -6,7 +6,7 @@ import pytest
 
 from spirob.geometry import spiral_arm
 from spirob.plant.body import build_spec
-from spirob.plant.nominal import Arm
+from spirob.plant.rig import Arm
 from spirob.plant.tendon import guide_length, guides, half_angle, small_angle
 from spirob.robot import MOTORS, Scene
 

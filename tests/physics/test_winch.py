@@ -11,7 +11,7 @@ from spirob.effects.external.constant_force import ConstantForce
 from spirob.experiments.direct_drive import ALUMINIUM, DRUM, DRUM_WIDTH, RADIUS
 from spirob.experiments.host_loop import GainSet
 from spirob.plant import Plant, Rig
-from spirob.plant.winch import demanded_tension, free_rate, one_sided_tensions
+from spirob.plant.motor import demanded_tension, free_rate, one_sided_tensions
 from spirob.robot import Scene, Weights
 from tests.physics.playing import RIGS, currents, rising, seconds
 

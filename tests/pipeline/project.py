@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from spirob.cli.interrupted import discard_torn
+from spirob.cli.interruption import discard_torn
 
 SOURCE = Path(__file__).parents[2]
 SHORT = [

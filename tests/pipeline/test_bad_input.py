@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from pipeline.stage import public_config, run, write_json
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
 from spirob.logs import read_parquet, write_parquet
-from spirob.machine import own_effects
+from spirob.machine import loading
 from spirob.plant import Plant, Rig
 from spirob.trace import Trace
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 from tests.effects.test_declaration import GOOD
 from tests.pipeline.project import SHORT, SOURCE
 
@@ -109,7 +109,7 @@ def test_a_bad_configuration(project, override, said):
     ],
 )
 def test_a_file_of_an_effect_that_fails_is_a_sentence(project, monkeypatch, key, text, said):
-    monkeypatch.setattr(own_effects, "LONGEST", 3.0)
+    monkeypatch.setattr(loading, "LONGEST", 3.0)
     robot = ["robot=simulated"] if key == "robot.effects" else []
     (project.root / "own.py").write_text(text)
     project.override([*SHORT, *robot, f"{key}=[own.py]"])

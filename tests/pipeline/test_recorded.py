@@ -10,9 +10,9 @@ from pipeline.schema import validated
 from pipeline.stage import read_yaml
 from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import HardwareError
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
 from tests.pipeline.project import Project
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 OVERRIDES = ["experiment=short", "perceive=short", "robot=can"]
 IDENTITY = ("-c", "user.name=tester", "-c", "user.email=tester@localhost")

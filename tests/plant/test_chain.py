@@ -8,13 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.control.law import CURRENT
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, Schedule
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
 from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_factor, chain_of, chain_solve, chain_step, is_free
-from spirob.plant.outline import outlines
+from spirob.plant.objects import outlines
 from spirob.robot import Ball, Cylinder, Scene
 
 RIG = Rig()

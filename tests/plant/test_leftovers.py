@@ -8,7 +8,7 @@ import numpy as np
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
 from spirob.plant.body import build_spec
-from spirob.plant.nominal import Arm
+from spirob.plant.rig import Arm
 from spirob.robot import Scene
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, Schedule
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError

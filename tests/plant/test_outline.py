@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, Schedule
 from spirob.effects import find_effects
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
 from spirob.plant.chain import SKIPPED
-from spirob.plant.outline import bow
+from spirob.plant.objects import bow
 from spirob.robot import Cylinder, Scene
 from tests.physics.playing import winding
 

@@ -4,14 +4,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, VELOCITY
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
-from spirob.plant.body import build_spec
-from spirob.plant.nominal import Arm
-from spirob.plant.weight import hinge_weights
+from spirob.plant.body import build_spec, hinge_weights
+from spirob.plant.rig import Arm
 from spirob.robot import Scene
 
 LIBRARY = all_effects()

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT
-from spirob.control.schedule import Schedule
+from spirob.control.law import CURRENT, Schedule
 from spirob.effects import find_effects
 from spirob.plant import Plant, Rig
-from spirob.plant.weight import hinge_weights
+from spirob.plant.body import hinge_weights
 from spirob.robot import Scene
 
 RIG = Rig()

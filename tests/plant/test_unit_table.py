@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from spirob.errors import ConfigError, SpirobError
 from spirob.geometry import Drawing, spiral_arm
 from spirob.plant import Plant, Rig
-from spirob.plant.holes import room, stroke
-from spirob.plant.tendon import guides, shortenings
+from spirob.plant.tendon import guides, room, shortenings, stroke
 from spirob.robot import Scene
 from spirob.unit_table import COLUMNS, Measured, with_table
 from tests.physics.playing import currents

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from spirob.report.arm import apart, payload
-from spirob.report.packing import unpack
+from spirob.report.embed import unpack
 
 
 def motion(hinges, angle, rate=30.0, trial="a"):

@@ -6,7 +6,7 @@ import pytest
 
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.report import load
-from spirob.report.sources import SOURCES
+from spirob.report.data import SOURCES
 
 REQUIRED = [name for name, source in SOURCES.items() if source.why is None]
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from spirob.report.ladder_figure import ladder
-from spirob.report.rung_table import ceiling_sentence, rows
+from spirob.report.ladder import ceiling_sentence, ladder, rows
 from spirob.report.sections import discover
 
 (LADDER,) = [s for s in discover() if s.name == "ladder"]

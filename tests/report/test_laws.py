@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 from spirob.effects import all_effects
-from spirob.report.law_figures import medians
-from spirob.report.laws import LOAD, PLACE, SPEED, TIME, Law, against, law
+from spirob.report.laws import LOAD, PLACE, SPEED, TIME, Law, against, law, medians
 from spirob.report.sections.laws import Laws, rivals, sentence
 
 TIME_S = np.arange(0, 4, 0.01)

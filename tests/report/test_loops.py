@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.canbus.lateness import Lateness
+from spirob.canbus.deadlines import Lateness
 from spirob.logs import write_parquet
 from spirob.report.loops import read_loops
 from spirob.report.sections.loop import Loop

@@ -3,8 +3,7 @@
 import re
 
 from spirob.report import build, render
-from spirob.report.embed import json_script
-from spirob.report.plotly_script import plotly_script
+from spirob.report.embed import json_script, plotly_script
 
 LARGEST = 8_000_000  # bytes
 

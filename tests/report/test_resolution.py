@@ -2,8 +2,8 @@
 
 import pytest
 
-from spirob.report.resolution import null_space, pairs, spoken
 from spirob.report.sections.parameters import correlation
+from spirob.report.words import null_space, pairs, spoken
 
 NAMES = ["winch.efficiency", "motor.rotor_damping", "motor.rotor_inertia", "arm.base_stiffness"]
 

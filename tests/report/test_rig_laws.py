@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.report.law_figures import against_itself, over_signal
+from spirob.report.laws import against_itself, over_signal
 from spirob.report.rig.laws import RigLaws, law_of
 
 SPEED = np.linspace(-0.1, 0.1, 400)

@@ -6,8 +6,8 @@ from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, Feedback, decode_comman
 from spirob.canbus import CanRobot, open_bus
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.robot import Scene
-from tests.bench.fake_robot import FakeRobot
 from tests.drives.served import Served
+from tests.trials.fake_robot import FakeRobot
 
 
 class Answers(Served):

@@ -11,9 +11,9 @@ from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, encode_command
 from spirob.errors import ConfigError, HardwareError
 from spirob.robot import CYCLE_NS, Scene
 from spirob.safety import GuardedRobot, Limits, Stopped
-from tests.bench.fake_robot import FakeRobot
 from tests.canbus.stalls import steady
 from tests.safety.paths import PATHS
+from tests.trials.fake_robot import FakeRobot
 
 COMMANDS = st.lists(st.binary(min_size=8, max_size=8), min_size=1, max_size=25)
 OPEN = {"travel": 10.0, "speed": 100.0, "temperature": 150.0, "silence": 1.0}

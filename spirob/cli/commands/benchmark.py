@@ -21,7 +21,7 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from spirob.benchmark.__main__ import MEASURES
-    from spirob.benchmark.turns import TINY, Size
+    from spirob.benchmark.timing import TINY, Size
     from spirob.cli.progress import Progress
     from spirob.errors import ConfigError
     from spirob.logs.atomic import write_text

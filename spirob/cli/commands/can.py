@@ -39,7 +39,7 @@ def _scan(arguments: argparse.Namespace) -> int:
     import can
 
     from spirob.canbus import open_bus
-    from spirob.canbus.listening import listen
+    from spirob.canbus.bus import listen
     from spirob.drives import find_drive
 
     if arguments.interface is None:
@@ -70,7 +70,7 @@ def _check(arguments: argparse.Namespace) -> int:
     from spirob.canbus import CanRobot, open_bus
     from spirob.canbus.checking import check
     from spirob.drives import find_drive
-    from spirob.drives.traffic import require_fast_enough
+    from spirob.drives.drive import require_fast_enough
     from spirob.errors import ConfigError
 
     if arguments.interface is None:

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Diagnose and write."""
     from pathlib import Path
 
-    from spirob.cli.search_progress import SearchProgress
+    from spirob.cli.progress import SearchProgress
     from spirob.given_file import named
     from spirob.machine.diagnosis import diagnose
 

@@ -102,7 +102,7 @@ def _check(arguments: argparse.Namespace) -> int:
 def _found(name: str) -> "list[type[Effect]]":
     """The effect of this name, or in this file, which is tried in a process apart before."""
     from spirob.effects import find_effects
-    from spirob.machine.own_effects import tried
+    from spirob.machine.loading import tried
 
     if name.endswith(".py"):
         tried(name, kernel=False)

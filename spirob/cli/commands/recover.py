@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Recover and say what came back."""
-    from spirob.logs.recover import recover
+    from spirob.logs.recovery import recover
 
     done = recover(arguments.file, arguments.out)
     for note in done.notes:

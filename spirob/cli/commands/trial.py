@@ -78,12 +78,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Play the cases and print the rates."""
     import json
 
+    from spirob.campaign.arm.rates import rates
+    from spirob.campaign.arm.running import cases, known, left, play
     from spirob.cli.progress import Progress
     from spirob.emulator.build import require_build
     from spirob.errors import ConfigError
     from spirob.logs.atomic import write_text
-    from spirob.trial.campaign import cases, known, left, play
-    from spirob.trial.rates import rates
 
     seeds = _seeds(arguments.seeds)
     if arguments.out and arguments.out.is_dir():
@@ -160,8 +160,8 @@ def _ratios(text: str) -> tuple[float, float]:
 
 
 def _kinds(chosen: list[str]) -> list[str]:
+    from spirob.campaign.arm.strength import VISIBLE
     from spirob.errors import ConfigError
-    from spirob.trial.strength import VISIBLE
 
     for kind in chosen:
         for part in kind.split("+"):

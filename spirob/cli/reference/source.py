@@ -1,4 +1,4 @@
-"""Public names of the package, read from its source without importing it: nothing is executed."""
+"""Public names of the package, read from its source without importing it, as Markdown."""
 
 import ast
 from collections.abc import Iterator
@@ -75,3 +75,19 @@ def _class_line(node: ast.ClassDef) -> str:
         if isinstance(child, ast.AnnAssign) and not ast.unparse(child.target).startswith("_"):
             lines.append(f"    {ast.unparse(child)}")
     return "\n".join(lines)
+
+
+def page(module: Module) -> str:
+    """One module; members that say nothing of themselves are what their base class says."""
+    parts = [f"# {module.name}", module.text]
+    for member in module.members:
+        parts += _member_lines(member, depth=2)
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _member_lines(member: Member, depth: int) -> list[str]:
+    parts = [f"{'#' * depth} {member.name}", f"```python\n{member.signature}\n```", member.text]
+    for inner in member.members:
+        if inner.text:
+            parts += _member_lines(inner, depth + 1)
+    return parts

@@ -1,9 +1,8 @@
 """Measurements from elsewhere, brought into a `Trace` by a mapping file.
 
-mapping.py    what the mapping file may hold
-clock.py      stamps that do not increase: repaired only where that is certain, and said
-agreement.py  units that cannot be right
-trace.py      a table, as `spirob.logs.readers` reads it, and a mapping to a trace
+mapping.py  what the mapping file may hold; units that cannot be right
+trace.py    stamps that do not increase: repaired only where that is certain, and said; a table, as
+            `spirob.logs.readers` reads it, and a mapping to a trace
 """
 
 from spirob.logs.foreign.mapping import Mapping, read_mapping

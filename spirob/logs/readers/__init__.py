@@ -12,7 +12,7 @@ One file for each kind of log; a new file here is a new kind, no list names it:
 
 columns/   what all of them share: the table, and any column or array to numbers
 topics/    what logs of messages share: fields, decoders, one time for several topics
-apart.py   a process of its own, with bounded time and memory
+isolation.py  a process of its own, with bounded time and memory
 """
 
 import importlib
@@ -23,9 +23,8 @@ from pathlib import Path
 from types import ModuleType
 
 from spirob.errors import DataError, MissingLog
-from spirob.logs.readers.apart import apart
-from spirob.logs.readers.columns.finishing import finished
-from spirob.logs.readers.columns.table import Asked, Table, printable
+from spirob.logs.readers.columns.table import Asked, Table, finished, printable
+from spirob.logs.readers.isolation import apart
 
 SMALL = 2**22  # bytes of a plain file that is read here
 HEAD = 512  # bytes in which a file shows its kind

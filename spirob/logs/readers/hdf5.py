@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spirob.logs.readers.columns.arrays import spread
-from spirob.logs.readers.columns.table import Asked, Table
+from spirob.logs.readers.columns.table import Asked, Table, spread
 
 if TYPE_CHECKING:
     import h5py

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns.arrays import spread
-from spirob.logs.readers.columns.table import Asked, Table, printable
+from spirob.logs.readers.columns.table import Asked, Table, printable, spread
 
 KIND = "JSON file"
 SUFFIXES = {".json", ".jsonl", ".ndjson"}

@@ -12,8 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from spirob.logs.readers.columns.arrays import spread
-from spirob.logs.readers.columns.table import Asked, Table
+from spirob.logs.readers.columns.table import Asked, Table, spread
 from spirob.logs.readers.hdf5 import read_matlab
 
 KIND = "MATLAB file"

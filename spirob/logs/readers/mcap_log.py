@@ -37,7 +37,7 @@ class McapLog:
     def __init__(self, asked: Asked) -> None:
         from spirob.errors import DataError
         from spirob.logs.records import MAGIC
-        from spirob.logs.survey import Survey
+        from spirob.logs.recovery import Survey
 
         with asked.path.open("rb") as file:
             begins = file.read(len(MAGIC)) == MAGIC

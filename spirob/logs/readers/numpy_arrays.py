@@ -5,8 +5,7 @@ from typing import IO
 
 import numpy as np
 
-from spirob.logs.readers.columns.arrays import spread
-from spirob.logs.readers.columns.table import Asked, Table
+from spirob.logs.readers.columns.table import Asked, Table, spread
 
 KIND = "NumPy file"
 SUFFIXES = {".npz", ".npy"}

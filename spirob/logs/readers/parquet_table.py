@@ -22,7 +22,7 @@ def read(asked: Asked) -> Table:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    from spirob.logs.bounds import check_columns
+    from spirob.logs.parquet import check_columns
 
     pa.set_memory_pool(pa.system_memory_pool())  # others reserve more than they use
     table = Table(asked.name)
@@ -56,8 +56,8 @@ def _take(table: Table, name: str, column: "pa.ChunkedArray") -> None:
     import pyarrow as pa
     import pyarrow.compute as pc
 
-    from spirob.logs.readers.columns.arrays import spread
     from spirob.logs.readers.columns.sorting import add
+    from spirob.logs.readers.columns.table import spread
 
     kind = column.type
     if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):

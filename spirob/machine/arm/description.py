@@ -1,20 +1,135 @@
-"""The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`."""
+"""The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`.
+
+What holds the model to a measured motion, beside the measured current.
+
+    i = i_measured + K_v (v_measured - v + K_x (x_measured - x))
+
+The second part is zero where the model is right: the measured current moves it as the machine was
+moved.  Where it is wrong, it is the current by which the model errs, behind a low-pass of the
+bandwidth ω = K_v n/m, with n newton an ampere and m kilograms at the drum.
+
+There is no integral.  The law takes i_measured as an error of the speed, i/K_v, and an integral
+would add it up; it then rings, and fits with numbers that make up for it left twenty times as much.
+"""
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from spirob.control.law import Gains
 from spirob.given_number import Size
-from spirob.identify.numbers import FITTED
-from spirob.machine.arm.compared import ArmFilter, ArmRows
-from spirob.machine.arm.following import following
-from spirob.machine.arm.motors import MotorColumns
-from spirob.machine.rig import TIME_UNITS, Bounded, Column, Effects, Entry
+from spirob.identify.problem import FITTED
+from spirob.identify.residual import Filter
+from spirob.machine.rig import (
+    ANGLES,
+    EFFORTS,
+    LENGTHS,
+    TIME_UNITS,
+    Bounded,
+    Column,
+    Effects,
+    Entry,
+    Rows,
+)
 from spirob.plant import Rig
-from spirob.plant.nominal import COMPONENTS
+from spirob.plant.rig import COMPONENTS
 from spirob.unit_table import with_table
+
+
+class CurrentColumn(Column):
+    """A motor's current.
+
+    limit  size at which its drive saturates, in `unit`; rows beyond 98 % of it are left out
+    """
+
+    limit: float | None = Field(default=None, gt=0)
+
+
+class MotorColumns(Entry):
+    """A motor of the arm: how far it has wound in, and its current.
+
+    position  angle of the rotor, or length wound in;  effort  current, which pulls where positive
+    command   the current that its drive was asked for; may be absent
+    """
+
+    position: Column
+    effort: CurrentColumn
+    command: Column | None = None
+
+    @model_validator(mode="after")
+    def _units(self) -> "MotorColumns":
+        if self.position.unit not in LENGTHS | ANGLES:
+            known = ", ".join(LENGTHS | ANGLES)
+            raise ValueError(f"position.unit '{self.position.unit}'; known: {known}")
+        for name, column in (("effort", self.effort), ("command", self.command)):
+            if column is not None and column.unit not in EFFORTS["current"]:
+                known = ", ".join(EFFORTS["current"])
+                raise ValueError(f"{name}.unit '{column.unit}' is no current; known: {known}")
+        return self
+
+    def metres(self, machine: Rig) -> float:
+        """Length wound in for one unit of position [m]."""
+        unit = self.position.unit
+        if unit in LENGTHS:
+            return LENGTHS[unit]
+        return ANGLES[unit] * machine.winch.radius / machine.winch.gear_ratio
+
+    def amperes(self, column: Column) -> float:
+        """Current for one unit of `effort` or `command` [A]."""
+        return EFFORTS["current"][column.unit]
+
+
+class ArmFilter(Entry):
+    """The zero-phase low-pass that both sides of the residual pass, and the motion to follow.
+
+    cutoff    [Hz]; above it a coarse encoder's steps or another controller's ringing are left out
+    decimate  every n-th cycle of the model, 1 ms each, is compared
+    drop      cycles left out at both ends of a log, where the filter has no neighbours
+    """
+
+    cutoff: float = Field(default=30.0, ge=5.0, le=200.0)
+    decimate: int = Field(default=Filter.every, ge=1)
+    drop: int = Field(default=0, ge=0)
+
+    @model_validator(mode="after")
+    def _often_enough(self) -> "ArmFilter":
+        most = int(0.5e3 / self.cutoff)
+        if "decimate" in self.model_fields_set and self.decimate > most:
+            raise ValueError(
+                f"decimate: {self.decimate} cycles of 1 ms are too far apart for a cutoff of "
+                f"{self.cutoff:g} Hz; {most} at most"
+            )
+        return self
+
+
+class ArmRows(Rows):
+    """Rows that are left out of what is compared; a log is played whole.
+
+    minimum_speed, maximum_speed  of the motor that does the work, in its unit of position a second
+    standstill  "keep", other than for an axis: the arm's stiffness, and what creeps or winds up,
+                show in holds, and a dry friction of the model remembers where it came from
+    """
+
+    standstill: Literal["drop", "keep"] = "keep"
+
+
+# As fast as the controller of the machine's own trials, from which the sizes of effects are known.
+# Two rotors swing on their tendons at 33 rad/s, with hardly a loss; a stiff follower leaves that to
+# them, and the model's error rings on.
+BANDWIDTH = 30.0  # rad/s
+SLOWER = 0.25  # of the bandwidth: position is corrected without a swing
+
+
+def following(rig: Rig) -> Gains:
+    """The gains for the rig's nominal numbers."""
+    winch, motor = rig.winch, rig.motor
+    turning = motor.rotor_inertia * winch.gear_ratio**2 + winch.drum_inertia
+    mass = turning / winch.radius**2
+    newton = winch.efficiency * winch.gear_ratio * motor.torque_constant / winch.radius
+    return Gains(velocity=BANDWIDTH * mass / newton, integral=0.0, displacement=SLOWER * BANDWIDTH)
+
 
 PARTS = {component.owner for component in COMPONENTS}
 PLACELESS = {  # keys of other rigs -> why the arm has none

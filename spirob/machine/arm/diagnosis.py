@@ -1,33 +1,36 @@
-"""The arm's own search (`spirob.diagnosis`) on logs from elsewhere, as the document of a rig."""
+"""The arm's own search (`spirob.diagnosis`) on logs from elsewhere, with document and page."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import pandas as pd
+
 from spirob.diagnosis.document import document
+from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import begun, climb
-from spirob.diagnosis.noise import noise_floor
-from spirob.diagnosis.rungs import Search, Settings
+from spirob.diagnosis.rungs import Ladder, Settings
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
 from spirob.identify.fit import STEPS
 from spirob.identify.measurement import Measurement
+from spirob.identify.plausibility import SENSE, SUSPECTS, explained
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
-from spirob.identify.sense import SENSE, SUSPECTS, explained
 from spirob.logs.readers import Table
-from spirob.machine.arm.blocks import block
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
+from spirob.machine.arm.preparation import of_design, settled
 from spirob.machine.arm.replay import arm_trial
-from spirob.machine.arm.roles import roles
-from spirob.machine.arm.settled import of_design, settled
+from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.arm.tolerated import TOLERANCES
-from spirob.machine.own_effects import chosen
+from spirob.machine.loading import chosen
+from spirob.parameter import Table as Parameters
 from spirob.plant import Plant
+from spirob.robot import MOTORS
 
 SENSELESS = "No verdict: the data or the model do not fit together."
 
@@ -57,7 +60,7 @@ def searched(
     candidates: Sequence[type[Effect]] | None = None,
     own: Sequence[type[Effect]] | None = None,
     said: list[str] | None = None,
-) -> tuple[Search, dict[str, Residual]]:
+) -> tuple[Ladder, dict[str, Residual]]:
     """The search on these trials; candidates are those of the library where none are given.
 
     own   the effects that the model holds, where they are found already
@@ -103,7 +106,7 @@ def _unseen(rig: ArmFile) -> dict[str, str]:
 
 def written(
     rig: ArmFile,
-    search: Search,
+    search: Ladder,
     residuals: Mapping[str, Residual],
     settings: Settings,
     said: list[str],
@@ -139,7 +142,7 @@ def written(
 
 
 def _standing(
-    rig: ArmFile, search: Search, residuals: Mapping[str, Residual], named: bool
+    rig: ArmFile, search: Ladder, residuals: Mapping[str, Residual], named: bool
 ) -> dict[str, Any]:
     """The model that stands, as another program needs it; see `spirob.machine.standing`."""
     last, plant = search.rungs[-1 if named else 0], residuals["train"].plant
@@ -173,7 +176,7 @@ def _senseless(r2: float) -> dict[str, Any]:
     }
 
 
-def _strangers(search: Search, residuals: Mapping[str, Residual]) -> list[str]:
+def _strangers(search: Ladder, residuals: Mapping[str, Residual]) -> list[str]:
     """A sentence for each log whose currents do not follow from its motion."""
     base = search.rungs[0].fit
     return [
@@ -197,7 +200,7 @@ def _tested(rung: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _contested(verdict: Verdict, search: Search, kind: str) -> list[dict[str, Any]]:
+def _contested(verdict: Verdict, search: Ladder, kind: str) -> list[dict[str, Any]]:
     """The effects between which an undecided verdict could not choose."""
     if kind != "undecided":
         return []
@@ -215,8 +218,51 @@ def _contested(verdict: Verdict, search: Search, kind: str) -> list[dict[str, An
     ]
 
 
-def _numbers(search: Search) -> dict[str, Any]:
+def _numbers(search: Ladder) -> dict[str, Any]:
     return {
         name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
         for name, e in search.rungs[-1].fit.estimates.items()
+    }
+
+
+PAGE_ROLES = {"heldout": "test", "train": "train"}
+
+
+def overlay(search: Ladder, residuals: Mapping[str, Residual], named: bool) -> pd.DataFrame:
+    """Current of each working motor, measured and modelled: bare, and with the named effects."""
+    models = {"base": search.rungs[0], "named": search.rungs[-1 if named else 0]}
+    parts = []
+    for role, shown in PAGE_ROLES.items():
+        residual = residuals[role]
+        for k, trial in enumerate(residual.trials):
+            found = {n: residual.respond(rung.fit.changes, k) for n, rung in models.items()}
+            for m in residual.driven(trial):
+                columns: dict[str, Any] = {"trial": trial.name, "role": shown}
+                columns["time"] = trial.seconds[residual.cycles(trial)]
+                columns["position"] = residual.thin(trial.displacement[:, m], trial)
+                columns["measured"] = residual.thin(trial.current[:, m], trial)
+                columns |= {n: residual.thin(r.current[:, m], trial) for n, r in found.items()}
+                parts.append(pd.DataFrame(columns).assign(motor=MOTORS[m]))
+    return pd.concat(parts, ignore_index=True)
+
+
+def parameters(search: Ladder, table: Parameters) -> dict[str, Any]:
+    """Fitted numbers of the bare model."""
+
+    def reach(name: str) -> tuple[float, float]:
+        return table.about[name].reach(float(table.values[table.position(name)]))
+
+    return {
+        name: {
+            "value": e.value,
+            "low": e.low,
+            "high": e.high,
+            "unit": e.unit,
+            "nominal": table.about[name].nominal,
+            "bound_low": reach(name)[0],
+            "bound_high": reach(name)[1],
+            "at_bound": e.at_bound,
+            "meaning": table.about[name].meaning,
+        }
+        for name, e in search.rungs[0].fit.estimates.items()
     }

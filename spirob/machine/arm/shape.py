@@ -3,24 +3,56 @@
 An arm whose hinges snap has a cost with many valleys, most of them as deep as each other, in which
 a fit ends where it began.  The length that the other motor winds in has wide ones: how much both
 tendons together are shortened by a bend follows from where their holes are.  So the numbers of
-`SHAPE` are searched for (`evolve`) with that length weighed heavily, while those of the motors, on
+`SHAPE` are searched for (`shape`) with that length weighed heavily, while those of the motors, on
 which the current depends nearly linearly, are put right in each draw by one step with derivatives
 at a first fit.
+
+The lowest valley of a cost over a few bounded numbers, where slopes lead nowhere.
+
+Points spread evenly, then generations of children of the best: one parent, moved by the difference
+of two others and by noise that shrinks from generation to generation.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import qmc
 
 from spirob.errors import SimulationError
-from spirob.identify.descent import linear_step, robust_cost
-from spirob.identify.differences import slopes_ahead
+from spirob.identify.coarse import near
+from spirob.identify.descent import linear_step, robust_cost, slopes_ahead
 from spirob.identify.fit import STEPS, Fit
-from spirob.identify.near import near
 from spirob.identify.residual import Residual
 from spirob.identify.scaling import STRENGTH, Scaling
-from spirob.machine.arm.evolve import evolved
+
+FIRST, CHILDREN, GENERATIONS, PARENTS = 128, 48, 6, 8
+DIFFERENCE = 0.6  # of two parents, added to a third
+NOISE, SHRINKS = 0.075, 1.6  # share of the range in the first generation, and by what it falls
+
+
+def evolved(
+    cost: Callable[[np.ndarray], float], dimensions: int, progress: Callable[[str], None]
+) -> np.ndarray:
+    """The best of some four hundred points in the unit cube, (dimensions,); the same each time.
+
+    cost  of a point; infinite where it cannot be told
+    """
+    rng = np.random.default_rng(0)
+    points = list(qmc.Sobol(dimensions, rng=0).random(FIRST))
+    costs = [cost(point) for point in points]
+    for generation in range(GENERATIONS):
+        best = [points[k] for k in np.argsort(costs, kind="stable")[:PARENTS]]
+        progress(f"search for the arm's shape: {generation} of {GENERATIONS} generations")
+        noise = NOISE / SHRINKS**generation
+        for _ in range(CHILDREN):
+            first = best[min(rng.integers(PARENTS, size=2))]  # rather a good one
+            second, third = (best[k] for k in rng.integers(PARENTS, size=2))
+            moved = first + DIFFERENCE * (second - third)
+            points.append(np.clip(moved + noise * rng.standard_normal(dimensions), 0.0, 1.0))
+            costs.append(cost(points[-1]))
+    return points[int(np.argmin(costs))]
+
 
 # What is drawn, and between what, None for the arm's own bounds; of the stiffness a factor on what
 # the first fit has

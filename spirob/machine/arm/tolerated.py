@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spirob.identify.differences import slopes_ahead
+from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import STEPS
 from spirob.identify.problem import Problem
 from spirob.identify.scaling import Scaling

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from spirob.effects import Effect, load_file
-from spirob.identify.differences import slopes_ahead
+from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import block_covariance
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.greedy import compose
@@ -23,8 +23,8 @@ from spirob.machine.composed.words import formula, told
 from spirob.machine.composed.writing import written
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP, Model, Models
+from spirob.machine.page_tables import laws
 from spirob.machine.search import Found, Search
-from spirob.machine.shown import laws
 
 NAME = "law"
 SURE = 1.96  # deviations of a 95 % interval

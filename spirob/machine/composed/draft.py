@@ -1,7 +1,7 @@
 """Drafts of a law beside a fitted model: terms with factors, to first order in the fitted numbers.
 
 Each fold is predicted from the others and the held-out trials from all, as everywhere in the search
-(`regression`); a draft is judged by the same questions as an effect (`worth`).
+(`flexible`); a draft is judged by the same questions as an effect (`criteria`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,13 +11,13 @@ from itertools import pairwise
 import numpy as np
 
 from spirob.diagnosis.evidence import block_errors
-from spirob.identify.differences import slopes_ahead
+from spirob.identify.descent import slopes_ahead
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.term import Term
 from spirob.machine.composed.track import Ranges, Track, ranges_of
+from spirob.machine.flexible import error, left_out_linear, products, step
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP
-from spirob.machine.regression import error, left_out, products, step
 from spirob.machine.search import Search
 
 TINY = 1e-9  # of a coordinate: room that a bound leaves at least
@@ -125,7 +125,7 @@ class Drafts:
         columns = [self.columns(term) for term in terms]
         whole = np.hstack([base, *columns])
         bounds = self.bounds(whole.shape[1])
-        left = left_out(whole, residual, self.folds, *bounds)
+        left = left_out_linear(whole, residual, self.folds, *bounds)
         moved = step(products(whole, residual, self.folds), *bounds)
         held = [self._shown(self.search.heldout, self._held, term) for term in terms]
         after = self.point.heldout + np.hstack([self.point.slopes, *held]) @ moved

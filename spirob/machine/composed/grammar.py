@@ -8,7 +8,7 @@ start from a grid; those of waves where the residual's spectrum has peaks.
 
 import numpy as np
 
-from spirob.diagnosis.periodogram import peaks
+from spirob.diagnosis.orders import peaks
 from spirob.machine.composed.term import KNOTS, Shape, Term
 from spirob.machine.composed.track import Ranges
 

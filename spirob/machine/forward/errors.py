@@ -1,12 +1,13 @@
-"""How far a predicted motion is from the measured one: position and speed, with intervals."""
+"""How far a predicted motion is from the measured one, over stretches from a measured state."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.motion import Motion
-from spirob.score_interval import score_interval
+from spirob.score import score_interval
 
 ROWS = {"position": "q", "speed": "v"}  # of a prediction -> of the motion
 
@@ -52,3 +53,29 @@ def numbered(segments: np.ndarray, count: int) -> np.ndarray:
     for k, (_, first, last) in enumerate(segments):
         found[first:last] = k
     return found
+
+
+WINDOW = 0.5  # s, of a short horizon that starts again from the measured motion
+
+
+def horizons(problem: InverseProblem, length: float) -> np.ndarray:
+    """Row where its piece begins, first row and the one behind the last of each horizon, (s, 3).
+
+    length  of a horizon [s];  infinite: one for each piece
+
+    Horizons lie end to end from the first to the last row of a piece that is compared, so over what
+    is left out in between (a hold, a saturated drive) as well: the axis moved there, too.
+    """
+    found = []
+    motion, k = problem.asked.motion, 0
+    for recording in problem.recordings:
+        for piece in recording.pieces:
+            begin, used = int(motion.starts[k]), np.flatnonzero(piece.use)
+            k += 1
+            if len(used) < 2:
+                continue
+            first, end = begin + int(used[0]), begin + int(used[-1]) + 1
+            rows = max(2, int(min(np.round(length / recording.period), end - first)))
+            # a last row alone would be compared with itself
+            found += [(begin, r, min(end, r + rows)) for r in range(first, end - 1, rows)]
+    return np.array(found, dtype=int).reshape(-1, 3)

@@ -2,7 +2,7 @@
 
 The tendon stands soon; the current goes on rising to the limit of its command, and sizes are read
 at shares of that rise.  So the wrap is over when the tendon stands and the current is steady.  What
-was taken in is then read as a log would be (`perceive.reading`), so the same sentences tell why a
+was taken in is then read as a log would be (`perceive.wrap`), so the same sentences tell why a
 motion was no wrap.
 """
 
@@ -11,8 +11,8 @@ from collections import deque
 import numpy as np
 
 from spirob.perceive.live.grid import Sample
-from spirob.perceive.reading import LEAST_STROKE, STILL_MOVING
 from spirob.perceive.spectral import SECONDS
+from spirob.perceive.wrap import LEAST_STROKE, STILL_MOVING
 from spirob.robot import CYCLE_NS
 from spirob.trace import Trace
 
@@ -21,7 +21,7 @@ STANDS = 500  # samples
 STEADY = 300  # samples, whose mean current is compared with that of as many before
 SAME = 0.01  # of the current
 LEAST = BEFORE + round(SECONDS * 1e9 / CYCLE_NS)  # samples: spectra have a window of their own
-LONGEST = 60_000  # samples
+LONGEST_WRAP = 60_000  # samples
 SIGNALS = {"displacement": "m", "velocity": "m/s", "current": "A"}
 
 
@@ -70,7 +70,7 @@ class LiveWrap:
 
     def _over(self) -> bool:
         count = len(self._samples)
-        if count >= LONGEST:
+        if count >= LONGEST_WRAP:
             return True
         # steadiness is looked at now and then only, for it costs more than the rest
         if self._standing < STANDS or count < LEAST or count % 20:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from spirob.can_protocol import FEEDBACK_ID, CanFrame
 from spirob.errors import DataError
-from spirob.logs.transmission import Transmission
+from spirob.logs.cycles import Transmission
 from spirob.perceive.contact import ContactDetector, ContactSettings
 from spirob.perceive.features import extract
 from spirob.perceive.interval import CONFIDENCE, Estimate, estimate

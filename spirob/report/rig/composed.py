@@ -5,13 +5,13 @@ from typing import Any
 import pandas as pd
 import plotly.graph_objects as go
 
-from spirob.report import law_figures
+from spirob.report import laws
 from spirob.report.data import ReportData
+from spirob.report.embed import stride
 from spirob.report.figures import Plot
 from spirob.report.laws import Against, Law
-from spirob.report.numbers import number
-from spirob.report.packing import stride
 from spirob.report.sections.section import Section
+from spirob.report.words import number
 
 ABSENT = (
     "No law was composed: nothing that counts is left of these logs, or none of a few terms takes "
@@ -64,8 +64,8 @@ def drawn(rows: pd.DataFrame, column: str, diagnosis: dict[str, Any]) -> go.Figu
     }
     x, shown, law, band = (rows[c].to_numpy(float) for c in (column, "shown", "law", "band"))
     against = Against(column, titles[column])
-    figure = law_figures.over_signal(Law(against, x, shown, law, diagnosis["effort"], unit, 1.0))
-    bars = [float(f"{b:.3g}") for b in band[:: stride(len(x), law_figures.MOST)]]
+    figure = laws.over_signal(Law(against, x, shown, law, diagnosis["effort"], unit, 1.0))
+    bars = [float(f"{b:.3g}") for b in band[:: stride(len(x), laws.MOST)]]
     figure.update_traces(
         error_y={"type": "data", "array": bars, "thickness": 1, "width": 0},
         selector={"name": "fitted law"},

@@ -3,7 +3,7 @@
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.ladder_figure import ladder_plot
+from spirob.report.ladder import ladder_plot
 from spirob.report.sections.section import Section
 from spirob.report.sections.verdict import KINDS, gain_sentence
 

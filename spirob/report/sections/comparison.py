@@ -6,9 +6,9 @@ from spirob.report import overlay
 from spirob.report.combinations import played, switchable
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
-from spirob.report.numbers import column, fixed, shown
 from spirob.report.regimes import driven
 from spirob.report.sections.section import Section
+from spirob.report.words import column, fixed, shown
 
 METRICS = ("mae", "rmse", "r2")
 POOR_FIT = 0.5  # R² below which a cell is marked

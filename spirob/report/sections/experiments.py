@@ -4,8 +4,8 @@ from typing import Any
 
 from spirob.report.data import ReportData
 from spirob.report.experiment_figures import overlays
-from spirob.report.numbers import MISSING, is_number, number, unit_text
 from spirob.report.sections.section import Section
+from spirob.report.words import MISSING, is_number, number, unit_text
 
 SIDES = ("robot", "base", "named", "single")
 MET = {True: "met", False: "missed", None: ""}

@@ -5,9 +5,9 @@ from typing import Any
 from spirob.effects import all_effects
 from spirob.report.data import ReportData
 from spirob.report.effect_card import card
-from spirob.report.numbers import column, interval, is_number, percent, unit_text
-from spirob.report.rung_table import ceiling_sentence, rows
+from spirob.report.ladder import ceiling_sentence, rows
 from spirob.report.sections.section import Section
+from spirob.report.words import column, interval, is_number, percent, unit_text
 
 SPLITS = ("train", "validate", "heldout")
 

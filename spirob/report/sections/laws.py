@@ -3,13 +3,13 @@
 from typing import Any
 
 from spirob.effects import all_effects
-from spirob.report import law_figures
+from spirob.report import laws
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
 from spirob.report.laws import Law, law
-from spirob.report.numbers import column, is_number, percent
 from spirob.report.regimes import driven
 from spirob.report.sections.section import Section
+from spirob.report.words import column, is_number, percent
 
 
 class Laws(Section):
@@ -56,12 +56,12 @@ def plots(name: str, title: str, found: Law) -> list[Plot]:
         Plot(
             f"law-{name}",
             f"Residual and fitted law of {title} over {over}",
-            law_figures.over_signal(found),
+            laws.over_signal(found),
         ),
         Plot(
             f"law-{name}-itself",
             f"Residual over the fitted law of {title}",
-            law_figures.against_itself(found),
+            laws.against_itself(found),
         ),
     ]
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.numbers import fixed, is_number, percent
 from spirob.report.sections.section import Section
+from spirob.report.words import fixed, is_number, percent
 
 PAPER = {"simulation": {"mae": 1.12, "r2": 0.98}, "robot": {"mae": 3.95, "r2": 0.76}}
 DOMAINS = {"simulation": "Simulation", "robot": "Robot"}

@@ -4,9 +4,19 @@ import math
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.numbers import fixed, given, interval, is_number, number, shown, unit_text
-from spirob.report.resolution import null_space, pairs, spoken
 from spirob.report.sections.section import Section
+from spirob.report.words import (
+    fixed,
+    given,
+    interval,
+    is_number,
+    null_space,
+    number,
+    pairs,
+    shown,
+    spoken,
+    unit_text,
+)
 
 WIDE = 50.0  # bounds further apart than this factor are drawn on a logarithmic scale
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.numbers import MISSING, fixed, percent
 from spirob.report.sections.section import Section
+from spirob.report.words import MISSING, fixed, percent
 
 REGIONS = ("base", "middle", "tip")
 FELT = {"outer": "felt at the outer half", "all": "felt anywhere"} | {

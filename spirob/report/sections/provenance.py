@@ -3,8 +3,8 @@
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.numbers import number
 from spirob.report.sections.section import Section
+from spirob.report.words import number
 
 
 class ProvenanceSection(Section):

@@ -5,12 +5,12 @@ from typing import Any
 
 from spirob.perceive.features import FEATURES
 from spirob.perceive.size import SizeSettings
-from spirob.report import size_figures
+from spirob.report import perception_figures
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
-from spirob.report.numbers import fixed
+from spirob.report.perception_figures import SIZE_DOMAINS
 from spirob.report.sections.section import Section
-from spirob.report.size_figures import DOMAINS
+from spirob.report.words import fixed
 
 SHIPPED = "shipped: both, boosting the rest"
 RIVALS = {
@@ -47,23 +47,25 @@ def plots(metrics: Mapping[str, Any]) -> list[Plot]:
     errors = side_by_side(metrics)
     if len(errors) > 1:
         label = "The shipped predictor beside others; bars are 95 % intervals over wraps"
-        shown.append(Plot("size-predictors", label, size_figures.predictors(errors)))
+        shown.append(Plot("size-predictors", label, perception_figures.predictors(errors)))
     training = metrics.get("training") or {}
     if training.get("learning_curve"):
         label = "Error over the number of wraps learned from; bars are 95 % intervals"
-        figure = size_figures.learning_curve(training["learning_curve"])
+        figure = perception_figures.learning_curve(training["learning_curve"])
         shown.append(Plot("size-learning", label, figure))
     if training.get("importance"):
         label = "What it costs to shuffle one feature among the wraps"
         meanings = {name: f"{one.meaning} [{one.unit}]" for name, one in FEATURES.items()}
-        figure = size_figures.importance(training["importance"], meanings)
+        figure = perception_figures.importance(training["importance"], meanings)
         shown.append(Plot("size-importance", label, figure))
     return shown
 
 
 def side_by_side(metrics: Mapping[str, Any]) -> dict[str, dict[str, Mapping[str, float]]]:
     """Errors by predictor and domain, the shipped one first."""
-    there = {domain: metrics[domain] for domain in DOMAINS if "other" in metrics.get(domain, {})}
+    there = {
+        domain: metrics[domain] for domain in SIZE_DOMAINS if "other" in metrics.get(domain, {})
+    }
     if not there:
         return {}
     found: dict[str, dict[str, Mapping[str, float]]] = {SHIPPED: dict(there)}

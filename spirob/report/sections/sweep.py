@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.numbers import MISSING, column
 from spirob.report.sections.section import Section
+from spirob.report.words import MISSING, column
 
 MOST_ROWS = 200
 

@@ -3,12 +3,12 @@
 from typing import Any
 
 from spirob.effects import all_effects
-from spirob.report import figures, regime_figures
+from spirob.report import figures, regimes
 from spirob.report.combinations import HOW, Combination, combinations, switchable
 from spirob.report.data import ReportData
-from spirob.report.numbers import column
 from spirob.report.regimes import driven
 from spirob.report.sections.section import Section
+from spirob.report.words import column
 
 MILLI = 1e3  # the page shows mA
 
@@ -77,5 +77,5 @@ def _plot(base: Combination) -> figures.Plot:
     return figures.Plot(
         "regimes",
         "Error in each regime, base model and chosen effects",
-        regime_figures.regimes(errors),
+        regimes.regimes(errors),
     )

@@ -6,8 +6,8 @@ from typing import Any
 from spirob.report import trial_figures
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
-from spirob.report.numbers import fixed, is_number, percent
 from spirob.report.sections.section import Section
+from spirob.report.words import fixed, is_number, percent
 
 RATES = {
     "top1": "named, and the first name is right",

@@ -8,9 +8,9 @@ import numpy as np
 
 from spirob.report import arm
 from spirob.report.data import ReportData
-from spirob.report.ladder_figure import ladder_plot
-from spirob.report.numbers import EFFORT, column, fixed, is_number, percent
+from spirob.report.ladder import ladder_plot
 from spirob.report.sections.section import Section
+from spirob.report.words import EFFORT, column, fixed, is_number, percent
 
 KINDS = {
     "named": "A missing effect is named",

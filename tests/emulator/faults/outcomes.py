@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.bench import Trial, record
 from spirob.control.law import Gains
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import HardwareError
@@ -15,6 +14,7 @@ from spirob.logs.messages import unpack_frames
 from spirob.logs.records import read_content
 from spirob.safety import Limits
 from spirob.trace import Trace
+from spirob.trials import Trial, record
 
 START = 0.4  # s
 LIMITS = Limits(current=5.0, slew=500.0, travel=0.25, speed=0.2, temperature=80.0)

@@ -15,8 +15,8 @@ from spirob.logs import read_parquet
 from spirob.logs.foreign import trace_from
 from spirob.logs.foreign.mapping import mapping_from
 from spirob.logs.readers import Table
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 N = 400
 T = np.arange(N) * 1e-3

@@ -9,9 +9,9 @@ from mcap.writer import CompressionType, Writer
 from spirob.errors import DataError, MissingChannel
 from spirob.logs import read_log
 from spirob.logs.readers import read_table
-from tests.bench.fake_robot import FakeRobot
-from tests.bench.trials import record_on
 from tests.logs.readers.same_log import KINDS
+from tests.trials.fake_robot import FakeRobot
+from tests.trials.trials import record_on
 
 BEGIN = 1_700_000_000_000_000_000
 STEP = 10_000_000

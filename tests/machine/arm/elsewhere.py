@@ -3,11 +3,11 @@
 import numpy as np
 import yaml
 
-from spirob.bench import Trial
-from spirob.bench.simulate import simulate
 from spirob.logs.readers import read_table
 from spirob.machine.arm.description import ArmFile
 from spirob.plant import Plant, Rig
+from spirob.trials import Trial
+from spirob.trials.simulation import simulate
 from tests.identify.known import TRIALS, moves
 
 TURN = Rig().winch.gear_ratio / Rig().winch.radius  # rad of the rotor a metre wound in

@@ -4,7 +4,6 @@ import pandas as pd
 import pytest
 import yaml
 
-from spirob.bench import Trial, record
 from spirob.diagnosis.proposals import bend
 from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
@@ -12,13 +11,14 @@ from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import DataError
 from spirob.geometry import Drawing
 from spirob.logs import read_log
+from spirob.logs.cycles import Transmission
 from spirob.logs.readers import Table, read_table
-from spirob.logs.transmission import Transmission
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.loading import load_rig
 from spirob.plant import Rig
-from spirob.plant.holes import stroke
+from spirob.plant.tendon import stroke
+from spirob.trials import Trial, record
 from tests.machine.arm.elsewhere import description, log, rig
 from tests.plant.measuring import rows_of, written
 

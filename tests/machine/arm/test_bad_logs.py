@@ -7,8 +7,8 @@ import pytest
 from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import DataError
+from spirob.identify.plausibility import SENSE, explained
 from spirob.identify.residual import Residual
-from spirob.identify.sense import SENSE, explained
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.machine.arm.beginning import first_level, held
+from spirob.machine.arm.replay import first_level, held
 
 NOISE = 5e-3  # A
 

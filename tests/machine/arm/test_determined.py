@@ -7,8 +7,8 @@ import pytest
 
 from spirob.identify.residual import Residual
 from spirob.logs.readers import Table
-from spirob.machine.arm.determined import LEAST, determined, spread
 from spirob.machine.arm.replay import arm_trial
+from spirob.machine.arm.rows import LEAST_TIME, determined, spread
 from spirob.plant import Plant
 from tests.identify.known import moves
 from tests.machine.arm.elsewhere import played, rig
@@ -50,7 +50,7 @@ def test_where_hinges_snap_builds_are_apart(snapping):
 def test_something_counts_in_any_case_and_what_was_left_out_stays_out(snapping):
     residual, numbers = snapping
     (trial,), _ = determined(residual, numbers, 0.0)
-    assert np.count_nonzero(trial.use) >= 1e3 * LEAST
+    assert np.count_nonzero(trial.use) >= 1e3 * LEAST_TIME
     out = np.arange(len(trial.use)) < 1500
     late = replace(residual, trials=[replace(residual.trials[0], use=~out)])
     (trial,), _ = determined(late, numbers, LIMIT)

@@ -7,7 +7,7 @@ from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis
-from spirob.machine.arm.page import overlay, parameters
+from spirob.machine.arm.diagnosis import overlay, parameters
 from spirob.machine.loading import load_rig
 from tests.machine.arm.elsewhere import log, rig, tables, write
 

@@ -7,10 +7,10 @@ from spirob.cli.main import main
 from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
-from spirob.identify.numbers import FITTED
+from spirob.identify.problem import FITTED
 from spirob.machine.arm import diagnosis
+from spirob.machine.arm.diagnosis import parameters
 from spirob.machine.arm.numbers import described
-from spirob.machine.arm.page import parameters
 from spirob.machine.loading import load_rig
 from spirob.plant import Plant
 from tests.machine.arm.elsewhere import log, rig, tables, write

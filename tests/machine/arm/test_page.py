@@ -12,7 +12,7 @@ from spirob.identify.residual import Residual
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
-from spirob.machine.shown import laws
+from spirob.machine.page_tables import laws
 from spirob.plant import Plant
 from spirob.report.rig.laws import law_of
 from tests.machine.arm.elsewhere import log, rig, write

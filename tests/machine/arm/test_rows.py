@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 from spirob.cli.main import main
+from spirob.diagnosis.orders import answers
 from spirob.diagnosis.rungs import Settings
 from spirob.diagnosis.survey import survey
-from spirob.diagnosis.waves import answers
 from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
-from spirob.identify.near import Near, near
+from spirob.identify.coarse import Near, near
 from spirob.identify.residual import STILL, Residual
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis

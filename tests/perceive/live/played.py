@@ -2,8 +2,6 @@
 
 import pandas as pd
 
-from spirob.bench import Trial, record
-from spirob.bench.host import HostCurrentLoop
 from spirob.can_protocol import CanFrame
 from spirob.control.law import Gains
 from spirob.drives import find_drive
@@ -16,6 +14,8 @@ from spirob.logs.messages import unpack_frames
 from spirob.logs.reader import RAW_TOPIC, read_content
 from spirob.perceive.features import extract
 from spirob.plant import Rig
+from spirob.trials import Trial, record
+from spirob.trials.host import HostCurrentLoop
 
 
 def pushed(folder):

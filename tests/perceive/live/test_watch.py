@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from spirob.bench import Trial
-from spirob.bench.wrap import wrap_trial
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
 from spirob.emulator import EmulatedRobot
 from spirob.experiments.active_contact import ActiveContact
@@ -12,6 +10,8 @@ from spirob.perceive.interval import calibrated, estimate
 from spirob.perceive.live import Watch
 from spirob.perceive.live.watch import told
 from spirob.perceive.size import train
+from spirob.trials import Trial
+from spirob.trials.wrap import wrap_trial
 from tests.perceive.live.played import frames_and_features
 
 

@@ -1,4 +1,4 @@
-"""Columns of any kind to numbers: times to seconds, texts that hold numbers or times to those."""
+"""Columns of any kind to numbers, and a table of pandas as a log."""
 
 import re
 
@@ -87,3 +87,13 @@ def _add_seconds(table: Table, name: str, spans: np.ndarray) -> None:
     seconds = spans.astype("timedelta64[ns]").astype(np.int64) / 1e9
     table.columns[name] = np.where(np.isnat(spans), np.nan, seconds)
     table.units[name] = "s"
+
+
+def from_frame(frame: pd.DataFrame, name: str) -> Table:
+    """The columns of a frame, and its index where that has a name, as a table."""
+    table = Table(printable(name))
+    whole = frame.reset_index() if frame.index.name is not None else frame
+    for k, column in enumerate(whole.columns):
+        if str(column) not in table.columns:
+            add(table, str(column), whole.iloc[:, k].to_numpy())
+    return table

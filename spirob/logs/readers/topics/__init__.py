@@ -2,6 +2,5 @@
 
 fields.py    a number at a place in a message, `position[elbow]`, and which there are
 decoders.py  bytes to messages: JSON, protobuf, ROS
-series.py    several series, each with stamps of its own, on one time
-table.py     topics of a log to a table
+table.py     several series, each with stamps of its own, on one time; topics of a log to a table
 """

@@ -1,0 +1,170 @@
+"""Rates of a trial, each with its 95 % interval (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from spirob.campaign.arm.answers import ANSWERS
+
+LEAST_GAIN = 0.02  # where the oracle gains less, there is nothing to name
+RANGE = 0.9  # of the base's error: the trial asks for effects with which the oracle leaves less
+CONFIDENT = 0.9
+REFUSED = ("unknown", "undecided")  # the right answers where the library lacks the effect
+CLAIMS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)  # edges of probability
+LEAVES = (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # edges of oracle over base
+Z = 1.96
+
+
+def rate(hits: Iterable[bool]) -> dict[str, Any]:
+    """Share of hits with its interval; `n` cases, and no value where there is none."""
+    values = np.array(list(hits), dtype=float)
+    n = len(values)
+    if n == 0:
+        return {"value": None, "low": 0.0, "high": 1.0, "n": 0}
+    p = float(values.mean())
+    middle = (p + Z**2 / (2 * n)) / (1 + Z**2 / n)
+    half = Z / (1 + Z**2 / n) * float(np.sqrt(p * (1 - p) / n + Z**2 / (4 * n**2)))
+    return {"value": p, "low": max(0.0, middle - half), "high": min(1.0, middle + half), "n": n}
+
+
+def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """All rates of a trial and its confusion matrix.
+
+    A robot in which the drawn effect shows too little to be asked for (the oracle leaves more than
+    0.9 of the error) is `outside`: no miss where it is not named, but wrong where it is wrongly.
+
+    top1                 named, and the first name is right (undecided counts as a miss)
+    exact                named, right, and nothing besides
+    top3                 the right name is among the first three that were fitted in full
+    false_alarm          of robots with nothing hidden, those for which something was named
+    wrong_and_confident  of robots with one effect, wrongly named with at least 90 %, those outside
+                         the range included
+    outside              of robots with one effect
+    undecided            of robots with one effect in the range
+    called_unknown       of the same
+    unknown              library without any right answer: called unknown or undecided, as is right
+    left_out             the same, and no other effect named with confidence
+    pairs_both           of robots with two effects, both named
+    excess_error_closed  share of the oracle's fall of the held-out error that naming achieved, mean
+    """
+    whole = [r for r in results if not r["without"]]
+    nulls = [r for r in whole if nothing_to_name(r)]
+    pairs = [r for r in whole if "+" in r["kind"] and r not in nulls]
+    every = [r for r in whole if r not in nulls and r not in pairs]
+    single = [r for r in every if asked(r)]
+    left = [r for r in results if r["without"]]
+    return {
+        "cases": len(results),
+        "top1": rate(is_right(r) for r in single),
+        "exact": rate(is_right(r) and len(r["named"]) == 1 for r in single),
+        "top3": rate(any(n in _answers(r) for n in r["first"][:3]) for r in single),
+        "false_alarm": rate(r["verdict"] == "named" for r in nulls),
+        "wrong_and_confident": rate(_confidently_wrong(r) for r in every),
+        "outside": rate(not asked(r) for r in every),
+        "undecided": rate(r["verdict"] == "undecided" for r in single),
+        "called_unknown": rate(r["verdict"] == "unknown" for r in single),
+        "unknown": rate(r["verdict"] in REFUSED for r in left if not nothing_to_name(r)),
+        "left_out": rate(not _confidently_wrong(r) for r in left),
+        "pairs_both": rate(both(r) for r in pairs),
+        "excess_error_closed": _closed([*single, *pairs]),
+        "confusion": confusion(whole),
+        "reliability": reliability([r for r in single if r["verdict"] == "named"]),
+        "strength": by_strength(single),
+    }
+
+
+def left_by_oracle(result: Mapping[str, Any]) -> float:
+    """Share of the error that knowing leaves.
+
+    The oracle knows one of the accepted names; where another was named, that knew as much.
+    """
+    error = result["heldout"]
+    known = [error["oracle"]] + [error["named"]] * is_right(result)
+    return float(min(known) / error["base"])
+
+
+def nothing_to_name(result: Mapping[str, Any]) -> bool:
+    """Nothing is hidden, or so little that even knowing it would not help."""
+    return result["kind"] == "none" or left_by_oracle(result) > 1.0 - LEAST_GAIN
+
+
+def asked(result: Mapping[str, Any]) -> bool:
+    """Whether the oracle gains as much as the trial means to ask for."""
+    return left_by_oracle(result) <= RANGE
+
+
+def is_right(result: Mapping[str, Any]) -> bool:
+    """Named, and the first name is an accepted one."""
+    named = result["named"]
+    return bool(result["verdict"] == "named" and named and named[0] in _answers(result))
+
+
+def both(result: Mapping[str, Any]) -> bool:
+    """Two names, one for each hidden kind."""
+    keys = [set(ANSWERS[kind]) for kind in result["kind"].split("+")]
+    named = set(result["named"])
+    return len(named) == len(keys) and all(named & key for key in keys)
+
+
+def confusion(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
+    """What was hidden -> what was said -> how often."""
+    table: dict[str, dict[str, int]] = {}
+    for r in sorted(results, key=lambda r: str(r["kind"])):
+        said = " + ".join(r["named"]) if r["verdict"] == "named" else str(r["verdict"])
+        row = table.setdefault(r["kind"], {})
+        row[said] = row.get(said, 0) + 1
+    return table
+
+
+def reliability(named: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
+    """How often a name is right, against the probability that was claimed for it."""
+    table = []
+    for low, high in pairwise(CLAIMS):
+        inside = [r for r in named if low < r["probability"] <= high]
+        if inside:
+            said = float(np.mean([r["probability"] for r in inside]))
+            right = rate(is_right(r) for r in inside)
+            table.append(
+                {"low": low, "high": high, "said": said, "right": right["value"]} | _n(right)
+            )
+    return table
+
+
+def by_strength(single: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
+    """top1 against what knowing would leave of the held-out error."""
+    table = []
+    for low, high in pairwise(LEAVES):
+        inside = [r for r in single if low <= left_by_oracle(r) < high]
+        if inside:
+            right = rate(is_right(r) for r in inside)
+            table.append({"low": low, "high": high, "value": right["value"]} | _n(right))
+    return table
+
+
+def _n(found: Mapping[str, Any]) -> dict[str, Any]:
+    return {"low_ci": found["low"], "high_ci": found["high"], "n": found["n"]}
+
+
+def _answers(result: Mapping[str, Any]) -> set[str]:
+    return {name for kind in result["kind"].split("+") for name in ANSWERS[kind]}
+
+
+def _confidently_wrong(result: Mapping[str, Any]) -> bool:
+    sure = result["verdict"] == "named" and result["probability"] >= CONFIDENT
+    return sure and not is_right(result)
+
+
+def _closed(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    shares = []
+    for r in results:
+        error = r["heldout"]
+        gain = error["base"] * (1.0 - left_by_oracle(r))
+        shares.append(min(1.0, (error["base"] - error["named"]) / gain))
+    if not shares:
+        return {"value": None, "low": 0.0, "high": 1.0, "n": 0}
+    values = np.array(shares)
+    draws = np.random.default_rng(0).choice(values, (2000, len(values))).mean(axis=1)
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return {"value": float(values.mean()), "low": float(low), "high": float(high), "n": len(values)}

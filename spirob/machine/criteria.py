@@ -1,0 +1,117 @@
+"""When is an effect worth its place?  The three questions that every addition has to pass.
+
+Does the error of the folds left out rise without it by more than a floor, in size and in share?
+Surely, when half-second blocks are drawn again, by their mean or by their typical fall?  And do
+the held-out trials agree?
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from spirob.diagnosis.evidence import improvement
+from spirob.machine.models import Model
+
+HALF = 0.5
+DRAWS, UNSURE = 2000, 0.025  # of blocks, and the share of draws that may deny what is sure
+TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """How the search decides.
+
+    floor    least size of an effect: √(fall of the mean square) over the RMS effort; more where
+             the noise of the motion makes more of the modelled effort
+    share    least fall of the squared error, relative
+    veto     least fall of the squared error on held-out trials, relative
+    better   relative fall that makes a richer effect worth its further numbers
+    most     effects in a set
+    """
+
+    floor: float = 0.01
+    share: float = 0.05
+    veto: float = 0.05
+    better: float = 0.10
+    most: int = 4
+    seed: int = 0
+
+
+class Judged(Protocol):
+    """What is asked of a model, or of a draft of a law: `errors` by block, mean squares."""
+
+    @property
+    def errors(self) -> np.ndarray: ...
+    @property
+    def mean_square(self) -> float: ...
+    @property
+    def heldout_square(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Worth:
+    """The questions; `least` is the size of the least effect, in the unit of the effort."""
+
+    settings: Criteria
+    least: float
+
+    def matters(self, before: Judged, after: Judged) -> bool:
+        """Whether `after` explains more by a size that counts, surely."""
+        fall = before.mean_square - after.mean_square
+        if fall <= 0.0 or np.sqrt(fall) < self.least:
+            return False
+        if fall < self.settings.share * before.mean_square:
+            return False
+        return self._surely(before, after)
+
+    def clearly(self, before: Judged, after: Judged) -> bool:
+        """Whether `after` is better than a rival by enough to be preferred to a simpler one."""
+        if after.mean_square > (1.0 - self.settings.better) * before.mean_square:
+            return False
+        return self._surely(before, after)
+
+    def halves(self, before: Judged, after: Judged) -> bool:
+        """Whether `after` leaves less than half the squared error, held out too, and surely."""
+        if after.mean_square > HALF * before.mean_square:
+            return False
+        if after.heldout_square > HALF * before.heldout_square:
+            return False
+        return self._surely(before, after)
+
+    def _surely(self, before: Judged, after: Judged) -> bool:
+        """Whether the fall holds when blocks are drawn again, of errors or of their logarithms.
+
+        The logarithms weigh every block alike: one block with a blow in it decides nothing.
+        """
+        seed = self.settings.seed
+        if improvement(before.errors, after.errors, seed)[1] > 0.0:
+            return True
+        falls = np.log(before.errors + TINY) - np.log(after.errors + TINY)
+        draws = np.random.default_rng(seed).integers(0, len(falls), (DRAWS, len(falls)))
+        return bool(np.quantile(falls[draws].mean(axis=1), UNSURE) > 0.0)
+
+    def possible(self, current: Model, error: float) -> bool:
+        """Whether an addition could matter, judged by its screened error and half the floor."""
+        return current.mean_square - error > (0.5 * self.least) ** 2
+
+    def denied(self, before: Judged, after: Judged, whole: bool = True) -> bool:
+        """Whether the held-out trials contradict a step, or do not confirm one of a `whole` set."""
+        least = 1.0 - (self.settings.veto if whole else 0.0)
+        return after.heldout_square > least * before.heldout_square
+
+    def simplest(self, models: Sequence[Model]) -> Model:
+        """The poorest model to which no other is clearly preferable.
+
+        A richer model has to be better by the least size of an effect: the edges of a smooth sign
+        never fit quite, and a richer law always takes some of that.
+        """
+        best = min(models, key=lambda m: m.mean_square)
+        equal = [m for m in models if m is best or not self._beaten(m, best)]
+        return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
+
+    def _beaten(self, model: Model, best: Model) -> bool:
+        if model.numbers < best.numbers:
+            return self.matters(model, best)
+        return self.clearly(model, best)

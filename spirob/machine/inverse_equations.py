@@ -1,0 +1,333 @@
+"""The effort that a measured motion asks for, unfiltered: the equations of the inverse model.
+
+    scale·P(e) = J·a + b·v + k·q + body(q, v, a) + m·(J_p·a + P_c·cos q + P_s·sin q) + F
+                 - Σ τ_effects(q, v, ...)
+    e_model    = S(e + k_b·v)
+
+m and F are the payload and the force of each log (`numbers`), k_b is a voltage's back-EMF.
+P are the pipes between the effort and the axis (torque constant, efficiency, dead band), S those
+between the effort and its reading (offset, gain, lag).  The first line is solved for e, so that the
+model knows nothing of the effort that it is compared with.  The kernels are those of the library,
+run over the measured signals.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from threading import Lock
+
+import numpy as np
+
+from spirob.effects import Effect
+from spirob.machine.kernel_loop import loop_of
+from spirob.machine.motion import Motion, late
+from spirob.machine.rig import NUMBERS, PER_LOG
+from spirob.machine.scaling import Sizes
+from spirob.parameter import Table
+
+PASSES = 12  # of the solution for the effort before the drive's pipes
+SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
+READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
+BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
+READINGS = 4  # passes to where a wrong reading was taken; each leaves a small part of the last
+HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
+ADDED = ("motor.torque", "tendon.force")
+CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
+KEPT = 1e8  # bytes of effects' torques along all trials
+SOLVED = 1e-12  # of the largest effort
+Run = Callable[..., None]
+
+
+class AskedEffort:
+    """The equations over one motion.
+
+    stiffness   of the driven joint [N·m/rad], which effects at a hinge read
+    rest_speed  below which the axis counts as standing
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        effects: Sequence[type[Effect]],
+        table: Table,
+        sizes: Sizes,
+        rest_speed: float,
+        stiffness: float,
+    ):
+        self.motion, self.effects, self.table, self.sizes = motion, list(effects), table, sizes
+        self.rest_speed, self._stiffness = rest_speed, stiffness
+        self._has_body = bool(np.any(motion.body["payload"]))
+        self._of_logs = _cells(table, motion)
+        self._carried = self._load_cells()
+        self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
+        self._known: dict[tuple[object, ...], np.ndarray] = {}
+        self._lock = Lock()
+        self._fixed = self._moving(motion)
+
+    def effort(self, p: np.ndarray) -> np.ndarray:
+        """The effort at every sample of every piece, (n,), for a vector of the table."""
+        own = self.own(p)
+        behind = self._corrected(p)
+        load = self.load(behind, p)
+        motion, share = self._ahead(behind, load, p)
+        needed = load + own["viscous"] * motion.v + self.of_log("offset", p)
+        if motion is not behind:
+            needed = needed + share * own["inertia"] * (motion.a - behind.a)
+        signals = self.signals(motion, load)
+        for port in ADDED:
+            for effect in self.present(port, p):
+                needed = needed - self._torque(effect, p, motion, signals)
+        effort = self.solved(needed / own["scale"], p, motion, signals)
+        if own["back_emf"]:
+            effort = effort + own["back_emf"] * motion.v
+        for effect in (e for port in READ for e in self.present(port, p)):
+            effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
+        effort = late(effort, own["delay"], motion)
+        for effect in self.present("sensing.frame", p):
+            # the motion in the frame is late: compare with the command of that time
+            effort = effort + motion.effort - self.in_cycles(effect, p, motion)
+        return effort
+
+    def own(self, p: np.ndarray) -> dict[str, float]:
+        """The rig's own numbers, by name."""
+        return {name: float(p[self.table.position(f"rig.{name}")]) for name in NUMBERS}
+
+    def of_log(self, kind: str, p: np.ndarray) -> np.ndarray | float:
+        """A number that each log has for itself, at every sample (n,); 0 where none has."""
+        cells = self._of_logs.get(kind)
+        return self.motion.spread(p[cells]) if cells else 0.0
+
+    def load(self, motion: Motion, p: np.ndarray) -> np.ndarray:
+        """What the transmission passes on to this motion, (n,): all that the axis carries."""
+        own = self.own(p)
+        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
+        tip = self.tip_mass(p) + self.of_log("payload", p)
+        if np.any(tip):
+            load = load + tip * self._payload(motion, own)
+        signals = self.signals(motion, load)
+        for effect in self.present(HINGE, p):
+            load = load - self._torque(effect, p, motion, signals)
+        return load
+
+    def _payload(self, motion: Motion, own: Mapping[str, float]) -> np.ndarray:
+        """What a payload of 1 adds to the load, (n,)."""
+        if self._has_body:
+            return motion.body["payload"] / self.sizes.mass
+        turned = motion.q if self.sizes.axis_unit == "rad" else np.zeros_like(motion.q)
+        weight = own["payload_cosine"] * np.cos(turned) + own["payload_sine"] * np.sin(turned)
+        return own["payload_inertia"] * motion.a + weight
+
+    def added(self, effect: type[Effect], p: np.ndarray) -> np.ndarray | None:
+        """What an effect adds to the effort, (n,), whatever else acts.
+
+        None where that depends on what else acts: for all but torques, where a pipe or an error of
+        the motion is between them and the effort, and for a load where friction feels it.
+        """
+        between = (*BEFORE, "winch.efficiency", *READ, SENSOR)
+        if any(self.present(port, p) for port in between):
+            return None
+        felt = any(_feels_load(e) for port in ADDED for e in self.present(port, p))
+        if effect.port not in ADDED and (effect.port != HINGE or felt):
+            return None
+        signals = self.signals(self.motion, self.load(self.motion, p))
+        own = self.own(p)
+        torque = self._torque(effect, p, self.motion, signals)
+        return late(-torque / own["scale"], own["delay"], self.motion)
+
+    def tip_mass(self, p: np.ndarray) -> float:
+        """What the body carries at its tip [kg]."""
+        return float(sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass")))
+
+    def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
+        """The effects at a port that are not neutral."""
+        neutral = self.table.values
+        found = []
+        for effect in self._at(port):
+            cells = [self.table.position(f"{effect.name()}.{f}") for f in effect.neutral]
+            if any(p[k] != neutral[k] for k in cells):
+                found.append(effect)
+        return found
+
+    def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
+        """An effect's numbers, by field, in a vector of the table."""
+        name = effect.name()
+        return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
+
+    def signals(self, motion: Motion, load: np.ndarray) -> dict[str, np.ndarray]:
+        """What kernels may read, each (n,)."""
+        fixed = self._fixed if motion is self.motion else self._moving(motion)
+        return {**fixed, "motor.load_torque": load}
+
+    def _moving(self, motion: Motion) -> dict[str, np.ndarray]:
+        """Of these, what follows from the motion alone."""
+        n = len(motion.q)
+        return {
+            "time": motion.seconds,
+            "motor.rest_speed": np.full(n, self.rest_speed),
+            "motor.speed": motion.v,
+            "motor.angle": motion.q / self.sizes.angle,
+            "winch.displacement": motion.q,
+            "hinge.angle": motion.q,
+            "hinge.speed": motion.v,
+            "hinge.stiffness": np.full(n, self._stiffness),
+            "hinge.weight_x": motion.body["along"],
+            "hinge.weight_y": motion.body["across"],
+        }
+
+    def solved(
+        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """e with P(e) = wanted, by secants from e = wanted.
+
+        Where an effort changes nothing, in a dead band, the steps grow until it does; a secant over
+        its edge is of no use there.
+        """
+        pipes = [e for port in BEFORE for e in self.present(port, p)]
+        shares = self.present("winch.efficiency", p)
+        effort = wanted
+        if not pipes and not shares:
+            return effort
+        close = SOLVED * np.max(np.abs(wanted))
+        step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
+        moved, edges = np.zeros_like(effort), np.zeros(len(effort), bool)
+        for _ in range(PASSES):
+            seen = {**signals, "motor.current": effort, "motor.command": effort}
+            passed = effort
+            for effect in pipes:
+                passed = self.run(effect, p, motion, seen, passed)
+            share = np.ones_like(effort)
+            for effect in shares:
+                share = self.run(effect, p, motion, seen, share)
+            miss = wanted - share * passed
+            if np.max(np.abs(miss)) <= close:
+                break
+            flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
+            edges |= flat
+            smooth = np.where(edges, 1.0, _secant(moved, missed - miss))
+            step = np.where(flat, 2.0 * step, smooth)
+            moved, missed = step * miss, miss
+            effort = effort + moved
+        return effort
+
+    def run(
+        self,
+        effect: type[Effect],
+        p: np.ndarray,
+        motion: Motion,
+        signals: Mapping[str, np.ndarray],
+        upstream: np.ndarray | None,
+    ) -> np.ndarray:
+        """An effect's kernel at every sample, (n,)."""
+        reads = np.array([signals[name] for name in effect.reads.values()])
+        n = len(motion.q)
+        out = np.empty(n)
+        values = np.array(list(self.values(effect, p).values()))
+        above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
+        self._runs[effect.name()](
+            out, motion.starts, motion.steps, above, reads.reshape(len(effect.reads), n), values
+        )
+        return out
+
+    def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
+        """The measured effort through a kernel that remembers some cycles of a bus, (n,).
+
+        A log may be faster than any bus: its samples are then dealt out to as many rows, each at
+        the pace of a cycle.
+        """
+        stride = max(1, round(CYCLE / float(np.min(motion.steps))))
+        pieces = zip(motion.starts[:-1], motion.starts[1:], strict=True)
+        rows = [np.arange(a + k, b, stride) for a, b in pieces for k in range(stride)]
+        order = np.concatenate(rows)
+        starts = np.cumsum([0, *(len(row) for row in rows)])
+        steps = np.repeat(stride * motion.steps, stride)
+        values = np.array(list(self.values(effect, p).values()))
+        dealt, out = np.empty(len(order)), np.empty(len(order))
+        reads = np.empty((0, len(order)))
+        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], reads, values)
+        out[order] = dealt
+        return out
+
+    def _torque(
+        self,
+        effect: type[Effect],
+        p: np.ndarray,
+        motion: Motion,
+        signals: Mapping[str, np.ndarray],
+    ) -> np.ndarray:
+        """An effect's torque; kept, because a derivative moves one number and leaves the others."""
+        if motion is not self.motion:
+            return self.run(effect, p, motion, signals, None)
+        key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
+        if _feels_load(effect):
+            key = (*key, p[self._carried].tobytes())
+        with self._lock:
+            torque = self._known.pop(key, None)
+        if torque is None:
+            torque = self.run(effect, p, motion, signals, None)
+        with self._lock:
+            while len(self._known) * torque.nbytes > KEPT:
+                self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
+            self._known[key] = torque
+        return torque
+
+    def seen(self, p: np.ndarray) -> Motion:
+        """The motor's motion: what its sensor tells, without the errors that the model holds."""
+        behind = self._corrected(p)
+        return self._ahead(behind, self.load(behind, p), p)[0]
+
+    def _corrected(self, p: np.ndarray) -> Motion:
+        """The motion with errors of its sensor taken out, from each log's own zero."""
+        zero, found = self.of_log("zero", p), self.motion
+        if np.any(zero):
+            found = replace(found, q=found.q + zero)
+        wrong = [e for e in self.present(SENSOR, p) if not _feels_load(e)]
+        error = still = np.zeros_like(found.q)
+        for _ in range(READINGS if wrong else 0):  # it depends on the place itself, not as read
+            error = self._misread(wrong, p, replace(found, q=found.q - error), still)
+        return found.without(error) if wrong else found
+
+    def _ahead(self, behind: Motion, load: np.ndarray, p: np.ndarray) -> tuple[Motion, float]:
+        """The motor's motion where the sensor sits at the load, and its share of the inertia."""
+        twisted = [e for e in self.present(SENSOR, p) if _feels_load(e)]
+        if not twisted:
+            return behind, 0.0
+        share = max(self.values(e, p).get("rotor_share", 0.0) for e in twisted)
+        return behind.without(self._misread(twisted, p, behind, load)), share
+
+    def _misread(
+        self, wrong: Sequence[type[Effect]], p: np.ndarray, motion: Motion, load: np.ndarray
+    ) -> np.ndarray:
+        """What the sensor reads beside this motion, (n,)."""
+        signals = self.signals(motion, load)
+        error = np.zeros_like(motion.q)
+        for effect in wrong:
+            error += self.run(effect, p, motion, signals, motion.q) - motion.q
+        return error
+
+    def _load_cells(self) -> list[int]:
+        """Places in the table of all numbers that the load depends on."""
+        owners = {e.name() for port in (HINGE, "body.tip_mass") for e in self._at(port)}
+        rig = ("inertia", "stiffness", "payload_inertia", "payload_cosine", "payload_sine")
+        owners |= {"payload", *(f"rig.{name}" for name in rig)}
+        names = self.table.names
+        return [k for k, n in enumerate(names) if n in owners or n.partition(".")[0] in owners]
+
+    def _at(self, port: str) -> list[type[Effect]]:
+        return [e for e in self.effects if e.port == port]
+
+
+def _cells(table: Table, motion: Motion) -> dict[str, list[int]]:
+    """Kind of a log's own number -> its place in the table for each piece."""
+    kinds = {n.partition(".")[0] for n in table.names} & set(PER_LOG)
+    return {kind: [table.position(f"{kind}.{log}") for log in motion.logs] for kind in kinds}
+
+
+def _feels_load(effect: type[Effect]) -> bool:
+    """Whether an effect reads the load; an error of the reading that does is a twist under it."""
+    return "motor.load_torque" in effect.reads.values()
+
+
+def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
+    """Step for each unit that is missed, from the last move and its gain; 1 where far from it."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = moved / gained
+    return np.where((steps > SHRINKS) & (steps < 1.0 / SHRINKS), steps, 1.0)

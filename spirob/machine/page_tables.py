@@ -1,0 +1,133 @@
+"""What the page shows of a rig's models: effort, motion run forward, fitted numbers."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from spirob.diagnosis.screen import without
+from spirob.effects import Effect
+from spirob.identify.fit import Fit
+from spirob.identify.problem import Problem
+from spirob.machine.forward import Forward, Prediction
+from spirob.machine.forward.errors import WINDOW
+from spirob.machine.search import Found, Search
+
+
+def overlay(search: Search, base: Fit, named: Fit) -> pd.DataFrame:
+    """Rows of both roles: trial, role, time, position, measured, base, named."""
+    parts = []
+    for role, problem in (("test", search.heldout), ("train", search.train)):
+        lines = {"base": problem(base.changes), "named": problem(named.changes)}
+        measured, at = problem.measured(), 0
+        for stretch in problem.stretches():
+            rows = slice(at, at + len(stretch.seconds))
+            at = rows.stop
+            columns: dict[str, Any] = {"trial": stretch.trial, "role": role}
+            columns |= {"time": stretch.seconds, "position": stretch.position}
+            columns |= {"measured": measured[rows]}
+            columns |= {name: measured[rows] + line[rows] for name, line in lines.items()}
+            parts.append(pd.DataFrame(columns))
+    return pd.concat(parts, ignore_index=True)
+
+
+def laws(
+    problem: Problem, effects: Sequence[type[Effect]], changes: Mapping[str, float], axis: str
+) -> pd.DataFrame:
+    """Rows of samples of the effort for each effect of a model: effect, signals, shown and law.
+
+    problem  held-out trials, of a plain rig or of the arm;  changes  the model's numbers
+    axis     unit of the position in it, which the rows name
+
+    All other numbers as fitted,  shown = measured - without,  law = with - without,  in the unit
+    of the effort; position and velocity in that of the axis.
+    """
+    rows, pieces = problem.rows, problem.stretches()
+    along = {"time": "seconds", "position": "position", "velocity": "velocity"}
+    signals: dict[str, Any] = {
+        name: np.concatenate([getattr(p, field) for p in pieces]) for name, field in along.items()
+    }
+    signals |= {"axis": axis, "effort": problem.measured()[rows]}
+    held, parts = problem(changes)[rows], []
+    for effect in effects:
+        bare = problem(without(effect, changes, problem))[rows]
+        columns = {"effect": effect.name(), **signals, "shown": -bare, "law": held - bare}
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame({"effect": []})
+
+
+def parameters(search: Search, fit: Fit) -> dict[str, Any]:
+    """Fitted numbers of a model, with their bounds."""
+    about = search.train.table.about
+    return {
+        name.removeprefix("rig."): {
+            "value": e.value,
+            "low": e.low,
+            "high": e.high,
+            "unit": e.unit,
+            "nominal": about[name].nominal,
+            "bound_low": about[name].low,
+            "bound_high": about[name].high,
+            "at_bound": e.at_bound,
+            "meaning": about[name].meaning,
+        }
+        for name, e in fit.estimates.items()
+    }
+
+
+def predicted(search: Search, found: Found) -> tuple[dict[str, Any], pd.DataFrame | None]:
+    """Errors of every rung and of guesses without a model, on both roles, and the motion drawn.
+
+    Where a model cannot be run forward, {"absent": why} and no curves.  The curves are rows of both
+    roles: trial, role, time, position, speed as measured, and MODEL_position_KIND and
+    MODEL_speed_KIND, with MODEL base or named, KIND whole (from the start of each piece) or window
+    (half seconds); all in SI.
+    """
+    runs = {"test": Forward(search.heldout), "train": Forward(search.train)}
+    for model in found.rungs:
+        for run in runs.values():
+            if reason := run.absent(model.fit.changes):
+                return {"absent": reason}, None
+    rungs: list[dict[str, Any]] = []
+    drawn: dict[str, dict[str, Prediction]] = {role: {} for role in runs}
+    for model in found.rungs:
+        rung: dict[str, Any] = {"effects": [e.name() for e in model.effects]}
+        for role, run in runs.items():
+            made = run.predicted(model.fit.changes)
+            rung[role] = run.errors(model.fit.changes, made)
+            if model is found.rungs[0]:
+                drawn[role]["base"] = made
+            if model is found.chosen:
+                drawn[role]["named"] = made
+        rungs.append(rung)
+    guessed = {role: run.guessed() for role, run in runs.items()}
+    unit = search.train.sizes.axis_unit
+    written = {
+        "unit": unit,
+        "speed_unit": f"{unit}/s",
+        "effort_unit": search.train.effort.unit,
+        "horizon": WINDOW,
+        "rungs": rungs,
+        "guesses": [
+            {"name": name, **{role: guessed[role][name] for role in runs}}
+            for name in guessed["test"]
+        ],
+    }
+    curves = [_curves(run, role, drawn[role]) for role, run in runs.items()]
+    return written, pd.concat(curves, ignore_index=True)
+
+
+def _curves(run: Forward, role: str, drawn: dict[str, Prediction]) -> pd.DataFrame:
+    problem = run.problem
+    motion = problem.asked.motion
+    names = [r.name for r in problem.recordings for p in r.pieces for _ in p.q]
+    columns: dict[str, Any] = {"trial": names, "role": role, "time": motion.seconds}
+    columns |= {"position": motion.q, "speed": motion.v}
+    for model, made in drawn.items():
+        for kind, values in (("whole", made.long), ("window", made.short)):
+            if values is not None:
+                columns[f"{model}_position_{kind}"] = values[0]
+                columns[f"{model}_speed_{kind}"] = values[1]
+    table = pd.DataFrame(columns)
+    return table[table["base_position_whole"].notna()]

@@ -1,0 +1,108 @@
+"""Which logs take part: filtered alike, none of them twice, one divided where there is one."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import TypeVar
+
+import numpy as np
+
+from spirob.errors import ConfigError, DataError, NothingLeft, TooShort
+from spirob.machine.recording import Recording
+
+Log = TypeVar("Log")
+
+
+def filtered_alike(
+    read: Callable[[Log, float | None], Recording], train: Sequence[Log], test: Sequence[Log]
+) -> tuple[list[Recording], list[Recording]]:
+    """The trials for training and those held out, by the lowest cutoff of the training trials.
+
+    read  makes a recording of a log, with the cutoff [Hz] that is given
+
+    Raises DataError where no training log is left, and what `read` raises but NothingLeft.
+    """
+    trials, said = _left(read, train, None)
+    if not trials:
+        raise DataError("; ".join(said) or "a diagnosis needs at least one training log")
+    cutoff = min(trial.cutoff for trial in trials)
+    if any(trial.cutoff != cutoff for trial in trials):
+        trials, said = _left(read, train, cutoff)
+    held, more = _left(read, test, cutoff)
+    trials[0].said.extend(f"{text}; the log is left out." for text in [*said, *more])
+    return trials, held
+
+
+def _left(
+    read: Callable[[Log, float | None], Recording], logs: Sequence[Log], cutoff: float | None
+) -> tuple[list[Recording], list[str]]:
+    """The recordings of which something is left, and what is said of the others."""
+    found, said = [], []
+    for log in logs:
+        try:
+            found.append(read(log, cutoff))
+        except NothingLeft as error:
+            said.append(str(error))
+    return found, said
+
+
+def each_once(
+    logs: Sequence[tuple[str, Mapping[str, np.ndarray]]], compared: Sequence[str]
+) -> None:
+    """Raise ConfigError where the rows of one log are another's, or a stretch of them.
+
+    logs      name and columns of each;  compared  the columns that say what the machine did: time
+              may begin anew in a copy
+    """
+    rows = [(name, _rows(columns, compared)) for name, columns in logs]
+    for one, other in combinations(rows, 2):
+        (part, few), (whole, many) = (one, other) if len(one[1]) < len(other[1]) else (other, one)
+        if few and few in many:
+            said = "holds the rows of" if len(few) == len(many) else "is a part of"
+            raise ConfigError(f"{part}: {said} {whole}; a log is fitted or held out, once")
+
+
+def _rows(columns: Mapping[str, np.ndarray], compared: Sequence[str]) -> bytes:
+    """The rows as bytes, none where a column is absent or nothing moves."""
+    if any(name not in columns for name in compared):
+        return b""
+    table = np.column_stack([np.asarray(columns[name], float) for name in compared])
+    return b"" if np.all(table == table[:1]) else table.tobytes()
+
+
+KEPT = 0.3  # of the log is kept aside, as one block at its end
+SHORTEST_DIVIDED = 4.0  # s of a log that is to be divided
+
+
+def split(
+    train: list[Recording], test: list[Recording]
+) -> tuple[list[Recording], list[Recording], list[str]]:
+    """The logs as they are, or the end of each training log as held-out block.
+
+    Raises TooShort where nothing can be held out.
+    """
+    if test:
+        return train, test, []
+    kept, held = [], []
+    for recording in train:
+        long = sum(len(p.q) for p in recording.pieces)
+        needed = round(SHORTEST_DIVIDED / recording.period)
+        if long < needed:
+            raise TooShort(recording.name, long, needed, "a log that is to be divided")
+        counted = np.cumsum(np.concatenate([p.use for p in recording.pieces]))
+        late = counted > (1.0 - KEPT) * counted[-1]
+        kept.append(_part(recording, recording.name, ~late))
+        held.append(_part(recording, f"{recording.name} (end)", late))
+    said = [
+        f"No held-out log was given: the last {KEPT:.0%} of each training log was kept aside, and "
+        "the rest is judged on blocks. Blocks of one trial share its start, load and temperature."
+    ]
+    return kept, held, said
+
+
+def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:
+    """The recording with some rows compared only, a mask over all pieces in a row."""
+    ends = np.cumsum([len(p.q) for p in recording.pieces])
+    masks = np.split(rows, ends[:-1])
+    pieces = [replace(p, use=p.use & m) for p, m in zip(recording.pieces, masks, strict=True)]
+    return replace(recording, name=name, pieces=recording.worth(pieces))

@@ -1,0 +1,56 @@
+"""What a search on an arm's logs stands on: the shape that they show, and what of them counts."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from spirob.diagnosis.rungs import ROLES, Settings
+from spirob.identify.coarse import near
+from spirob.identify.fit import fit
+from spirob.identify.residual import Residual
+from spirob.logs.readers import Table
+from spirob.machine.arm.preparation import of_design, settled
+from spirob.machine.arm.replay import arm_trial
+from spirob.machine.arm.shape import SHAPE
+from spirob.plant import Plant
+from tests.identify.known import moves
+from tests.machine.arm.elsewhere import played, rig
+
+NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness", "arm.bends_per_hinge"]
+TRUE = {"winch.efficiency": 0.7, "motor.rotor_damping": 1.3e-4, "arm.bends_per_hinge": 1.2}
+ELSEWHERE = {"holes.shift": 0.15, "holes.mount": 0.02}
+
+
+def as_commanded(true):
+    """Two bends against so much current that both tendons would push a hinge of a point over."""
+    for k, motor in enumerate(("left", "right")):
+        bend = moves(motor, [[0.1, 0.0], [1.2, 0.03], [0.7, 0.012], [0.9, 0.025]], 0.6)
+        yield played({"name": motor, "role": "train", **bend, "duration": 3.0}, true, k=k)
+
+
+def settle(true):
+    columns = as_commanded(true)
+    logs = [arm_trial(Table(f"{k}", c), rig(), "train")[0] for k, c in enumerate(columns)]
+    plant = Plant(rig().machine())
+    residuals = {role: Residual(plant, [replace(t, role=role) for t in logs]) for role in ROLES}
+    return residuals, settled(residuals, NAMES, {}, list(SHAPE), Settings(), print)
+
+
+def test_an_arm_as_drawn_is_asked_nothing_else():
+    residuals, found = settle(TRUE)
+    assert found.said == []
+    assert found.residuals == residuals
+    assert not any(name.startswith("holes.") for name in found.numbers)
+    assert of_design(Settings(), found.numbers).floor == Settings().floor
+
+
+def test_holes_that_lie_elsewhere_are_found_and_said():
+    """Not each number by itself: holes, exponent and bends of a hinge do nearly the same."""
+    residuals, found = settle({**TRUE, **ELSEWHERE})
+    train = residuals["train"]
+    plain = fit(near(train, {}), NAMES, {}, Settings().scale, exact=False).changes
+    missed, before = (np.std(train(n)[train.rows]) for n in (found.numbers, plain))
+    assert missed < 0.8 * before
+    assert found.numbers["holes.shift"] != 0.0
+    assert any("not as drawn" in text for text in found.said)
+    assert of_design(Settings(), found.numbers).floor == 0.01

@@ -1,0 +1,28 @@
+"""The lowest of many valleys is found where slopes lead nowhere."""
+
+import numpy as np
+
+from spirob.machine.arm.shape import evolved
+
+PLACE = np.array([0.62, 0.31, 0.5, 0.77, 0.45])
+
+
+def rugged(point):
+    away = np.linalg.norm(point - PLACE)
+    return np.tanh(4.0 * away) + 0.1 * np.sin(60.0 * point).sum() * away
+
+
+def test_it_comes_near_the_lowest_valley():
+    told = []
+    found = evolved(rugged, 5, told.append)
+    assert np.abs(found - PLACE).max() < 0.1
+    assert told
+
+
+def test_the_same_each_time_and_where_some_costs_cannot_be_told():
+    def torn(point):
+        return np.inf if point[0] > 0.7 else rugged(point)
+
+    first, second = (evolved(torn, 5, lambda text: None) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+    assert first[0] <= 0.7

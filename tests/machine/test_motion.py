@@ -1,0 +1,46 @@
+"""Holds are left out, reversals are not; and one law of dry friction is enough."""
+
+import numpy as np
+
+from spirob.effects import all_effects
+from spirob.machine.candidates import is_dry, related
+from spirob.machine.motion import holds, without_holds
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from tests.machine.rigs import description
+
+LIBRARY = all_effects()
+
+
+def recording(standing):
+    t = np.arange(0, 6, 2e-3)
+    q = np.sin(np.pi * np.clip(t, 0, standing))
+    rig = RigFile.model_validate(description())
+    return prepare("log", {"t": t, "q": q, "u": np.cos(t)}, rig)
+
+
+def test_a_hold_is_left_out_and_said():
+    made = recording(4.5)
+    (kept,), (sentence,) = without_holds([made], 0.03)
+    gone = made.pieces[0].use & ~kept.pieces[0].use
+    assert made.pieces[0].seconds[gone].min() > 4.3
+    assert "where the axis stands" in sentence
+
+
+def test_a_reversal_is_no_hold():
+    made = recording(6.0)
+    assert not holds(made.pieces[0].v, 0.03, made.period).any()
+
+
+def test_a_log_of_holds_is_used_as_it_is():
+    made = recording(0.9)
+    (kept,), (sentence,) = without_holds([made], 0.03)
+    assert kept is made
+    assert "stands most of the time" in sentence
+
+
+def test_dry_friction_is_known_by_its_kernel():
+    dry = {name for name, effect in LIBRARY.items() if is_dry(effect)}
+    assert dry == {"coulomb_friction", "stribeck_friction", "presliding_friction"}
+    assert related(LIBRARY["stribeck_friction"], [LIBRARY["coulomb_friction"]])
+    assert not related(LIBRARY["quadratic_drag"], [LIBRARY["coulomb_friction"]])

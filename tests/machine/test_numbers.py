@@ -1,0 +1,102 @@
+"""Numbers that a log has for itself: recovered, fixed where only differences count, refused."""
+
+import numpy as np
+import pytest
+
+from spirob.errors import ConfigError
+from spirob.machine.axis import diagnose_recordings
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.numbers import log_numbers, with_payload
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes
+from tests.machine.rigs import description
+
+SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
+INERTIA, VISCOUS, WEIGHT, ADDED = 0.02, 0.1, 0.8, 0.01
+
+
+def log(k, offset=0.0, payload=0.0, coulomb=0.0, load=0.0, length=12.0):
+    """An axis that swings a payload on a lever; dry friction, also in proportion to the load."""
+    t = np.arange(0, length, 4e-3)
+    w = 1.3 + 0.4 * k
+    q = 1.1 * np.sin(w * t) + 0.4 * np.sin(2.7 * w * t + k)
+    v, a = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
+    carried = (INERTIA + payload * ADDED) * a + payload * WEIGHT * np.sin(q - 0.3)
+    dry = (coulomb + load * np.abs(carried)) * np.tanh(v / 0.02)
+    noise = np.random.default_rng(k).normal(0, 2e-3, len(t))
+    return {"t": t, "q": q, "u": carried + VISCOUS * v + dry + offset + noise}
+
+
+def rig(**changes):
+    return RigFile.model_validate(description(**changes))
+
+
+def recordings(made, rig):
+    return [prepare(f"{k}.csv", columns, rig) for k, columns in enumerate(made)]
+
+
+def test_held_out_logs_have_their_own_offset_fitted_and_nothing_else():
+    described = rig(per_log=["offset"])
+    logs = recordings([log(0, offset=0.5), log(1, offset=-0.2)], described)
+    numbers = log_numbers(described, logs, SIZES)
+    made = InverseProblem(described, None, logs[1:], [], SIZES, 0.02, numbers, ["offset.1.csv"])
+    found = made.completed({"rig.inertia": INERTIA, "rig.viscous": VISCOUS})
+    assert found["offset.1.csv"] == pytest.approx(-0.2, abs=2e-3)
+    left = made({"rig.inertia": INERTIA, "rig.viscous": VISCOUS})
+    assert np.sqrt(np.mean(left**2)) < 4e-3
+
+
+def test_what_counts_only_against_other_logs_is_fixed_for_the_first():
+    described = with_payload(rig(per_log=["payload", "zero", "offset"]), SIZES)
+    numbers = log_numbers(described, recordings([log(0), log(1)], described), SIZES)
+    assert numbers.known == {"payload.0.csv": 1.0, "zero.0.csv": 0.0}
+    assert numbers.fitted(["1.csv"]) == ["offset.1.csv", "payload.1.csv", "zero.1.csv"]
+    assert {"payload_inertia", "payload_cosine", "payload_sine"} <= set(described.fit)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"logs": {"other.csv": {"offset": 0.1}}}, "no such log; given are 0.csv, 1.csv"),
+        ({"logs": {"0.csv": {"payload": 0.1}}}, r"logs\.1\.csv: has no payload"),
+    ],
+)
+def test_a_log_that_is_not_there_or_left_out_is_a_sentence(changes, sentence):
+    described = rig(**changes)
+    with pytest.raises(ConfigError, match=sentence):
+        log_numbers(described, recordings([log(0), log(1)], described), SIZES)
+
+
+def diagnosed(described, made, held):
+    logs = recordings([*made, *held], described)
+    return diagnose_recordings(described, None, logs[: len(made)], logs[len(made) :])
+
+
+def test_a_zero_that_moved_is_recovered_where_a_spring_tells_it():
+    described = rig(per_log=["zero"], known={"stiffness": 0.5})
+    t = np.arange(0, 12, 4e-3)
+    q = np.sin(1.7 * t) + 0.4 * np.sin(4.1 * t)
+    v, a = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
+    made = [{"t": t, "q": q, "u": INERTIA * a + VISCOUS * v + 0.5 * (q + z)} for z in (0.0, 0.3)]
+    logs = recordings(made, described)
+    numbers = log_numbers(described, logs, SIZES)
+    problem = InverseProblem(described, None, logs[1:], [], SIZES, 0.02, numbers, ["zero.1.csv"])
+    found = problem.completed({"rig.inertia": INERTIA, "rig.viscous": VISCOUS})
+    assert found["zero.1.csv"] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_logs_under_another_force_each_are_found_to_differ():
+    made = [log(0, offset=0.3), log(1, offset=0.9), log(2, offset=-0.4)]
+    found = diagnosed(rig(), made, [log(3, offset=0.1)])
+    assert found.verdict == "nothing_missing"
+    assert any("a number of their own, offset" in said for said in found.notes)
+
+
+def test_three_payloads_tell_friction_that_grows_with_load():
+    made = [log(k, payload=m, load=0.12) for k, m in enumerate((0.5, 1.0, 2.0))]
+    held = [log(k + 3, payload=m, load=0.12) for k, m in enumerate((0.5, 2.0))]
+    given = {f"{k}.csv": {"payload": m} for k, m in enumerate((0.5, 1.0, 2.0, 0.5, 2.0))}
+    for described in (rig(logs=given), rig(per_log=["payload"])):
+        found = diagnosed(described, made, held)
+        assert [f.name for f in found.findings] == ["load_dependent_friction"], found.sentence
