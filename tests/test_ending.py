@@ -28,10 +28,10 @@ PARENTS = {
         Parallel(n_jobs=2, initializer=end_with_parent)(delayed(sleeper)() for _ in range(2))
     """,
     "a trial": """
-        from spirob.campaign.arm import campaign
+        from spirob.campaign.arm import running
         from spirob.campaign.arm.case import Case
-        campaign._one = sleeper
-        campaign.play([Case("none", 0), Case("none", 1)], folder / "cases.jsonl", 2)
+        running._one = sleeper
+        running.play([Case("none", 0), Case("none", 1)], folder / "cases.jsonl", 2)
     """,
     "a stage": """
         import subprocess

@@ -106,9 +106,10 @@ def test_half_the_step_is_half_the_error(name):
     def end(rate):
         if name == "rigid":
             p = AXIS._replace(hold=1)
-            return rigid._played(path(1.0, rate, 2), p, hidden, memory(), 0.0, 1 / rate)[0][
-                :: rate // 1000
-            ]
+            wanted = path(1.0, rate, 2)
+            nothing = np.zeros(len(wanted))
+            out = rigid._played(wanted, nothing, p, hidden, memory(), 0.0, 1 / rate)
+            return out[0][:: rate // 1000]
         out = arm._played(path(1.0, rate, 4), LINKS, hidden, memory(), 0.0, 1 / rate)
         return out[0][0][:: rate // 1000]
 

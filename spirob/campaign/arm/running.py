@@ -163,7 +163,8 @@ def play(
     """
     found = known(path)
     todo, fruitless = left(chosen, found), 0
-    if todo:  # a line that is cut off goes, and what is played again is not kept beside it
+    if todo or not path.exists():
+        # a line that is cut off goes, and what is played again is not kept beside it
         again = {_place(case) for case in todo}
         found = [one for one in found if _of(one) not in again]
         write_text(path, _text(found))

@@ -4,9 +4,9 @@ Run apart from the project: python -I arm.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
+import argparse
 import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import mujoco
@@ -35,7 +35,12 @@ def play(module, model, given, k):
 
 def main():
     """Play what is given and keep the result."""
-    folder, given = Path(sys.argv[1]), dict(np.load(sys.argv[2]))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="that was exported to")
+    parser.add_argument("given", type=Path, help="an .npz: logs to play")
+    parser.add_argument("result", type=Path, help="an .npz: what was played")
+    asked = parser.parse_args()
+    folder, given = asked.folder, dict(np.load(asked.given))
     about = json.loads(str(given.pop("about")))
     spec = importlib.util.spec_from_file_location("exported", folder / f"{about['name']}.py")
     module = importlib.util.module_from_spec(spec)
@@ -44,7 +49,7 @@ def main():
     result = {}
     for k in range(about["trials"]):
         result[f"current_{k}"], result[f"length_{k}"] = play(module, model, given, k)
-    np.savez(sys.argv[3], **result)
+    np.savez(asked.result, **result)
 
 
 if __name__ == "__main__":

@@ -8,8 +8,8 @@ Run apart from the project: python -I bam.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
+import argparse
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -37,10 +37,15 @@ def effort(told, given):
 
 def main():
     """Play what is given and keep the result."""
-    given = dict(np.load(sys.argv[2]))
-    (file,) = Path(sys.argv[1]).glob("*_m?.json")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="that was exported to")
+    parser.add_argument("given", type=Path, help="an .npz: logs to play")
+    parser.add_argument("result", type=Path, help="an .npz: what was played")
+    asked = parser.parse_args()
+    given = dict(np.load(asked.given))
+    (file,) = asked.folder.glob("*_m?.json")
     told = json.loads(file.read_text(encoding="utf-8"))
-    np.savez(sys.argv[3], effort=effort(told, given), framed=given["effort"])
+    np.savez(asked.result, effort=effort(told, given), framed=given["effort"])
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ Run apart from the project: python -I c.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
+import argparse
 import ctypes
 import json
 import shutil
@@ -70,12 +71,17 @@ def play(library, name, fields, given):
 
 def main():
     """Play what is given and keep the result."""
-    folder, given = Path(sys.argv[1]), dict(np.load(sys.argv[2]))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="that was exported to")
+    parser.add_argument("given", type=Path, help="an .npz: logs to play")
+    parser.add_argument("result", type=Path, help="an .npz: what was played")
+    asked = parser.parse_args()
+    folder, given = asked.folder, dict(np.load(asked.given))
     about = json.loads(str(given.pop("about")))
     with tempfile.TemporaryDirectory() as into:
         library = compiled(folder, about["name"], into)
         effort, framed = play(library, about["name"], about["fields"], given)
-    np.savez(sys.argv[3], effort=effort, framed=framed)
+    np.savez(asked.result, effort=effort, framed=framed)
 
 
 if __name__ == "__main__":

@@ -7,10 +7,10 @@ Run apart from the project: python -I mujoco.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
+import argparse
 import copy
 import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import mujoco
@@ -155,10 +155,15 @@ def play(played, about, given):
 
 def main():
     """Play what is given and keep the result."""
-    folder, given = Path(sys.argv[1]), dict(np.load(sys.argv[2]))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="that was exported to")
+    parser.add_argument("given", type=Path, help="an .npz: logs to play")
+    parser.add_argument("result", type=Path, help="an .npz: what was played")
+    asked = parser.parse_args()
+    folder, given = asked.folder, dict(np.load(asked.given))
     about = json.loads(str(given.pop("about")))
     effort, framed = play(Played(folder, about), about, given)
-    np.savez(sys.argv[3], effort=effort, framed=framed)
+    np.savez(asked.result, effort=effort, framed=framed)
 
 
 if __name__ == "__main__":
