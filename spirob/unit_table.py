@@ -179,7 +179,7 @@ def with_table(given: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def _by_column(rows: list[list[str]]) -> list[list[float | None]]:
     """The cells below the header, in the order of `COLUMNS`; empty ones are None."""
-    header = [name.strip() for name in rows[0]] if rows else []
+    header = [" ".join(name.split()) for name in rows[0]] if rows else []
     for name in COLUMNS:
         if header.count(name) != 1:
             said = "is missing" if name not in header else "stands twice"
@@ -199,7 +199,7 @@ def _parsed(cell: str, line: int, name: str) -> float | None:
     try:
         return float(cell) if cell.strip() else None
     except ValueError:
-        raise ConfigError(f"row {line}, {name}: '{cell.strip()[:40]}' is no number") from None
+        raise ConfigError(f"row {line}, {name}: {cell.strip()[:40]!r} is no number") from None
 
 
 def _cells(k: int, row: Sequence[Any]) -> dict[str, float]:
@@ -213,7 +213,7 @@ def _cells(k: int, row: Sequence[Any]) -> dict[str, float]:
         fit = isinstance(value, int | float) and not isinstance(value, bool)
         if not fit or not np.isfinite(value):
             who = f"unit {cells['unit']:g}" if name != "unit" else f"row {k + 1}"
-            raise ConfigError(f"{who}: {name}: a number is needed, got {str(value)[:40]}")
+            raise ConfigError(f"{who}: {name}: a number is needed, got {value!r:.40}")
     return {name: float(cells[name]) for name in needed}
 
 

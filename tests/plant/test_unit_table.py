@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from spirob.errors import ConfigError, SpirobError
@@ -150,6 +150,7 @@ CELL = st.one_of(st.none(), st.text(max_size=4), st.floats(-1e4, 1e4, width=32))
 
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, 24), st.integers(0, 7), CELL, st.integers(0, 24))
+@example(0, 0, "\n", 0)
 def test_whatever_stands_in_a_cell_ends_in_an_arm_or_a_sentence(row, column, cell, until):
     rows = rows_of(DRAWN)[: until + 1]
     rows[min(row, until)][column] = cell
