@@ -7,7 +7,8 @@ Once a cycle, with readings as old as the bus makes them.  One scalar function, 
 (plain Python) and inside the compiled model.  R, L and k_e are what the host believes; of the
 back-EMF it may feed forward a share (`drive.emf_compensation`), all of it in the paper.
 
-Its gains are placed by the poles of (14) with hold and latency in the loop.  A voltage is held for a cycle T, and acts τ = (d + δ)T after the reading that it follows from:
+Its gains are placed by the poles of (14) with hold and latency in the loop.  A voltage is held for
+a cycle T, and acts τ = (d + δ)T after the reading that it follows from:
 
     i(k+1) = E i(k) + b₁ u(k-d-1) + b₀ u(k-d)         E = exp(-TR/L)
     b₀ = (1 - E^(1-δ))/R,   b₁ = (E^(1-δ) - E)/R

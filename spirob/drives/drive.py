@@ -1,7 +1,8 @@
 """A kind of drive: what goes out for a command, what its frames say, on a bus that is fast enough.
 
-A bus is fast enough where the frames of a cycle fit into the time that it has.  A frame of n bytes with an 11-bit id takes at most 8n + 44 + ⌊(34 + 8n - 1)/4⌋ + 3 bits with
-stuffing and the pause after it: 135 for eight bytes.
+A bus is fast enough where the frames of a cycle fit into the time that it has.  A frame of n bytes
+with an 11-bit id takes at most 8n + 44 + ⌊(34 + 8n - 1)/4⌋ + 3 bits with stuffing and the pause
+after it: 135 for eight bytes.
 
 `translated` takes all frames of a log at once to C620-style ones: what the controller saw.
 """

@@ -8,12 +8,12 @@ sandwich estimator with blocks of half a second as clusters, because residuals o
 autocorrelated and a plain covariance would be too narrow by a factor of several; the anchor has no
 part in them.
 
-`polished` goes the last steps, to where the data put the fit.  A search ends where its cost settles, and is held to the data sheet as firmly as a model of a real
-machine deserves (`FLOOR`).  Where the residual is smaller than that, both leave the numbers
-that the data hold least beside their intervals.  So a fit is finished by Gauss-Newton steps with
-its exact derivatives, until a step is short against the intervals, and the anchor then weighs what
-the residual's own noise gives it.  It is part of the intervals: one deviation of the data sheet is
-`ANCHOR` of the number.
+`polished` goes the last steps, to where the data put the fit.  A search ends where its cost
+settles, and is held to the data sheet as firmly as a model of a real machine deserves (`FLOOR`).
+Where the residual is smaller than that, both leave the numbers that the data hold least beside
+their intervals.  So a fit is finished by Gauss-Newton steps with its exact derivatives, until a
+step is short against the intervals, and the anchor then weighs what the residual's own noise gives
+it.  It is part of the intervals: one deviation of the data sheet is `ANCHOR` of the number.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -7,7 +7,8 @@ What stretches, creeps or winds up shows there more clearly than in any current.
 compared as well, for it says whether the drive gives what it is told: a dead band stays short of
 the command, a sensor that is wrong does not.
 
-`near` is a replay at half the price, for a search that stays near one point.  The model is played in steps of a whole cycle, and what that misses at one point p_0 is put right,
+`near` is a replay at half the price, for a search that stays near one point.  The model is played
+in steps of a whole cycle, and what that misses at one point p_0 is put right,
 
     r(p) ≈ r_1(p) + r_2(p_0) - r_1(p_0),
 

@@ -1,6 +1,7 @@
 """A trial stopped for safety, and Ctrl-C and SIGTERM between two cycles.
 
-Reasons to stop are functions, each a sentence about a motor, or None.  One bad frame is no reason: all but silence must hold for several frames.
+Reasons to stop are functions, each a sentence about a motor, or None.  One bad frame is no reason:
+all but silence must hold for several frames.
 """
 
 import signal
