@@ -11,9 +11,10 @@ size.py         stacking: train and predict diameters
 model_file.py   a trained model on disk, with the hash that is checked before loading
 contact.py      contact, sample by sample, from one current; the same for whole logs, to try many
                 thresholds
-trust.py        errors on held-out sizes; wraps unlike those of the training
-interval.py     an interval with every size, or a refusal
+interval.py     errors on held-out sizes; an interval with every size, or a refusal
 study.py        what the shipped predictor is compared with; which features it needs, and how many
                 samples
-live.py        contact and size from a bus, while it happens
+passive.py      a push felt in the current of motors that hold it, and where along the arm
+live.py         contact, size and pushes from a bus, while it happens
+live_signals.py what `live` sees: samples on a grid, a wrap that grows, a push
 """
