@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from spirob.report import render, with_clip
-from spirob.report.film import NoClip, film
+from spirob.report.arm import NoClip, film
 
 
 def test_without_opengl_the_reason_is_a_sentence(data, monkeypatch):

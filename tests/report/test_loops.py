@@ -7,7 +7,7 @@ import pytest
 
 from spirob.canbus.deadlines import Lateness
 from spirob.logs import write_parquet
-from spirob.report.loops import read_loops
+from spirob.report.data import read_loops
 from spirob.report.sections.loop import Loop
 from spirob.trace import Trace
 
