@@ -1,8 +1,7 @@
 """What the robot touches, told from its motors alone: the size of an object it wraps.
 
 wrap.py         a wrap from a trial, or the reason why it is none; a wrap in its parts: free
-                motion, rise of the current, plateau
-feature.py      what a feature is, and the table of all of them
+                motion, rise of the current, plateau; what a feature of it is
 temporal.py, spectral.py, electromechanical.py   the features themselves
 features.py     trials -> table of features
 base_models.py  the two regressors below, and the preparation of their inputs
