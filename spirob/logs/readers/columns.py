@@ -10,12 +10,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from spirob.errors import DataError, MissingChannel
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 EXAMPLE = 40  # characters of a text that are shown
 
@@ -196,8 +198,10 @@ TIMES = 0.9  # of the cells must be times, where a column is to be one of times
 DAY = 86400.0  # s
 
 
-def add(table: Table, name: str, values: np.ndarray | pd.Series) -> None:
+def add(table: Table, name: str, values: "np.ndarray | pd.Series") -> None:
     """Put a column, (n,) of any kind, where it belongs in a table."""
+    import pandas as pd
+
     kind = values.dtype.kind if isinstance(values.dtype, np.dtype) else "O"
     if kind in "fiub":
         table.columns[name] = np.asarray(values, float)
@@ -218,7 +222,9 @@ def _plain(cell: object) -> object:
     return printable(cell) if isinstance(cell, str) else cell
 
 
-def _add_text(table: Table, name: str, cells: pd.Series) -> None:
+def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
+    import pandas as pd
+
     filled = cells.dropna()
     texts = filled[filled.map(lambda cell: isinstance(cell, str))].str.strip()
     filled = filled.drop(texts.index[texts == ""])
@@ -250,7 +256,7 @@ def _add_times(table: Table, name: str, times: np.ndarray) -> None:
     table.say(f"'{name}' holds dates; they are seconds since {since} (UTC).")
 
 
-def _add_hours(table: Table, name: str, times: pd.Series) -> None:
+def _add_hours(table: Table, name: str, times: "pd.Series") -> None:
     """Times of day, (n,) timedelta, as seconds since the first; midnight may pass."""
     seconds = times.dt.total_seconds().to_numpy(float, copy=True)
     known = np.flatnonzero(np.isfinite(seconds))
@@ -266,7 +272,7 @@ def _add_seconds(table: Table, name: str, spans: np.ndarray) -> None:
     table.units[name] = "s"
 
 
-def from_frame(frame: pd.DataFrame, name: str) -> Table:
+def from_frame(frame: "pd.DataFrame", name: str) -> Table:
     """The columns of a frame, and its index where that has a name, as a table."""
     table = Table(printable(name))
     whole = frame.reset_index() if frame.index.name is not None else frame
