@@ -97,7 +97,7 @@ def step(p, s, w, h):
 def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
     """Hold the commanded currents [A] for `steps` steps of h [s], then write the feedback.
 
-    A machine in voltage mode takes the voltages that come in the cycle instead (`winding`).
+    A machine in voltage mode takes the voltages that come in the cycle instead (`drive`).
 
     numbers, state, scratch  arrays of one record each
     noise    (2,) one standard normal number for each current sensor
