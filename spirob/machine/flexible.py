@@ -96,7 +96,8 @@ def _features(problem: InverseProblem) -> dict[str, np.ndarray]:
 
 
 RIDGE = 1e-8  # of the mean square of a column
-ROUNDS = 100  # of a search for the bounds that hold, one bound each
+PIVOTS = 20  # of a search for the bounds that hold, all of them at once
+ROUNDS = 100  # and one bound each
 
 
 def products(columns: np.ndarray, residual: np.ndarray, folds: np.ndarray) -> np.ndarray:
@@ -151,11 +152,31 @@ def _solved(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     goal = -side / size
     found = np.linalg.solve(scaled, goal[:, :, None])[:, :, 0] / size
     for k in np.flatnonzero(np.any((found < low) | (found > high), axis=1)):
-        root = _root(scaled[k])
-        box = (low * size[k], high * size[k])
-        target = np.linalg.solve(root, goal[k])
-        found[k] = lsq_linear(root.T, target, box, method="bvls", max_iter=ROUNDS).x / size[k]
+        found[k] = _within(scaled[k], goal[k], low * size[k], high * size[k]) / size[k]
     return np.asarray(found)
+
+
+def _within(gram: np.ndarray, goal: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """argmin x·G·x/2 - g·x within bounds, (n,): block principal pivoting.
+
+    Whatever leaves its bounds is held there, whatever a bound holds against the slope is let go,
+    all at once; where that goes round in circles, one at a time (Júdice and Pires 1994).
+    """
+    side = np.zeros(len(goal), int)
+    for _ in range(PIVOTS):
+        free = side == 0
+        found = np.where(side < 0, low, np.where(side > 0, high, 0.0))
+        held = gram[:, ~free] @ found[~free]
+        found[free] = np.linalg.solve(gram[np.ix_(free, free)], (goal - held)[free])
+        slope = gram @ found - goal
+        out = (found > high).astype(int) - (found < low)
+        following = np.where(free, out, np.where(slope * side > 0.0, 0, side))
+        if np.array_equal(following, side):
+            return np.asarray(found)
+        side = following
+    root = _root(gram)
+    target = np.linalg.solve(root, goal)
+    return np.asarray(lsq_linear(root.T, target, (low, high), method="bvls", max_iter=ROUNDS).x)
 
 
 def _root(gram: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Sets of effects, each fitted in full on the training trials and judged on data left out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,11 +84,18 @@ class Models:
         """The fitted model of a set; `start` holds where its numbers begin."""
         key = frozenset(e.name() for e in effects)
         if key not in self.tried:
-            self.tried[key] = self._fit(effects, start)
+            self.tried[key] = self.without((), effects, start)
         return self.tried[key]
 
-    def _fit(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
-        names = [*self.base, *(f"{e.name()}.{f}" for e in effects for f in e.fitted())]
+    def without(
+        self,
+        silent: Collection[str],
+        effects: tuple[type[Effect], ...],
+        start: Mapping[str, float],
+    ) -> Model:
+        """The same with some numbers of the effects left at neutral; it is not kept."""
+        own = (f"{e.name()}.{f}" for e in effects for f in e.fitted())
+        names = [*self.base, *(n for n in own if n not in silent)]
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = ROBUST * self.size  # plain least squares inside

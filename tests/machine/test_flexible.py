@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
 
 from spirob.machine.flexible import error, left_out_linear, products, step, steps
 
@@ -67,3 +68,17 @@ def test_columns_that_say_the_same_are_solved_within_bounds():
     moved = step(sums, low, high)
     assert abs(moved[0]) <= 0.1
     assert moved @ [1.0, 1.0, 3.0, 0.0] == pytest.approx(2.0, rel=1e-3)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 12))
+def test_it_is_the_least_squares_of_an_independent_solver(seed, count):
+    random = np.random.default_rng(seed)
+    columns = random.standard_normal((80, count)) @ random.standard_normal((count, count))
+    residual = columns @ random.standard_normal(count) + random.standard_normal(80)
+    low, high = -random.uniform(0.0, 1.0, count), random.uniform(0.0, 1.0, count)
+    free = random.random(count) < 0.3
+    low[free], high[free] = -np.inf, np.inf
+    found = step(products(columns, residual, np.zeros(80, int)), low, high)
+    other = lsq_linear(columns, -residual, (low, high), method="bvls", max_iter=200).x
+    np.testing.assert_allclose(columns @ found, columns @ other, atol=1e-4)

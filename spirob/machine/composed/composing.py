@@ -6,6 +6,7 @@ every effect has to pass.
 """
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,8 +52,17 @@ class _Fitted:
     law: Law
     name: str
     effect: type[Effect]
-    problems: tuple[InverseProblem, InverseProblem]
+    models: Models
     model: Model
+
+    def only(self, parts: Sequence[int], beside: "_Beside") -> Model:
+        """The model with these parts of the law alone."""
+        silent = [f"{self.name}.{n}" for k in range(self.law.terms) for n in self.law.fields(k)]
+        kept = {f"{self.name}.{n}" for k in parts for n in self.law.fields(k)}
+        effects = (*beside.base.effects, self.effect)
+        return self.models.without(
+            [n for n in silent if n not in kept], effects, self.model.fit.changes
+        )
 
 
 def composed(search: Search, found: Found, base: Model) -> Composed | None:
@@ -91,19 +101,16 @@ class _Beside:
 
 def _pruned(beside: _Beside, law: Law) -> _Fitted:
     """The law, fitted in full, without terms that then no longer matter beside the others."""
-    worth, one = beside.search.worth, _fitted(beside, law, "whole")
-    while law.terms > 1:
-        lesser = [_fitted(beside, law.without(k), f"{law.terms}-{k}") for k in range(law.terms)]
-        weak = [
-            f
-            for f in lesser
-            if not worth.matters(f.model, one.model) or worth.denied(f.model, one.model)
-        ]
+    worth, whole = beside.search.worth, _fitted(beside, law, "whole")
+    kept, one = list(range(law.terms)), whole.model
+    while len(kept) > 1:
+        lesser = {k: whole.only([j for j in kept if j != k], beside) for k in kept}
+        weak = [k for k, m in lesser.items() if not worth.matters(m, one) or worth.denied(m, one)]
         if not weak:
             break
-        one = min(weak, key=lambda f: f.model.mean_square)
-        law = one.law
-    return one
+        least = min(weak, key=lambda k: lesser[k].mean_square)
+        kept, one = [k for k in kept if k != least], lesser[least]
+    return whole if len(kept) == law.terms else _fitted(beside, whole.law.only(kept), "pruned")
 
 
 def _fitted(beside: _Beside, law: Law, where: str) -> _Fitted:
@@ -118,19 +125,20 @@ def _fitted(beside: _Beside, law: Law, where: str) -> _Fitted:
     start = beside.start | law.changes(name)
     model = models.fitted((*beside.base.effects, effect), start)
     own = {n.split(".", 1)[1]: e.value for n, e in model.fit.estimates.items() if _of(n, name)}
-    return _Fitted(law.at(own), name, effect, (train, heldout), model)
+    return _Fitted(law.at(own), name, effect, models, model)
 
 
 def _told(search: Search, found: Found, base: Model, one: _Fitted) -> Composed:
     """What a reader gets of a law."""
     law, model, sizes = one.law, one.model, search.train.sizes
+    problems = one.models.train, one.models.heldout
     own = {n.split(".", 1)[1]: e for n, e in model.fit.estimates.items() if _of(n, one.name)}
-    shown = one.problems[0].added(one.effect, model.fit.changes, model.fit.residual)
+    shown = problems[0].added(one.effect, model.fit.changes, model.fit.residual)
     nearest, alike = _nearest(search, found, base, shown)
     title = told(law, sizes)
     share = 1.0 - model.heldout_square / base.heldout_square
-    rows = laws(one.problems[1], [one.effect], model.fit.changes, sizes.axis_unit)
-    rows["band"] = _band(one.problems, model, one.name)
+    rows = laws(problems[1], [one.effect], model.fit.changes, sizes.axis_unit)
+    rows["band"] = _band(problems, model, one.name)
     document = {
         "file": f"{one.name}.py",
         "sentence": (

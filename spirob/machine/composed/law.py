@@ -7,7 +7,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -146,9 +146,16 @@ class Law:
             parts.append(Part(part.term, amplitude, part.text, numbers, heights))
         return Law(tuple(parts), self.ranges, self.size)
 
-    def without(self, k: int) -> "Law":
-        """The same without one of its parts."""
-        return Law(self.parts[:k] + self.parts[k + 1 :], self.ranges, self.size)
+    def only(self, places: Sequence[int]) -> "Law":
+        """The law of these parts alone."""
+        return Law(tuple(self.parts[k] for k in places), self.ranges, self.size)
+
+    def fields(self, k: int) -> list[str]:
+        """The names of a part's numbers."""
+        part, place = self.parts[k], k + 1
+        shapes = [f"{NUMBERS[key].field}_{place}" for key in part.numbers]
+        heights = [f"height_{place}_{j + 1}" for j in part.heights]
+        return [f"amplitude_{place}", *shapes, *heights]
 
     def _own(self) -> Iterator[LawNumber]:
         for k, part in enumerate(self.parts, 1):
