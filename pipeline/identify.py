@@ -6,11 +6,10 @@ from typing import Any
 from pipeline.model import fitted_names, plant, residual, start
 from pipeline.resolution import resolution
 from pipeline.stage import entry, public_config, tell, write_json
-from spirob.identify.coarse import near
-from spirob.identify.fit import Fit, best_start, fit_identifiable
+from spirob.identify.fit import Fit, best_start, fit_identifiable, polished
 from spirob.identify.identifiability import probe
 from spirob.identify.plausibility import refuse_senseless
-from spirob.identify.polish import polished
+from spirob.identify.residual import near
 from spirob.parameter import Table
 from spirob.score import score
 

@@ -20,8 +20,7 @@ from spirob.experiments import Play, Side
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
 from spirob.perceive.model_file import save_model
-from spirob.perceive.passive import PassiveDetector, Response
-from spirob.perceive.passive_region import REGIONS, features, learned, region
+from spirob.perceive.passive import REGIONS, PassiveDetector, Response, features, learned, region
 
 PLACES, COMPRESSIONS = (0.15, 0.97), (0.006, 0.014)  # of the length; m of the spring: 1.2-2.8 m/s
 HIT = 0.9  # s

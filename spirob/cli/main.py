@@ -1,6 +1,6 @@
 """Entry of the command `spirob`: finds the subcommands, runs one, turns errors into sentences.
 
-What the exit codes mean stands in `spirob.cli.exit_codes`.
+What the exit codes mean stands in `spirob.cli`.
 """
 
 import argparse
@@ -11,8 +11,7 @@ import sys
 from collections.abc import Sequence
 from types import ModuleType
 
-from spirob.cli import commands
-from spirob.cli.exit_codes import DONE, MEANINGS, MISTAKE, STOPPED
+from spirob.cli import DONE, MEANINGS, MISTAKE, STOPPED, commands
 from spirob.ending import stop_as_by_hand
 from spirob.errors import SpirobError
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from spirob.cli.exit_codes import BUG, DONE, MISTAKE, STOPPED
+from spirob.cli import BUG, DONE, MISTAKE, STOPPED
 from spirob.cli.interruption import discard_torn
 from spirob.cli.progress import Progress
 from spirob.errors import ConfigError

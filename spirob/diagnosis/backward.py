@@ -21,9 +21,9 @@ from spirob.diagnosis.rungs import (
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.weighing import counts, with_probability
 from spirob.effects import Effect
-from spirob.identify.coarse import near
 from spirob.identify.fit import STEPS, fit
 from spirob.identify.problem import Problem
+from spirob.identify.residual import near
 
 INSTEAD = 3  # candidates that are tried in the place of the first effect
 

@@ -25,11 +25,10 @@ from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, label, run
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.diagnosis.weighing import simplest, with_probability
 from spirob.effects import Effect, find_effects
-from spirob.identify.coarse import near
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 
 
 @dataclass(frozen=True)

@@ -33,9 +33,9 @@ from spirob.diagnosis.weighing import (
     with_probability,
 )
 from spirob.effects import Effect
-from spirob.identify.coarse import near
 from spirob.identify.fit import STEPS, Fit, fit, fit_identifiable
 from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.residual import near
 from spirob.identify.scaling import Scaling
 from spirob.progress import Steps
 

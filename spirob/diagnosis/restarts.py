@@ -12,9 +12,9 @@ from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.rungs import Confirmed, Settings, label, line
 from spirob.diagnosis.screen import amplitudes
 from spirob.effects import Effect
-from spirob.identify.coarse import near
 from spirob.identify.fit import fit
 from spirob.identify.problem import Problem
+from spirob.identify.residual import near
 
 HOPELESS = 2.0  # times the cost: what the cheap steps of a far fit may be off does not explain it
 ASIDE = 0.5  # of the way from absence to a bound: where a fit of either sign begins

@@ -1,15 +1,18 @@
 """A kind of drive: what goes out for a command, what its frames say, on a bus that is fast enough.
 
-Whether a bus is fast enough: frames of a cycle against the time that it has.
+A bus is fast enough where the frames of a cycle fit into the time that it has.  A frame of n bytes
+with an 11-bit id takes at most 8n + 44 + ⌊(34 + 8n - 1)/4⌋ + 3 bits with stuffing and the pause
+after it: 135 for eight bytes.
 
-A frame of n bytes with an 11-bit id takes at most 8n + 44 + ⌊(34 + 8n - 1)/4⌋ + 3 bits with
-stuffing and the pause after it: 135 for eight bytes.
+`translated` takes all frames of a log at once to C620-style ones: what the controller saw.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+
+import numpy as np
 
 from spirob import given_file, plain_yaml
 from spirob.can_protocol import (
@@ -21,6 +24,7 @@ from spirob.can_protocol import (
     Feedback,
     command_counts,
     encode_feedback,
+    feedback_payloads,
 )
 from spirob.drives.codec import VOLT_PER_COUNT, Codec
 from spirob.drives.description import (
@@ -235,3 +239,67 @@ def require_fast_enough(drive: Drive, bitrate: float) -> None:
             f"a bus of {bitrate / 1e3:g} kbit/s is slower than the loop on the host: the frames "
             f"of a cycle of {drive.about.name} take up to {1e3 * needed:.2f} ms, and it has 1 ms"
         )
+
+
+def translated(drive: Drive, raw: np.ndarray) -> np.ndarray:
+    """Records like `raw` (stamp_ns, id, data) with our ids and payloads, in the order received.
+
+    A command of ours stands where the left motor's was sent, a feedback frame where an angle came;
+    of a drive in voltage mode it is in counts of voltage.
+    """
+    places, parts = [], []
+    for at, records in (_commands(drive, raw), *(_received(drive, raw, m) for m in range(2))):
+        places.append(at)
+        parts.append(records)
+    order = np.argsort(np.concatenate(places), kind="stable")
+    return np.concatenate(parts)[order]
+
+
+def _commands(drive: Drive, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    (at, counts), *others = [_sent(drive, raw, motor) for motor in drive.motors]
+    payloads = np.zeros((len(at), 4), ">i2")
+    payloads[:, 0] = counts
+    for m, (places, values) in enumerate(others, 1):
+        # the command of the same cycle follows the left motor's, and comes before its next
+        mine = np.searchsorted(places, at)
+        there = mine < len(places)
+        payloads[there, m] = values[mine[there]]
+    records = raw[at].copy()
+    records["id"] = COMMAND_ID
+    records["data"] = payloads.view(np.uint8).reshape(-1, 8)
+    return at, records
+
+
+def _sent(drive: Drive, raw: np.ndarray, motor: Motor) -> tuple[np.ndarray, np.ndarray]:
+    asked = motor.command
+    at = np.flatnonzero(raw["id"] == drive.frame_id(asked.message))
+    values = drive.codec.decode_many(asked.message, raw["data"][at])[asked.signal]
+    return at, _counts(values / drive.scale(motor) / drive.per_count, FULL)
+
+
+def _received(drive: Drive, raw: np.ndarray, m: int) -> tuple[np.ndarray, np.ndarray]:
+    motor = drive.motors[m]
+    at = np.flatnonzero(raw["id"] == drive.frame_id(motor.angle.message))
+    latest = {}
+    for kind, source in sources(motor).items():
+        mine = np.flatnonzero(raw["id"] == drive.frame_id(source.message))
+        values = drive.codec.decode_many(source.message, raw["data"][mine])[source.signal]
+        before = np.searchsorted(mine, at, side="right") - 1
+        found = np.append(factor(drive, kind, source) * values, 0.0)  # 0 before the first
+        latest[kind] = found[np.where(before >= 0, before, len(values))]
+    angle = _counts(latest["angle"] * COUNTS_PER_TURN, 2**53) % COUNTS_PER_TURN
+    records = raw[at].copy()
+    records["id"] = FEEDBACK_ID + 1 + m
+    records["data"] = feedback_payloads(
+        angle,
+        _counts(latest["speed"], FULL),
+        _counts(latest["current"] / AMPERE_PER_COUNT, FULL),
+        np.maximum(0, _counts(latest.get("temperature", np.zeros(len(at))), 255)),
+    )
+    return at, records
+
+
+def _counts(values: np.ndarray, most: int) -> np.ndarray:
+    """As `Translator` rounds: nearest, half to even, within ± most; no number is the most."""
+    finite = np.where(np.isnan(values), float(most), values)
+    return np.rint(np.clip(finite, -float(most), float(most))).astype(np.int64)

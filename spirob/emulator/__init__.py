@@ -8,9 +8,9 @@ data from its own equations proves nothing.
     rig.py      what a user may know and choose: ratio, winch, size, gravity, noise
     truth.py    how this one machine differs from its data sheet, drawn from a seed
     build.py    how it is built: scatter and other choices of design, drawn from the seed
+    faults/     what goes wrong on the bus, one file each
     hidden/     effects that nobody told the model about, one file each
-    physics/    the compiled step, one file for each part of the machine
-    node.py     the drives' side of the bus
+    physics/    the compiled step
     robot.py    the robot: both sides of the bus, one cycle at a time
 """
 

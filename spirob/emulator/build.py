@@ -24,7 +24,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.random import Generator
 
-from spirob.emulator.physics.compiled import HINGES, SIDES
+from spirob.emulator.physics import HINGES, SIDES
 from spirob.errors import ConfigError
 from spirob.geometry import BASE_WIDTH, SpiralArm
 from spirob.robot import MOTORS

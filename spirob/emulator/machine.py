@@ -17,7 +17,7 @@ from numpy.random import Generator
 
 from spirob.emulator import hidden, truth
 from spirob.emulator.build import built
-from spirob.emulator.physics.compiled import HINGES
+from spirob.emulator.physics import HINGES
 from spirob.emulator.physics.layout import SCRATCH, STATE
 from spirob.emulator.physics.step import run_cycle
 from spirob.emulator.rig import EmulatedRig, HiddenSettings

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.emulator.build import Build, anatomy
-from spirob.emulator.physics.compiled import HINGES, SIDES
+from spirob.emulator.physics import HINGES, SIDES
 from spirob.emulator.physics.layout import NUMBERS
 from spirob.emulator.rig import EmulatedRig
 from spirob.geometry import BASE_WIDTH

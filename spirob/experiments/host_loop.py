@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from spirob.control.host_gains import placed
-from spirob.control.host_loop import HostLoop
+from spirob.control.host_loop import HostLoop, placed
 from spirob.errors import ConfigError
 from spirob.experiments.direct_drive import DIRECT, DRUM
 from spirob.experiments.experiment import Experiment, Play, row

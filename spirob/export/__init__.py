@@ -10,7 +10,7 @@ One file in `targets/` for each target; a new file there is a new target, no lis
 They load what they need when they write.
 
 `law` reads an effect's file, `translate` checks its arithmetic and writes C, `axis` puts the
-kernels into the equations of an axis; `checking` proves what was written.
+kernels into the equations of an axis; `exporting` writes the files and proves them.
 """
 
 import importlib

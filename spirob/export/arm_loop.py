@@ -12,8 +12,7 @@ import numpy as np
 from spirob.effects import Effect
 from spirob.export.arm import CorrectedArm
 from spirob.export.corrected import Held
-from spirob.export.kernels import kernel_functions
-from spirob.export.law import law_of
+from spirob.export.law import kernel_functions, law_of
 from spirob.plant.assemble import generate
 from spirob.plant.plant import COLUMNS
 from spirob.ports import PORTS

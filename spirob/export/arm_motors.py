@@ -8,8 +8,7 @@ from spirob.export.arm import CorrectedArm
 from spirob.export.axis import ADDED, BEFORE, CURRENT, FRAME, REPORT, SHARE
 from spirob.export.code import about, c_files, c_name
 from spirob.export.corrected import Corrected, Fitted, Held
-from spirob.export.kernels import kernel_functions
-from spirob.export.law import law_of
+from spirob.export.law import kernel_functions, law_of
 from spirob.export.translate import HELP
 from spirob.machine.rig import NUMBERS
 from spirob.robot import MOTORS

@@ -30,7 +30,7 @@ from spirob.export.axis_text import (
     WITH_PAYLOAD,
 )
 from spirob.export.corrected import Corrected, Held
-from spirob.export.kernels import kernel_functions, kernel_name
+from spirob.export.law import kernel_functions, kernel_name
 from spirob.export.translate import Function
 from spirob.machine.forward.torque import PASSES as SENSED
 from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, PASSES, READINGS, SENSOR

@@ -2,7 +2,7 @@
 
     i(k+1) = E i(k) + b₁ u(k-d-1) + b₀ u(k-d) - k_e ω (1 - E)/R,    τ = (d + δ)T
 
-the winding under held voltages as in `control.host_gains`, driven by the voltages that were sent
+the winding under held voltages as in `control.host_loop`, driven by the voltages that were sent
 and the speed that was read.  τ and the motors' R are those that leave the least of the measured
 current; L and k_e are nominal.  A held current tells nothing of τ, and one that rises by 16 A/s, as
 where a trial begins, less where τ is little more than a cycle: a voltage then acts as if at once.
@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
-from spirob.control.host_gains import Winding
+from spirob.control.host_loop import Winding
 from spirob.errors import DataError
 from spirob.plant.rig import Motor
 

@@ -14,7 +14,7 @@ import yaml
 
 from spirob.control.law import CURRENT, DISPLACEMENT, FORCE, VELOCITY
 from spirob.drives import Drive
-from spirob.drives.recorded import translated
+from spirob.drives.drive import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, TooShort
 from spirob.logs.cycles import Cycles, Transmission
 from spirob.logs.messages import unpack_commands, unpack_frames

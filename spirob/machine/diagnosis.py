@@ -12,7 +12,7 @@ from spirob.effects import Effect
 from spirob.errors import ConfigError
 from spirob.given_file import named
 from spirob.logs.readers import Table, read_table
-from spirob.logs.readers.columns.sorting import from_frame
+from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.criteria import Criteria

@@ -1,8 +1,7 @@
 """What the robot touches, told from its motors alone: the size of an object it wraps.
 
 wrap.py         a wrap from a trial, or the reason why it is none; a wrap in its parts: free
-                motion, rise of the current, plateau
-feature.py      what a feature is, and the table of all of them
+                motion, rise of the current, plateau; what a feature of it is
 temporal.py, spectral.py, electromechanical.py   the features themselves
 features.py     trials -> table of features
 base_models.py  the two regressors below, and the preparation of their inputs
@@ -11,9 +10,10 @@ size.py         stacking: train and predict diameters
 model_file.py   a trained model on disk, with the hash that is checked before loading
 contact.py      contact, sample by sample, from one current; the same for whole logs, to try many
                 thresholds
-trust.py        errors on held-out sizes; wraps unlike those of the training
-interval.py     an interval with every size, or a refusal
+interval.py     errors on held-out sizes; an interval with every size, or a refusal
 study.py        what the shipped predictor is compared with; which features it needs, and how many
                 samples
-live.py        contact and size from a bus, while it happens
+passive.py      a push felt in the current of motors that hold it, and where along the arm
+live.py         contact, size and pushes from a bus, while it happens
+live_signals.py what `live` sees: samples on a grid, a wrap that grows, a push
 """

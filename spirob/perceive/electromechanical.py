@@ -8,8 +8,7 @@ move by 0.5 and 1.8 of their range when rotor damping trebles, the strokes by 0.
 
 import numpy as np
 
-from spirob.perceive.feature import feature
-from spirob.perceive.wrap import Wrap
+from spirob.perceive.wrap import Wrap, feature
 
 
 @feature("m")

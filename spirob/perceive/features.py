@@ -6,8 +6,7 @@ import pandas as pd
 
 from spirob.errors import ConfigError, DataError
 from spirob.perceive import electromechanical, spectral, temporal
-from spirob.perceive.feature import FEATURES, Feature, feature
-from spirob.perceive.wrap import read_wrap
+from spirob.perceive.wrap import FEATURES, Feature, feature, read_wrap
 from spirob.trace import Trace
 
 

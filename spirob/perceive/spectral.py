@@ -8,9 +8,8 @@ import numpy as np
 from scipy.signal import detrend
 from scipy.signal.windows import hann
 
-from spirob.perceive.feature import feature
 from spirob.perceive.temporal import NOMINAL_SPEED
-from spirob.perceive.wrap import Wrap
+from spirob.perceive.wrap import Wrap, feature
 
 SECONDS = 2.5  # of free motion at the nominal speed
 

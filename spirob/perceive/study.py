@@ -27,6 +27,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 
 from spirob.errors import ConfigError
 from spirob.perceive.base_models import Cut, MonotoneFeatures
+from spirob.perceive.interval import used_features
 from spirob.perceive.score import MILLIMETRES, mean_error, score
 from spirob.perceive.size import (
     BASES,
@@ -38,7 +39,6 @@ from spirob.perceive.size import (
     predict,
     train,
 )
-from spirob.perceive.trust import used_features
 
 SHUFFLES = 10
 STEPS = (20, 35, 50, 100, 200, 400, 800, 1600, 3200)  # samples

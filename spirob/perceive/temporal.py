@@ -6,8 +6,7 @@ reaches the same stroke 5 % earlier, and its clock should not tell that as anoth
 
 import numpy as np
 
-from spirob.perceive.feature import feature
-from spirob.perceive.wrap import Wrap
+from spirob.perceive.wrap import Wrap, feature
 
 NOMINAL_SPEED = 0.045  # m/s
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from spirob.control.host_gains import Placed, placed
-from spirob.control.host_loop import HostLoop
+from spirob.control.host_loop import HostLoop, Placed, placed
 from spirob.control.law import Gains
 from spirob.errors import ConfigError
 from spirob.geometry import PUBLISHED, UNITS, Drawing, SpiralArm

@@ -3,6 +3,8 @@
 Everything inside is SI; the sections change to mm and ms.  A file that must exist and does not is
 an error that names the stage writing it; a file that may be absent leaves a sentence in `absent`,
 which its section prints in place of the numbers.
+
+How the loop kept its deadlines comes from what the logs say of it.
 """
 
 import json
@@ -12,12 +14,15 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 import yaml
 
 from spirob.errors import DataError, MissingChannel, MissingLog
+from spirob.logs.parquet import KEY
+from spirob.logs.schema import LOOP
 from spirob.plant import Rig
-from spirob.report.film import NoClip, film
-from spirob.report.loops import read_loops
+from spirob.report.arm import NoClip, film
 from spirob.report.provenance import Provenance, collect
 from spirob.unit_table import Geometry
 
@@ -255,3 +260,30 @@ READERS: dict[str, Callable[[Path], Any]] = {
     ".yaml": _read_text,
     "": _read_tables,
 }
+
+
+FIGURES = ("cycles", "skipped", "lateness_p50_us", "lateness_p99_us", "lateness_max_us")
+
+
+def read_loops(folder: Path) -> dict[str, dict[str, Any]]:
+    """Trial -> figures [µs], `histogram` with its edges, and `priority`; none in simulated time.
+
+    folder  of decoded traces; of each, only the description is read
+    """
+    found = {}
+    for path in sorted(folder.glob("*.parquet")):
+        try:
+            meta = json.loads((pq.read_schema(path).metadata or {})[KEY])["meta"]
+            found[path.stem] = _numbers(meta[LOOP])
+        except (KeyError, ValueError, TypeError, OSError, pa.ArrowException):
+            continue  # no trace of a robot in real time
+    return found
+
+
+def _numbers(loop: dict[str, str]) -> dict[str, Any]:
+    figures = {name: float(loop[name]) for name in FIGURES}
+    edges = [float(edge) for edge in loop["histogram_from_us"].split()]
+    counts = [int(count) for count in loop["histogram"].split()]
+    if len(edges) != len(counts):
+        raise ValueError("a histogram needs as many edges as counts")
+    return {**figures, "edges": edges, "counts": counts, "priority": str(loop["priority"])}

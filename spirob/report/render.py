@@ -17,7 +17,7 @@ from PIL import Image
 from spirob.geometry import SpiralArm
 from spirob.plant.body import build_spec
 from spirob.plant.rig import Arm
-from spirob.report.film import RATE
+from spirob.report.arm import RATE
 from spirob.robot import Scene
 
 WIDTH, HEIGHT = 480, 360  # pixels

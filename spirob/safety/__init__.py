@@ -1,11 +1,10 @@
 """What stands between a controller and the drives on every command path.
 
-limits.py        the numbers: current, slew, travel, speed, winding temperature, silence; a command
-                 brought within current and slew
-motor.py         what a drive last said, in SI
-stop_reasons.py  the reasons to stop, one function each
-guard.py         the robot behind all of this: armed by hand, zero current first
-stop.py          Ctrl-C and SIGTERM as a stop between two cycles
+limits.py  the numbers: current, slew, travel, speed, winding temperature, silence; a command
+           brought within current and slew
+motor.py   what a drive last said, in SI
+guard.py   the robot behind all of this: armed by hand, zero current first
+stop.py    reasons to stop, one function each; Ctrl-C and SIGTERM between two cycles
 """
 
 from spirob.safety.guard import GuardedRobot

@@ -13,8 +13,7 @@ from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
 from spirob.safety.limits import Limits, of_currents, of_voltages
 from spirob.safety.motor import MotorState
-from spirob.safety.stop import Stopped
-from spirob.safety.stop_reasons import Watched, reason_to_stop
+from spirob.safety.stop import Stopped, Watched, reason_to_stop
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from spirob.control.host_gains import Placed, placed
-from spirob.control.host_loop import CYCLE, HostLoop, host_voltage
+from spirob.control.host_loop import CYCLE, HostLoop, Placed, host_voltage, placed
 from spirob.drives import Drive
 from spirob.drives.codec import encode_volts
 from spirob.errors import ConfigError

@@ -1,5 +1,10 @@
-"""How late cycles ended is in the log of a robot in real time."""
+"""How late cycles ended is in the log of a robot in real time.
 
+The loop takes what the system allows, says what it does not, and leaves all as it was.
+"""
+
+import gc
+import os
 import threading
 import time
 
@@ -7,7 +12,7 @@ import numpy as np
 import pytest
 
 from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.deadlines import EDGES, Lateness
+from spirob.canbus.deadlines import EDGES, PRIORITY, Lateness, Urgency
 from spirob.control.law import Gains
 from spirob.logs import Transmission, read_log
 from spirob.logs.writer import TrialLog
@@ -70,3 +75,47 @@ def test_a_trial_on_a_bus_says_how_late_its_cycles_were_and_does_not_wait_for_it
     assert sum(map(int, loop["histogram"].split())) == int(loop["cycles"])
     assert loop["priority"] == "not asked for"
     assert int(loop["skipped"]) >= 0
+
+
+@pytest.fixture
+def scheduler(monkeypatch):
+    """What was asked of the system, without asking it."""
+    asked = []
+    monkeypatch.setattr(os, "sched_setscheduler", lambda *given: asked.append(given), raising=False)
+    return asked
+
+
+def test_priority_is_taken_and_given_back(scheduler):
+    urgency, before = Urgency(), (os.sched_getscheduler(0), os.sched_getparam(0))
+    urgency.take()
+    urgency.take()
+    assert not gc.isenabled()
+    assert urgency.lacking == ""
+    urgency.give_back()
+    urgency.give_back()
+    assert gc.isenabled()
+    assert scheduler == [(0, os.SCHED_FIFO, os.sched_param(PRIORITY)), (0, *before)]
+
+
+def test_where_it_is_not_allowed_that_is_said(monkeypatch):
+    def refuse(*given):
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    urgency = Urgency()
+    urgency.take()
+    assert urgency.lacking.startswith("no real-time priority: Operation not permitted")
+    assert not gc.isenabled()
+    urgency.give_back()
+    assert gc.isenabled()
+
+
+def test_a_disabled_collector_stays_disabled(scheduler):
+    gc.disable()
+    try:
+        urgency = Urgency()
+        urgency.take()
+        urgency.give_back()
+        assert not gc.isenabled()
+    finally:
+        gc.enable()

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from spirob.cli.exit_codes import MEANINGS
+from spirob.cli import MEANINGS
 from spirob.cli.main import command_line, name_of, subcommands
 
 SCREEN = (40, 100)  # lines, columns

@@ -6,7 +6,6 @@ import pytest
 
 from spirob.cli.main import main
 from spirob.cli.reference import modules, page
-from spirob.cli.reference.source import modules as read
 
 FOUND = {module.name: module for module in modules()}
 
@@ -38,7 +37,7 @@ def test_reading_executes_nothing(tmp_path):
     package = tmp_path / "spirob"
     package.mkdir()
     (package / "trap.py").write_text('"""A trap."""\nraise SystemExit\n\ndef f(x):\n    """F."""\n')
-    (found,) = read(package)
+    (found,) = modules(package)
     assert found.name == "spirob.trap"
     assert "f(x)" in page(found)
 

@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import pytest
 from jinja2 import Environment, StrictUndefined
 
-from spirob.cli.reference import features
-from spirob.cli.reference.ports import renewed
+from spirob.cli.doc_tables import renewed
 from spirob.perceive.features import FEATURES
 from tests.docs.blocks import BLOCK, follow
 
@@ -37,17 +36,18 @@ def test_a_block_that_says_something_else_is_found(tmp_path, monkeypatch, capsys
 
 def test_the_ports_of_the_conventions_are_those_of_the_program():
     text = (DOCS / "conventions.md").read_text(encoding="utf-8")
-    assert renewed(text) == text
-    assert renewed(text.replace("N·m", "Nm")) != text.replace("N·m", "Nm")
+    assert renewed("conventions.md", text) == text
+    gone = text.replace("N·m", "Nm")
+    assert renewed("conventions.md", gone) != gone
 
 
 def test_the_features_of_a_wrap_are_those_of_the_program():
     text = (DOCS / "size.md").read_text(encoding="utf-8")
-    assert features.renewed(text) == text
+    assert renewed("size.md", text) == text
     for name, one in FEATURES.items():
         assert text.count(f"| {one.kind} | `{name}` | {one.unit} | ") == 1
     gone = text.replace("`stall_time`", "`stalled`")
-    assert features.renewed(gone) != gone
+    assert renewed("size.md", gone) != gone
 
 
 def anchors(page):

@@ -16,8 +16,7 @@ from spirob.drives.codec import (
     decode_volts,
     encode_volts,
 )
-from spirob.drives.drive import Drive, require_fast_enough, seconds_a_cycle
-from spirob.drives.recorded import translated
+from spirob.drives.drive import Drive, require_fast_enough, seconds_a_cycle, translated
 from spirob.errors import ConfigError
 from spirob.logs.messages import pack_frame, unpack_frames
 

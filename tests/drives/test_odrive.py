@@ -11,8 +11,7 @@ from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, decode_feedback, enc
 from spirob.canbus import CanRobot, open_bus
 from spirob.control.law import Gains
 from spirob.drives import Translator, find_drive
-from spirob.drives.drive import Drive
-from spirob.drives.recorded import translated
+from spirob.drives.drive import Drive, translated
 from spirob.errors import ConfigError, MissingLog
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames

@@ -12,7 +12,7 @@ from spirob.can_protocol import encode_command
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.build import BUILDS, ROWS, Build, anatomy, built
 from spirob.emulator.machine import CYCLE, Machine
-from spirob.emulator.physics.compiled import HINGES, SIDES
+from spirob.emulator.physics import HINGES, SIDES
 from spirob.emulator.truth import draw
 from spirob.emulator.truth import machine as machine_numbers
 from spirob.errors import ConfigError

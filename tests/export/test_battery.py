@@ -9,7 +9,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.export import targets
-from spirob.export.checking import LOSS, about_of
+from spirob.export.exporting import LOSS, about_of
 from spirob.export.heldout import Heldout
 from spirob.export.players import c, mujoco
 from spirob.logs.atomic import write_text

@@ -11,9 +11,8 @@ import pytest
 from spirob.cli.main import main
 from spirob.errors import ExportError
 from spirob.export import listed, targets
-from spirob.export.checking import ALONE, alone
 from spirob.export.corrected import corrected, read_document
-from spirob.export.exporting import export
+from spirob.export.exporting import ALONE, alone, export
 from tests.export.machines import exported_model
 
 OWN = '''

@@ -12,8 +12,7 @@ import pytest
 from spirob.effects import all_effects, replay, sampling
 from spirob.errors import ExportError
 from spirob.export.corrected import Held
-from spirob.export.kernels import kernel_functions, kernel_name
-from spirob.export.law import law_of
+from spirob.export.law import kernel_functions, kernel_name, law_of
 from spirob.export.translate import HELP, Function
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
 

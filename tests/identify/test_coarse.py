@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from spirob.errors import SimulationError
-from spirob.identify.coarse import MOST, Near, near
 from spirob.identify.problem import effort_rms
-from spirob.identify.residual import Residual
+from spirob.identify.residual import MOST, Near, Residual, near
 from tests.identify.known import residual, spirob
 
 HERE = {"winch.efficiency": 0.9}

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from spirob.identify.fit import fit
+from spirob.identify.fit import fit, polished
 from spirob.identify.intervals import block_covariance
-from spirob.identify.polish import polished
 from tests.identify.linear import Linear, filtered_noise
 
 SCALE = 0.05

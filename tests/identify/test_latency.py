@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.host_gains import Winding
+from spirob.control.host_loop import Winding
 from spirob.errors import DataError
 from spirob.identify.latency import answer, latency
 from spirob.plant.motor import held_current

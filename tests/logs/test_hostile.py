@@ -15,8 +15,7 @@ from scipy.io import savemat
 
 from spirob.errors import SpirobError
 from spirob.logs import read_parquet
-from spirob.logs.foreign import read_mapping, trace_from
-from spirob.logs.foreign.mapping import mapping_from
+from spirob.logs.foreign import mapping_from, read_mapping, trace_from
 from spirob.logs.readers import read_table
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on

@@ -1,6 +1,10 @@
-"""The quick way through a chunk finds what the slow way finds, or gives way to it."""
+"""The quick way through a chunk finds what the slow way finds, or gives way to it.
+
+Logs are read from several threads at once, as parallel sweeps do.
+"""
 
 import struct
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -106,3 +110,18 @@ def test_a_log_decodes_as_cantools_says(tmp_path):
         assert trace[f"{motor}.temperature"].tolist() == [float(s["temperature"]) for s in said]
     sent = [dbc.decode_message("COMMAND", f["data"].tobytes()) for f in frames if f["id"] == 0x200]
     assert trace["right.command"].tolist() == [float(s["current_2"]) for s in sent[1:]]
+
+
+TURNS = 60
+
+
+def test_four_threads_read_what_one_reads(tmp_path):
+    path = record_on(FakeRobot(), tmp_path, duration=2.0)
+    alone = read_content(path)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: read_content(path), range(TURNS)))
+    for content in found:
+        assert content.attachments == alone.attachments
+        assert content.messages.keys() == alone.messages.keys()
+        for topic, messages in content.messages.items():
+            assert np.array_equal(messages, alone.messages[topic])

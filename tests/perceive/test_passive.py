@@ -5,8 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.perceive.passive import PassiveDetector, PassiveSettings, Response
-from spirob.perceive.passive_region import REGIONS, features, learned, region
+from spirob.perceive.passive import (
+    REGIONS,
+    PassiveDetector,
+    PassiveSettings,
+    Response,
+    features,
+    learned,
+    region,
+)
 
 COUNT = 20 / 16384
 

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from spirob.perceive.interval import MOST_FOLDS, held_out, used_features
 from spirob.perceive.size import TARGET, predict, train
 from spirob.perceive.study import gaussian_process, importance, learning_curve, rivals
-from spirob.perceive.trust import MOST_FOLDS, held_out, used_features
 
 
 def made_up(n, seed=0):

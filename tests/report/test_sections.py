@@ -7,9 +7,9 @@ from importlib import resources
 import pytest
 
 from spirob.report import builder
-from spirob.report.experiment_figures import overlays
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
+from spirob.report.sections.experiments import overlays
 from spirob.report.sections.object_size import mae_interval
 from spirob.report.sections.verdict import explained_sentence, share
 from tests.report.synthetic import TRIALS

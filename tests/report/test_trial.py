@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.report import trial_figures
+from spirob.report.sections import trial
 from spirob.report.sections.trial import Trial, rates
 from tests.report.synthetic_results import TRIAL
 
@@ -17,7 +17,7 @@ def test_rates_come_with_interval_and_number_and_empty_ones_are_left_out():
 
 
 def test_answers_are_in_the_order_of_the_rows_they_lead_and_refusals_last():
-    assert trial_figures.answers(TRIAL["confusion"]) == [
+    assert trial.answers(TRIAL["confusion"]) == [
         "capstan_friction",
         "coulomb_friction",
         "undecided",
@@ -27,7 +27,7 @@ def test_answers_are_in_the_order_of_the_rows_they_lead_and_refusals_last():
 
 
 def test_the_matrix_holds_every_count():
-    (heat,) = trial_figures.confusion(TRIAL["confusion"]).data
+    (heat,) = trial.confusion(TRIAL["confusion"]).data
     assert [[t or "0" for t in line] for line in heat.text] == [
         ["4", "0", "1", "0", "0"],
         ["1", "3", "0", "1", "0"],
@@ -37,8 +37,8 @@ def test_the_matrix_holds_every_count():
 
 
 def test_bins_without_robots_are_not_drawn():
-    assert trial_figures.reliability(TRIAL["reliability"]).data[1].x == (0.71, 0.98)
-    figure = trial_figures.strength([*TRIAL["strength"], {"low": 0, "high": 0.1, "n": 0}])
+    assert trial.reliability(TRIAL["reliability"]).data[1].x == (0.71, 0.98)
+    figure = trial.strength([*TRIAL["strength"], {"low": 0, "high": 0.1, "n": 0}])
     assert figure.data[0].x == pytest.approx((0.25, 0.55))
     assert figure.data[0].error_y.arrayminus == pytest.approx((0.21, 0.15))
 

@@ -30,10 +30,9 @@ from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import AS_DESIGNED
-from spirob.identify.coarse import near
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, Problem, effort_rms
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 from spirob.plant import Plant, Rig
 
 ENOUGH = 0.6  # of the base's error: with less the fit did not fail

@@ -31,10 +31,9 @@ from spirob.diagnosis.rungs import Ladder, Rung, Settings
 from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import HiddenSettings
 from spirob.ending import end_with_parent
-from spirob.identify.coarse import near
 from spirob.identify.fit import STEPS, fit
 from spirob.identify.problem import FITTED, Problem, effort_rms
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 from spirob.plant import Plant, Rig
 
 

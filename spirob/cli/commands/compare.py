@@ -5,6 +5,7 @@ a constant current are marked idle.
 """
 
 import argparse
+from collections.abc import Sequence
 from typing import Any
 
 from spirob.cli.choices import add_choices, advance
@@ -42,8 +43,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def table(trials: list[dict[str, Any]]) -> str:
     """A line for each motor of each trial."""
-    from spirob.cli.columns import columns
-
     head = ["trial", "motor"]
     for channel, (unit, _) in SHOWN.items():
         head += [f"{channel} RMSE [{unit}]", "R²"]
@@ -53,6 +52,23 @@ def table(trials: list[dict[str, Any]]) -> str:
             name = motor if about.get("driven", True) else f"{motor} (idle)"
             rows.append([trial["name"], name, *_cells(about)])
     return columns(head, rows, left=2)
+
+
+def columns(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> str:
+    """Rows under their head as aligned plain text, as people and `cut` read it.
+
+    The first `left` columns begin flush, the others end so.
+    """
+    table = [list(head), *(list(row) for row in rows)]
+    widths = [max(len(row[k]) for row in table) for k in range(len(head))]
+    lines = []
+    for row in table:
+        cells = [
+            cell.ljust(width) if k < left else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
 
 
 def _cells(about: dict[str, Any]) -> list[str]:

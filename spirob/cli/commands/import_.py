@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.logs.foreign import read_mapping, trace_from
     from spirob.logs.parquet import write_parquet
     from spirob.logs.readers import read_table
-    from spirob.logs.readers.columns.table import printable
+    from spirob.logs.readers.columns import printable
 
     out = Path(arguments.out)
     if out.suffix != ".parquet":

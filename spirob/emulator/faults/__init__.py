@@ -15,20 +15,18 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any
 
-from spirob.emulator.faults.fault import Fault
-from spirob.emulator.faults.wire import Placed, Wire
+from spirob.emulator.faults.fault import Fault, Placed, Wire
 from spirob.errors import ConfigError
 from spirob.robot import MOTORS
 
 DIRECTIONS = {"feedback": ("feedback",), "command": ("command",), "both": ("feedback", "command")}
-_OTHER = ("fault", "wire")
 
 __all__ = ["Fault", "Wire", "kinds", "wire_from"]
 
 
 def kinds() -> list[str]:
     """Names of all faults."""
-    return sorted(found.name for found in iter_modules(__path__) if found.name not in _OTHER)
+    return sorted(found.name for found in iter_modules(__path__) if found.name != "fault")
 
 
 def load(kind: object) -> type[Fault]:

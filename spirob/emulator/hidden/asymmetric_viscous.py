@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("thinning_speed",)
 TYPICAL = 1.8e-5  # N·m·s/rad

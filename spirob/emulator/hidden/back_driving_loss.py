@@ -9,7 +9,7 @@ backward efficiency is 5-30 % lower; size assumed.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("bristle_angle",)
 TYPICAL = 0.15

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
-from spirob.emulator.physics.magnets import HARMONICS
+from spirob.emulator.physics import SIDES
+from spirob.emulator.physics.motor import HARMONICS
 
 REPLACED = ("cogging_order", "cogging_phase")
 SIZES = np.array([0.7e-3, 0.25e-3, 0.3e-3, 0.2e-3, 0.25e-3])  # N·m

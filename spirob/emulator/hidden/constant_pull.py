@@ -8,7 +8,7 @@ cancel, since what one motor gains the other's tendon takes.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 TYPICAL = 0.5  # N
 STIFFNESS = 1.0  # N/m

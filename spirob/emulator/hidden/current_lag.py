@@ -7,7 +7,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 TYPICAL = 0.040  # s
 

@@ -8,7 +8,7 @@ Source: shunt amplifiers of hobby drives, offset of 0.3 % of 20 A; assumed.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("sensor_drift_time",)
 OFFSET = 0.04  # A

@@ -7,7 +7,7 @@ each direction.  What the drive reports is the current that really flows.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 TYPICAL = 0.035  # A
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("encoder_phase",)
 TYPICAL = np.deg2rad([3.0, 1.0])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 TYPICAL = 12  # cycles of 1 ms
 MOST = 18

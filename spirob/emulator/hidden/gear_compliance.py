@@ -8,7 +8,7 @@ equivalent of one.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("gear_stiffness", "gear_damping")
 COMPLIANCE = 1 / 2.0  # rad/(N·m)

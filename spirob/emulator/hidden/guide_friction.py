@@ -8,7 +8,7 @@ arms give 0.25-0.4, but from about 0.07 a tensioned antagonist buckles this arm,
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import HINGES, SIDES
+from spirob.emulator.physics import HINGES, SIDES
 
 REPLACED = ("guide_load_exponent", "guide_slip_distance")
 TYPICAL = 0.05

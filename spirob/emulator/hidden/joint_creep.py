@@ -10,8 +10,8 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
+from spirob.emulator.physics import HINGES
 from spirob.emulator.physics.body import CREEP_ARMS
-from spirob.emulator.physics.compiled import HINGES
 
 REPLACED = ("creep_time",)
 TYPICAL = 1.8

@@ -7,7 +7,7 @@ the two sides differ.  Source: planetary gears of two stages, 0.9-0.97 a stage.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("bristle_angle",)
 TYPICAL = 0.08

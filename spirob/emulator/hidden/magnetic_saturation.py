@@ -8,7 +8,7 @@ this drive can give; sides differ a little.
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("saturation_power",)
 CURRENT = 2.0  # A

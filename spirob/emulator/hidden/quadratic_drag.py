@@ -7,7 +7,7 @@ an eighth of a typical torque; sides differ.  Source: churning losses, exponents
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("fan_power",)
 SPEED = 40.0  # rad/s, where the drag is as large as TYPICAL says, whatever the exponent

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import HINGES
+from spirob.emulator.physics import HINGES
 
 TYPICAL = np.deg2rad(240.0)
 

@@ -8,7 +8,7 @@ Source: Canudas de Wit, Olsson, Åström, Lischinsky 1995 (LuGre); level assumed
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("stribeck_speed", "bristle_angle")
 TYPICAL = 0.45e-3  # N·m at the rotor

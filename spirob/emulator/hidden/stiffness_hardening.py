@@ -7,7 +7,7 @@ hinge: the elastic layer is stretched as well as bent, and faces touch at their 
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import HINGES
+from spirob.emulator.physics import HINGES
 
 REPLACED = ("hardening_power",)
 TYPICAL = 4.5

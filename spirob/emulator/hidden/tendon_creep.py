@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("tendon_creep_time",)
 TYPICAL = 6e-4  # m/N

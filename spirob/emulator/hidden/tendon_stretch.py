@@ -8,7 +8,7 @@ Typical 3 mm longer at 8 N than the stiff line that the machine otherwise has, o
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("tendon_stiffness",)
 COMPLIANCE = 1 / 4000.0  # m/N

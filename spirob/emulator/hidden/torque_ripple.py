@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("ripple_order", "ripple_phase")
 SIZES = np.array([0.08, 0.04, 0.02, 0.02, 0.02])

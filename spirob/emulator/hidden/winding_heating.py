@@ -10,7 +10,7 @@ Source: temperature coefficients of copper and of bonded NdFeB/ferrite; heat pat
 from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
-from spirob.emulator.physics.compiled import SIDES
+from spirob.emulator.physics import SIDES
 
 REPLACED = ("heat_capacity", "heat_resistance")
 COPPER = 0.0039  # 1/K

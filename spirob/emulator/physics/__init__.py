@@ -1,4 +1,4 @@
-"""The compiled step of the emulated machine, one file for each part of it.
+"""The compiled step of the emulated machine, a file for arm, contact, tendon, motor, drive.
 
 Every file declares the numbers it reads (`NUMBERS`), the state it keeps (`STATE`) and the room it
 works in (`SCRATCH`), as name -> shape; `layout.py` makes one record of each kind of them.  In
@@ -6,4 +6,16 @@ compiled code `p` is the record of numbers, `s` the state, `w` the working room.
 
 Coordinates: φ_i, the absolute angle of unit i; hinge angle q_i = φ_i - φ_{i-1}; side 0 is the
 left tendon and drive, side 1 the right.
+
+How physics is compiled: without the interpreter's lock, IEEE order of operations kept.
+
+No fast-math: the same seed gives the same bits.  Only the entry point is cached on disk; see
+`layout.fingerprint` for why the others are not.
 """
+
+import numba
+
+HINGES = 48
+SIDES = 2
+compiled = numba.njit(nogil=True, error_model="numpy")
+compiled_entry = numba.njit(nogil=True, error_model="numpy", cache=True)

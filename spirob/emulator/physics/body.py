@@ -19,7 +19,7 @@ a millisecond): cutting it off there makes a packed arm rattle at the step's own
 
 import numpy as np
 
-from spirob.emulator.physics.compiled import HINGES, compiled
+from spirob.emulator.physics import HINGES, compiled
 
 CREEP_ARMS = 3
 NUMBERS = {

@@ -9,29 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.emulator.physics import (
-    body,
-    chain,
-    contact,
-    drive,
-    friction,
-    gear,
-    guides,
-    line,
-    load,
-    magnets,
-    motor,
-    sensing,
-    tendon,
-    turns,
-    whole,
-    winch,
-    winding,
-)
+from spirob.emulator.physics import body, chain, contact, drive, motor, tendon
 
-ARM = (body, chain, contact, turns, whole, guides, tendon, line)
-DRIVES = (drive, winding, magnets, motor, friction, gear, winch, load, sensing)
-PARTS = (*ARM, *DRIVES)
+PARTS = (body, chain, contact, tendon, drive, motor)
 
 
 def fingerprint() -> str:

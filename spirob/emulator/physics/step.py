@@ -11,18 +11,20 @@ artificial inertia; only the velocity terms of the chain and the direction of co
 
 import numpy as np
 
+from spirob.emulator.physics import HINGES, SIDES, compiled, compiled_entry
 from spirob.emulator.physics.body import creep, hinges, inertia, pose, weight_and_spin
-from spirob.emulator.physics.chain import factorise, solve
-from spirob.emulator.physics.compiled import HINGES, SIDES, compiled, compiled_entry
-from spirob.emulator.physics.contact import add_contact, contact, move_object
-from spirob.emulator.physics.drive import drive, understood
-from spirob.emulator.physics.guides import add_tendons, guide_friction, rub
-from spirob.emulator.physics.line import grow
+from spirob.emulator.physics.chain import factorise, factorise_whole, solve, solve_whole
+from spirob.emulator.physics.contact import (
+    EVERY,
+    add_contact,
+    add_turns,
+    contact,
+    look_round,
+    move_object,
+)
+from spirob.emulator.physics.drive import drive, feedback, understood
 from spirob.emulator.physics.motor import motors, turn_winches
-from spirob.emulator.physics.sensing import feedback
-from spirob.emulator.physics.tendon import routing, tighten
-from spirob.emulator.physics.turns import EVERY, add_turns, look_round
-from spirob.emulator.physics.whole import factorise_whole, solve_whole
+from spirob.emulator.physics.tendon import add_tendons, grow, guide_friction, routing, rub, tighten
 
 FASTEST = 1e5  # rad/s of units and rotors together; beyond it the state is lost
 
@@ -95,7 +97,7 @@ def step(p, s, w, h):
 def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
     """Hold the commanded currents [A] for `steps` steps of h [s], then write the feedback.
 
-    A machine in voltage mode takes the voltages that come in the cycle instead (`winding`).
+    A machine in voltage mode takes the voltages that come in the cycle instead (`drive`).
 
     numbers, state, scratch  arrays of one record each
     noise    (2,) one standard normal number for each current sensor

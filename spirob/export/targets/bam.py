@@ -21,7 +21,7 @@ HELD = ("coulomb_friction", "stribeck_friction", "load_dependent_friction")
 def files(model: "Corrected") -> dict[str, str]:
     """Name of each file -> its text."""
     from spirob.export.code import c_name
-    from spirob.export.sizes import left_out
+    from spirob.export.heldout import left_out
 
     if model.axis != "rad":
         raise ExportError(f"{model.name}: BAM's models are of servos that turn, this axis slides")

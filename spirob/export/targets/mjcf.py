@@ -22,7 +22,7 @@ PLAYER = "mjcf"
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: its body with tendons that do not stretch, drives in ampere."""
-    from spirob.export.arm_body import with_tendons
+    from spirob.export.body import with_tendons
     from spirob.export.code import c_name
 
     machine, held, outside = with_tendons(model)
@@ -37,8 +37,8 @@ def files(model: "Corrected") -> dict[str, str]:
     """Name of each file -> its text."""
     from spirob.export.body import machine_of
     from spirob.export.code import c_name
+    from spirob.export.heldout import left_out
     from spirob.export.native import holder
-    from spirob.export.sizes import left_out
 
     machine, name = machine_of(model), c_name(model.name)
     held = [e for e in model.effects if holder(e, model)]

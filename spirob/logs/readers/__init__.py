@@ -10,8 +10,9 @@ One file for each kind of log; a new file here is a new kind, no list names it:
     NEEDS          libraries that are loaded only once for many files; optional
     PLAIN          such a file, where it is small, is read without a process of its own; optional
 
-columns/   what all of them share: the table, and any column or array to numbers
-topics/    what logs of messages share: fields, decoders, one time for several topics
+columns.py    what all of them share: the table, and any column or array to numbers
+topics.py     what logs of messages share: fields, one time for several topics
+decoders.py   bytes to messages: JSON, protobuf, ROS
 isolation.py  a process of its own, with bounded time and memory
 """
 
@@ -23,7 +24,7 @@ from pathlib import Path
 from types import ModuleType
 
 from spirob.errors import DataError, MissingLog
-from spirob.logs.readers.columns.table import Asked, Table, finished, printable
+from spirob.logs.readers.columns import Asked, Table, finished, printable
 from spirob.logs.readers.isolation import apart
 
 SMALL = 2**22  # bytes of a plain file that is read here

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns.table import Asked, Table, printable
-from spirob.logs.readers.topics.table import Series, put_together
+from spirob.logs.readers.columns import Asked, Table, printable
+from spirob.logs.readers.topics import Series, put_together
 
 if TYPE_CHECKING:
     from cantools.database.can import Message

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns.table import Asked, Table, printable
+from spirob.logs.readers.columns import Asked, Table, printable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,7 +32,7 @@ def read(asked: Asked) -> Table:
     Lines that begin with # are comments.  Raises DataError where no table of numbers with a line
     of names can be found.
     """
-    from spirob.logs.readers.columns.sorting import add
+    from spirob.logs.readers.columns import add
 
     where, table = printable(str(asked.path)), Table(asked.name)
     text = _text(asked.path, where)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spirob.logs.readers.columns.table import Asked, Table, spread
+from spirob.logs.readers.columns import Asked, Table, spread
 
 if TYPE_CHECKING:
     import h5py
@@ -38,7 +38,7 @@ def read_matlab(asked: Asked) -> Table:
 def _read(asked: Asked, walk: "_Walk") -> Table:
     import h5py
 
-    from spirob.logs.readers.columns.sorting import add
+    from spirob.logs.readers.columns import add
 
     table = Table(asked.name)
     with h5py.File(asked.path, "r") as file:

@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns.table import printable
+from spirob.logs.readers.columns import printable
 
 ALWAYS = ("spirob.logs.readers", "pandas")  # loaded before the first process is forked
 LONGEST = 60.0  # s

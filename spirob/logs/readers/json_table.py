@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns.table import Asked, Table, printable, spread
+from spirob.logs.readers.columns import Asked, Table, printable, spread
 
 KIND = "JSON file"
 SUFFIXES = {".json", ".jsonl", ".ndjson"}
@@ -26,7 +26,7 @@ def read(asked: Asked) -> Table:
 
     Raises DataError where it is no JSON or holds no table.
     """
-    from spirob.logs.readers.columns.sorting import add
+    from spirob.logs.readers.columns import add
 
     where, table = printable(str(asked.path)), Table(asked.name)
     if asked.path.stat().st_size > LARGEST:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from spirob.logs.readers.columns.table import Asked, Table, spread
+from spirob.logs.readers.columns import Asked, Table, spread
 from spirob.logs.readers.hdf5 import read_matlab
 
 KIND = "MATLAB file"
@@ -42,7 +42,7 @@ def read(asked: Asked) -> Table:
 def _loaded(content: bytes, name: str) -> Table:
     from scipy.io import loadmat
 
-    from spirob.logs.readers.columns.sorting import add
+    from spirob.logs.readers.columns import add
 
     table = Table(name)
     for variable, value in loadmat(io.BytesIO(content)).items():  # type: ignore[arg-type]

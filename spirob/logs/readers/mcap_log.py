@@ -3,9 +3,9 @@
 import mmap
 from collections.abc import Collection, Iterator
 
-from spirob.logs.readers.columns.table import Asked, Table
-from spirob.logs.readers.topics.decoders import Encoding
-from spirob.logs.readers.topics.table import read_topics
+from spirob.logs.readers.columns import Asked, Table
+from spirob.logs.readers.decoders import Encoding
+from spirob.logs.readers.topics import read_topics
 
 KIND = "MCAP file"
 SUFFIXES = {".mcap"}

@@ -5,7 +5,7 @@ from typing import IO
 
 import numpy as np
 
-from spirob.logs.readers.columns.table import Asked, Table, spread
+from spirob.logs.readers.columns import Asked, Table, spread
 
 KIND = "NumPy file"
 SUFFIXES = {".npz", ".npy"}
@@ -33,7 +33,7 @@ def read(asked: Asked) -> Table:
 
 
 def _take(table: Table, name: str, file: IO[bytes]) -> None:
-    from spirob.logs.readers.columns.sorting import add
+    from spirob.logs.readers.columns import add
 
     try:
         array = np.lib.format.read_array(file, allow_pickle=False)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spirob.logs.readers.columns.table import Asked, Table
+from spirob.logs.readers.columns import Asked, Table
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -56,8 +56,7 @@ def _take(table: Table, name: str, column: "pa.ChunkedArray") -> None:
     import pyarrow as pa
     import pyarrow.compute as pc
 
-    from spirob.logs.readers.columns.sorting import add
-    from spirob.logs.readers.columns.table import spread
+    from spirob.logs.readers.columns import add, spread
 
     kind = column.type
     if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):

@@ -3,9 +3,9 @@
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
-from spirob.logs.readers.columns.table import Asked, Table
-from spirob.logs.readers.topics.decoders import Encoding
-from spirob.logs.readers.topics.table import read_topics
+from spirob.logs.readers.columns import Asked, Table
+from spirob.logs.readers.decoders import Encoding
+from spirob.logs.readers.topics import read_topics
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader

@@ -7,10 +7,10 @@ from pathlib import Path
 from urllib.parse import quote_from_bytes
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns.table import Asked, Table, printable
+from spirob.logs.readers.columns import Asked, Table, printable
+from spirob.logs.readers.decoders import Encoding
 from spirob.logs.readers.mcap_log import McapLog
-from spirob.logs.readers.topics.decoders import Encoding
-from spirob.logs.readers.topics.table import Log, read_topics
+from spirob.logs.readers.topics import Log, read_topics
 
 KIND = "bag of ROS 2"
 SUFFIXES = {".db3"}

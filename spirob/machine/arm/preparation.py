@@ -13,10 +13,9 @@ import numpy as np
 
 from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.rungs import Settings
-from spirob.identify.coarse import near
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 from spirob.machine.arm.rows import SCATTER, determined
 from spirob.machine.arm.shape import FREED, searched_shape
 from spirob.machine.arm.tolerated import TOLERANCES, gate

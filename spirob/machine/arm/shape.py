@@ -20,10 +20,9 @@ import numpy as np
 from scipy.stats import qmc
 
 from spirob.errors import SimulationError
-from spirob.identify.coarse import near
 from spirob.identify.descent import linear_step, robust_cost, slopes_ahead
 from spirob.identify.fit import STEPS, Fit
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import STRENGTH, Scaling
 
 FIRST, CHILDREN, GENERATIONS, PARENTS = 128, 48, 6, 8

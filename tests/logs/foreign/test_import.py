@@ -12,8 +12,7 @@ from scipy.io import savemat
 from spirob.cli.main import main
 from spirob.errors import ConfigError, DataError, MissingChannel
 from spirob.logs import read_parquet
-from spirob.logs.foreign import trace_from
-from spirob.logs.foreign.mapping import mapping_from
+from spirob.logs.foreign import mapping_from, trace_from
 from spirob.logs.readers import Table
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on

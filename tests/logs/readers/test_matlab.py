@@ -7,7 +7,7 @@ from scipy.io import savemat
 
 from spirob.errors import DataError
 from spirob.logs.readers import matlab, read_table
-from spirob.logs.readers.columns.table import Asked
+from spirob.logs.readers.columns import Asked
 
 T = np.arange(40) * 0.01
 PAIR = np.column_stack([np.sin(T), np.cos(T)])

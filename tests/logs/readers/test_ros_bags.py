@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from spirob.errors import DataError, MissingChannel
 from spirob.logs.readers import read_table
-from spirob.logs.readers.topics.decoders import Encoding, decoder
+from spirob.logs.readers.decoders import Encoding, decoder
 from tests.logs.readers.same_log import KINDS, N, Q
 
 OWN = "uint8 id\nfloat32[3] phase\nfloat64[] load\ngeometry_msgs/Pose pose\nstring label\n"

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.diagnosis.rungs import ROLES, Settings
-from spirob.identify.coarse import near
 from spirob.identify.fit import fit
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 from spirob.logs.readers import Table
 from spirob.machine.arm.preparation import of_design, settled
 from spirob.machine.arm.replay import arm_trial

@@ -12,8 +12,7 @@ from spirob.diagnosis.rungs import Settings
 from spirob.diagnosis.survey import survey
 from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
-from spirob.identify.coarse import Near, near
-from spirob.identify.residual import STILL, Residual
+from spirob.identify.residual import STILL, Near, Residual, near
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial

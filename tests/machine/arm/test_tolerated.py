@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.rungs import Settings
-from spirob.identify.coarse import near
 from spirob.identify.fit import fit
-from spirob.identify.residual import Residual
+from spirob.identify.residual import Residual, near
 from spirob.logs.readers import Table
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.tolerated import TOLD, TOLERANCES, gate

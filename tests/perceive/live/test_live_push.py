@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from spirob.perceive.live import LivePush
-from spirob.perceive.live.grid import Sample
-from spirob.perceive.live.live_push import PATIENCE
-from spirob.perceive.passive_region import REGIONS, learned
+from spirob.perceive.live_signals import PATIENCE, LivePush, Sample
+from spirob.perceive.passive import REGIONS, learned
 from tests.perceive.test_passive import drawn, noisy, told
 
 

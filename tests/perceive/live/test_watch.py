@@ -7,8 +7,7 @@ from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_comman
 from spirob.emulator import EmulatedRobot
 from spirob.experiments.active_contact import ActiveContact
 from spirob.perceive.interval import calibrated, estimate
-from spirob.perceive.live import Watch
-from spirob.perceive.live.watch import told
+from spirob.perceive.live import Watch, told
 from spirob.perceive.size import train
 from spirob.trials import Trial
 from spirob.trials.wrap import wrap_trial

@@ -1,11 +1,14 @@
-"""Public names of the package, read from its source without importing it, as Markdown."""
+"""The reference: modules, classes and functions with their docstrings, as Markdown.
+
+Made from the source, which is read without importing it.
+"""
 
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-PACKAGE = Path(__file__).parents[2]  # spirob
+PACKAGE = Path(__file__).parents[1]  # spirob
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 

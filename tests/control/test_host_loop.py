@@ -5,17 +5,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.control.host_gains import (
+from spirob.control.host_loop import (
+    CYCLE,
+    HostLoop,
     Winding,
     fastest,
     for_bandwidth,
+    host_voltage,
     largest,
     latest,
     placed,
     poles,
     stable,
 )
-from spirob.control.host_loop import CYCLE, HostLoop, host_voltage
 from spirob.errors import ConfigError
 from spirob.plant import Rig
 from spirob.plant.motor import held_current

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.emulator.machine import Machine
-from spirob.emulator.physics import chain, whole
+from spirob.emulator.physics import chain
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.robot import Scene
 
@@ -30,7 +30,7 @@ def system():
     """Scratch of a bent arm with the matrix of its last step, and that matrix written out."""
     w = bent()[0]._scratch[0]
     assert chain.factorise(w)
-    whole.write_out(w)
+    chain.write_out(w)
     upper = np.triu(w["whole"])
     return w, upper + upper.T - np.diag(np.diag(upper))
 
@@ -46,24 +46,24 @@ def test_written_out_it_is_the_matrix_that_the_chain_solves(system):
 def test_with_blocks_it_is_solved_as_any_symmetric_matrix(system):
     w, matrix = system
     rng = np.random.default_rng(1)
-    whole.write_out(w)
+    chain.write_out(w)
     for first, last, weight in ((3, 40, 5e-3), (10, 47, 0.2)):
         lever = np.zeros(48)
         lever[first : last + 1] = rng.normal(scale=0.05, size=last + 1 - first)
-        whole.add_block(w, lever, first, last, weight)
+        chain.add_block(w, lever, first, last, weight)
         matrix = matrix + weight * np.outer(lever, lever)
     b = rng.normal(size=48)
     x = b.copy()
-    assert whole.factorise_whole(w)
-    whole.solve_whole(w, x)
+    assert chain.factorise_whole(w)
+    chain.solve_whole(w, x)
     assert np.allclose(x, np.linalg.solve(matrix, b), rtol=1e-8, atol=0.0)
 
 
 def test_a_matrix_that_is_not_positive_is_refused(system):
     w, _ = system
-    whole.write_out(w)
+    chain.write_out(w)
     w["whole"][20, 20] = -1.0
-    assert not whole.factorise_whole(w)
+    assert not chain.factorise_whole(w)
 
 
 def test_touching_turns_slide_alike_at_any_step():

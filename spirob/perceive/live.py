@@ -1,4 +1,7 @@
-"""Contact of either motor, the size of what one of them wraps, and pushes, from frames."""
+"""Perception from a bus while it happens; it listens and says nothing on the bus.
+
+`Watch` tells contact of either motor, the size of what one of them wraps, and pushes, from frames.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,10 +14,7 @@ from spirob.logs.cycles import Transmission
 from spirob.perceive.contact import ContactDetector, ContactSettings
 from spirob.perceive.features import extract
 from spirob.perceive.interval import CONFIDENCE, Estimate, estimate
-from spirob.perceive.live.grid import Grid, Sample
-from spirob.perceive.live.live_push import LivePush
-from spirob.perceive.live.live_wrap import LiveWrap
-from spirob.perceive.live.motion import Motion
+from spirob.perceive.live_signals import Grid, LivePush, LiveWrap, Motion, Sample
 from spirob.perceive.size import SizeModel
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.safety.motor import MotorState

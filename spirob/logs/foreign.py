@@ -1,6 +1,8 @@
-"""The mapping file: which column is which channel in what unit, and units that cannot be right.
+"""Measurements from elsewhere, brought into a `Trace` by a mapping file.
 
-name: lab_run_7
+The mapping says which column is which channel in what unit:
+
+    name: lab_run_7
     time: {column: t, unit: ms}
     channels:
       left.current: {column: "I left [mA]", unit: mA}
@@ -9,6 +11,10 @@ name: lab_run_7
     meta: {role: train, rig: bench}
 
 `sign: -1` where the file counts the other way round: positive current and length wind in.
+
+The trace is in SI units, on strictly increasing nanoseconds; what is repaired is said.  Rows of a
+stamp that many share are spread evenly; of a few that share theirs the last is kept.  A clock that
+starts again is an error: an import is one trial.
 """
 
 import re
@@ -20,6 +26,9 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 
 from spirob import given_file, plain_yaml
 from spirob.errors import ConfigError, DataError
+from spirob.logs.readers import Table
+from spirob.logs.stamps import even_clock, ordered
+from spirob.trace import Trace
 from spirob.units import UNITS, unit
 
 LARGEST = 2**18  # bytes of a mapping file
@@ -157,3 +166,92 @@ def check_rates(where: str, time_ns: np.ndarray, signals: dict[str, np.ndarray])
 def _smooth(values: np.ndarray) -> np.ndarray:
     width = max(1, len(values) // 200)
     return np.convolve(values, np.ones(width) / width, "valid")
+
+
+LONGEST = 9.2e18  # nanoseconds that an int64 holds
+GAP = 5  # median periods that are told as a gap
+COARSE = 0.05  # of the rows share their stamp: the clock is coarser than the samples
+
+
+def increasing(
+    where: str, stamps: np.ndarray, factor: float, notes: list[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows to use, in order, and their time [ns]; `factor` is seconds a unit of the stamps.
+
+    Raises DataError where time runs backwards, starts again or is no time.
+    """
+    found = ordered(where, stamps, factor, notes)
+    rows, values = found.rows, found.stamps
+    if len(found.begins) > 1:
+        again = rows[found.begins[1]] + 1
+        raise DataError(f"{where}: the clock starts again in row {again}; cut the file there")
+    scale = factor * 1e9
+    if float(np.abs(values).max()) * scale > LONGEST:
+        raise DataError(f"{where}: time reaches beyond what nanoseconds can hold; check its unit")
+    whole = np.rint(values * scale).astype(np.int64)  # since 1970 a float64 is good to 256 ns
+    if np.mean(np.diff(whole) == 0) > COARSE and len(np.unique(whole)) > 2:
+        clock = even_clock(1e-9 * (whole - whole[0]))
+        even = clock.given if clock.even is None else clock.even
+        whole = whole[0] + np.rint(1e9 * (even - even[0])).astype(np.int64)
+        notes.append(
+            f"{where}: the clock is coarser than the samples, {clock.shared:.3g} rows to a stamp; "
+            f"rows were spread evenly, {clock.period:.4g} s apart."
+        )
+    keep = np.concatenate([np.diff(whole) > 0, [True]])
+    if not keep.all():
+        count = int(np.count_nonzero(~keep))
+        notes.append(f"{where}: {count} rows left out that share their time with the next.")
+        rows, whole = rows[keep], whole[keep]
+    _tell_gaps(where, whole, notes)
+    return rows, whole
+
+
+def _tell_gaps(where: str, time_ns: np.ndarray, notes: list[str]) -> None:
+    step = np.diff(time_ns)
+    if len(step) < 2:
+        return
+    gaps = step > GAP * np.median(step)
+    if gaps.any():
+        notes.append(
+            f"{where}: {int(gaps.sum())} gaps in time, the longest {1e-9 * step.max():.3g} s; kept."
+        )
+
+
+LOG_TIME = "time"  # which a log of messages brings by itself
+
+
+def trace_from(table: Table, mapping: Mapping) -> Trace:
+    """The channels that a mapping names, in SI; `table.said` gains a sentence for every repair.
+
+    Raises MissingChannel, and DataError where time or units cannot be right.
+    """
+    where, notes = table.name, table.said
+    check_names(where, mapping)
+    stamps, factor = _stamps(table, mapping)
+    rows, time_ns = increasing(where, stamps, factor, notes)
+    signals, units = {}, {}
+    for channel, source in mapping.channels.items():
+        values = table.column(source.key)
+        unit = UNITS[source.unit]
+        signals[channel] = source.sign * unit.factor * (values[rows] + unit.offset)
+        units[channel] = unit.si
+        bad = int(np.count_nonzero(~np.isfinite(signals[channel])))
+        if bad == len(rows):
+            raise DataError(f"{where}: column '{source.key}' holds no finite value")
+        if bad:
+            notes.append(f"{where}: column '{source.key}' holds {bad} values that are not finite")
+    check_rates(where, time_ns, signals)
+    meta = dict(mapping.meta) | {"imported_from": where, "notes": list(notes)}
+    return Trace(mapping.name, time_ns, signals, units, meta)
+
+
+def _stamps(table: Table, mapping: Mapping) -> tuple[np.ndarray, float]:
+    """Time as it stands in the file, and its unit in seconds."""
+    name, unit = mapping.time.column, mapping.time.unit
+    if not name:
+        if table.columns and table.units.get(LOG_TIME) != "s":
+            raise DataError(f"{table.name}: the mapping names no column for time")
+        for source in mapping.channels.values():  # what is missing is told before time is
+            table.column(source.key)
+        name = LOG_TIME
+    return table.column(name), UNITS[table.units.get(name, unit)].factor
