@@ -8,7 +8,6 @@ from spirob.export.arm import CorrectedArm
 from spirob.export.body import Machine
 from spirob.plant.body import build_spec
 from spirob.plant.plant import CYCLE, SUBSTEPS
-from spirob.plant.rig import Holes
 from spirob.robot import MOTORS, Scene
 
 
@@ -17,7 +16,7 @@ def bare(model: CorrectedArm) -> Machine:
     plant = model.plant()
     p = plant.table.vector(model.changes)
     spec = build_spec(
-        plant._arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, tip_mass=plant._at_tip(p)
+        plant.arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, tip_mass=plant.tip_mass(p)
     )
     return Machine(spec, "hinge_0", "")
 
@@ -30,11 +29,11 @@ def with_tendons(model: CorrectedArm) -> tuple[Machine, list[str], list[str]]:
     def number(name: str) -> float:
         return float(p[plant.table.position(name)])
 
-    holes = Holes(**{f: number(f"holes.{f}") for f in Holes.parameters()})
-    tip = plant._at_tip(p)
+    holes = plant.holes(p)
+    tip = plant.tip_mass(p)
     units = model.rig.units
     spec = build_spec(
-        plant._arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, True, tip, holes
+        plant.arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, True, tip, holes
     )
     gear, radius = number("winch.gear_ratio"), number("winch.radius")
     for side, motor in zip((1.0, -1.0), MOTORS, strict=True):
