@@ -6,6 +6,8 @@ its Python package, and where the loop steps the body it gives way to its caller
 
 import ast
 import inspect
+from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 
@@ -14,16 +16,16 @@ from spirob.export.arm import CorrectedArm
 from spirob.export.corrected import Held
 from spirob.export.law import kernel_functions, law_of
 from spirob.plant.assemble import generate
-from spirob.plant.plant import COLUMNS
+from spirob.plant.records import COLUMNS
 from spirob.ports import PORTS
 from spirob.robot import Scene
 
 ENDLESS = "10**12"
-STEPPED = {
-    "mj_step1": "mujoco.mj_step1(model, data)",
-    "mj_solveM": "mujoco.mj_solveM(model, data, solved, pull)",
-}
 FAST = {"is_free", "chain_factor", "chain_solve", "chain_step", "bend_outline"}  # MuJoCo does it
+FAST |= {"body_begins", "body_yields", "body_moves"}
+LEFT_OUT = {"alone", "chain", "post", "place", "factor", "work", "bows", "heights", "outline"}
+LEFT_OUT |= {"gravity", "pull", "solved"}  # of the arm's record: what only these read
+ASKED = {"mode", "limit"}  # by the caller
 PLAYED = ("reference", "reference_rate", "out", "angles")  # a row of each cycle: here the present
 MODULE = '''"""{title}: drive, winch, tendons and effects of the arm, beside {name}.xml.
 
@@ -46,6 +48,25 @@ COLUMNS = {columns}
 {constants}
 
 
+class Record:
+    """Numbers by name."""
+
+    def __init__(self, values):
+        for name, value in values.items():
+            setattr(self, name, np.array(value) if isinstance(value, list) else value)
+
+
+def body_begins(arm, moved):
+    """Begin a step of the arm."""
+    mujoco.mj_step1(moved.model, moved.data)
+    return False
+
+
+def body_yields(arm, moved, untouched):
+    """How the arm yields to each tendon: solved = M^-1 pull."""
+    mujoco.mj_solveM(moved.model, moved.data, arm.solved, arm.pull)
+
+
 {functions}
 
 
@@ -64,8 +85,8 @@ class Controller:
 
     def reset(self):
         """Forget everything; begin with the data that `start` leaves."""
-        self._loop, self.out = None, np.zeros((2, len(COLUMNS)))
-        self.angles = np.zeros(GUIDES.shape[1])
+        self._loop, self.out = None, [Record(dict.fromkeys(COLUMNS, 0.0)) for _ in range(2)]
+        self.angles = np.zeros(len(ARM["stiffness"]))
 
     def start(self, model, data):
         """Put the arm where it hangs, tendons just taut."""
@@ -75,47 +96,51 @@ class Controller:
 
     def read(self, name):
         """A reading of both motors, (2,)."""
-        return self.out[:, COLUMNS.index(name)].copy()
+        return np.array([getattr(row, name) for row in self.out])
 
     def before_step(self, model, data):
         """Find currents and tensions, and put them on the hinges."""
         if self._loop is None:
-            state = STATE.copy()
-            state[{first_row}] = self.first_angle
-            pull = np.zeros((2, model.nv))
+            state, settings, arm = Record(STATE), Record(SETTINGS), Record(ARM)
+            state.first_angle[:] = self.first_angle
+            settings.mode, settings.limit = self.mode, self.limit
+            settings.step = model.opt.timestep
+            settings.cycle = settings.substeps * settings.step
+            arm.pull, arm.solved = np.zeros((2, model.nv)), np.zeros((2, model.nv))
+            moved = Record(dict(model=model, data=data, qpos=data.qpos, qvel=data.qvel))
+            moved.applied = data.qfrc_applied
             self._loop = run(
-                model, data, data.qpos, data.qvel, data.qfrc_applied, P, self.mode, self.reference,
-                self.reference_rate, self.limit, GAINS, GUIDES, UNITS, GRAVITY, STIFFNESS,
-                {substeps}, model.opt.timestep, {drive_steps}, state, MEMORY.copy(), pull,
-                np.zeros_like(pull), self.out, self.angles,
+                P, state, Record(PASSING), settings, arm, moved, MEMORY.copy(),
+                self.reference, self.reference_rate, self.out, self.angles,
             )
         try:
             next(self._loop)
         except StopIteration:
             raise RuntimeError("the model became non-finite") from None
 '''
-GIVEN = [
-    "model", "data", "qpos", "qvel", "applied", "p", "mode", "reference", "reference_rate", "limit",
-    "gains", "guides", "units", "gravity", "stiffness", "substeps", "step", "drive_steps", "state",
-    "memory", "pull", "solved", "out", "angles",
-]  # fmt: skip
+GIVEN = ["p", "s", "w", "c", "arm", "moved", "memory", *PLAYED]
 
 
 def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
     """The module beside the MJCF of an arm."""
     from spirob.control import law
-    from spirob.plant.plant import FIRST_ANGLE, SUBSTEPS
 
     plant = model.plant()
     begun = plant.start(Scene(), model.changes).constants()
     looped = [e for e in model.effects if PORTS[e.port].every != "once"]
-    tree = ast.parse(generate(looped, plant.table.names, model.rig.host is not None))
+    tree = ast.parse(generate(looped, model.rig.host is not None))
     kernels = {f.node.name: f.node for e in looped for f in kernel_functions(_held(e))}
-    functions = _functions(tree, kernels)
+    functions = _functions(tree, kernels, plant.table.index)
     names = f"NAMES = {tuple(plant.table.names)!r}  # of P"
-    arrays = {"QPOS": "qpos", "P": "p", "GAINS": "gains", "GUIDES": "guides", "UNITS": "units"}
-    arrays |= {"GRAVITY": "gravity", "STIFFNESS": "stiffness", "STATE": "state", "MEMORY": "memory"}
-    constants = [f"{n} = np.array({_plain(begun[a])})" for n, a in arrays.items()]
+    arrays = {"P": "p", "MEMORY": "memory", "QPOS": "qpos"}
+    constants = [f"{n} = np.array({begun[a].tolist()!r})" for n, a in arrays.items()]
+    records = {
+        "STATE": _plain(begun["state"]),
+        "PASSING": _plain(begun["passing"]),
+        "SETTINGS": _plain(begun["settings"], ASKED),
+        "ARM": _plain(begun["arm"], LEFT_OUT),
+    }
+    constants += [f"{n} = {values!r}" for n, values in records.items()]
     modes = {n: getattr(law, n) for n in ("CURRENT", "VELOCITY", "DISPLACEMENT", "FORCE")}
     return MODULE.format(
         name=name,
@@ -124,15 +149,12 @@ def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
         constants="\n".join([names, *constants]),
         functions=functions,
         limit=20.0,
-        first_row=FIRST_ANGLE,
-        substeps=SUBSTEPS,
-        drive_steps=int(begun["drive_steps"]),
         **about,
     )
 
 
-def _plain(values: np.ndarray) -> str:
-    return repr(values.tolist())
+def _plain(record: np.ndarray, without: Collection[str] = ()) -> dict[str, Any]:
+    return {n: record[n].tolist() for n in record.dtype.names or () if n not in without}
 
 
 def _held(effect: type[Effect]) -> Held:
@@ -140,7 +162,9 @@ def _held(effect: type[Effect]) -> Held:
     return Held(law_of(effect.name(), text, effect), {})
 
 
-def _functions(tree: ast.Module, kernels: dict[str, ast.FunctionDef]) -> str:
+def _functions(
+    tree: ast.Module, kernels: dict[str, ast.FunctionDef], places: dict[str, int]
+) -> str:
     """The functions of the generated loop as plain Python, kernels as they were checked."""
     found = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name not in FAST]
     made: list[ast.FunctionDef] = []
@@ -148,11 +172,24 @@ def _functions(tree: ast.Module, kernels: dict[str, ast.FunctionDef]) -> str:
         if node.name in kernels:
             continue
         node.decorator_list = []
-        made.append(_Loop().visit(node) if node.name == "run" else node)
+        made.append(_Step(places).visit(_Loop().visit(node) if node.name == "run" else node))
     made = [*kernels.values(), *made]
     for node in made:
         ast.fix_missing_locations(node)
     return "\n\n\n".join(ast.unparse(node) for node in made)
+
+
+class _Step(ast.NodeTransformer):
+    """Numbers by their place in the vector, which whoever takes it home may change."""
+
+    def __init__(self, places: dict[str, int]):
+        self.places = places
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        owner, _, name = ast.unparse(node).partition(".")
+        if owner == "p" and name in self.places:
+            return ast.parse(f"p[{self.places[name]}]", mode="eval").body
+        return node
 
 
 class _Loop(ast.NodeTransformer):
@@ -165,33 +202,20 @@ class _Loop(ast.NodeTransformer):
 
     def visit_Assign(self, node: ast.Assign) -> ast.AST | None:
         names = ast.unparse(node.targets[0])
-        if names in ("alone", "untouched") or names.startswith(("place,", "(place,")):
+        if names.startswith(("p,", "(p,")):  # they come as they are
             return None
         if names == "cycles":
             return ast.parse(f"cycles = {ENDLESS}").body[0]
         return self.generic_visit(node)
 
-    def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt] | None:
-        test = ast.unparse(node.test)
-        if test.startswith("bows"):
-            return None
-        if test == "untouched":
-            kept = [self.visit(statement) for statement in node.orelse]
-            return [x for part in kept for x in (part if isinstance(part, list) else [part]) if x]
-        return self.generic_visit(node)
-
     def visit_Expr(self, node: ast.Expr) -> ast.AST:
-        called = ast.unparse(node.value).partition("(")[0]
-        if called == "mj_step2":
+        if ast.unparse(node.value).startswith("body_moves("):
             return ast.parse("yield").body[0]
-        if called in STEPPED:
-            return ast.parse(STEPPED[called]).body[0]
         return self.generic_visit(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
         self.generic_visit(node)
         rows = isinstance(node.slice, ast.Tuple) and ast.unparse(node.slice.elts[0]) == "cycle"
         if rows and ast.unparse(node.value) in PLAYED:
-            left = node.slice.elts[1:]  # type: ignore[attr-defined]
-            node.slice = left[0] if len(left) == 1 else ast.Tuple(left, ast.Load())
+            node.slice = node.slice.elts[1]  # type: ignore[attr-defined]
         return node

@@ -4,9 +4,7 @@ Names in capitals are constants, `s` is the state.  The equations are those of
 `spirob.machine.inverse_equations` (compensate) and `spirob.machine.forward` (torque).
 """
 
-COMPENSATE = '''
-def compensate(s, position, speed, acceleration, dt):
-    """Effort to command so that the axis moves so; call it once for each step of a motion."""
+MOVED = """\
     q = position
     v = speed
     a = acceleration
@@ -16,6 +14,14 @@ def compensate(s, position, speed, acceleration, dt):
 {hinge}
     slow = a
 {ahead}
+"""
+COMPENSATE = (
+    '''
+def compensate(s, position, speed, acceleration, dt):
+    """Effort to command so that the axis moves so; call it once for each step of a motion."""
+'''
+    + MOVED
+    + """\
     needed = load + VISCOUS * v + s.offset + OWN_INERTIA * a + {share} * INERTIA * (a - slow)
 {added}
     wanted = needed / SCALE
@@ -25,7 +31,8 @@ def compensate(s, position, speed, acceleration, dt):
 {current}
     s.time = s.time + dt
     return effort
-'''
+"""
+)
 LOADED = '''
 def loaded(s, q, a):
     """What the transmission passes on, without effects."""
@@ -38,21 +45,17 @@ def loaded(s, q, a):
     own = INERTIA * a + STIFFNESS * q
     return own + s.payload * (PAYLOAD_INERTIA * a + weight) + s.carried
 '''
-MOTOR = '''
+MOTOR = (
+    '''
 def motor(s, position, speed, acceleration, dt):
     """The motor's motion where this is what the sensor tells; a state of its own for it."""
-    q = position
-    v = speed
-    a = acceleration
-    effort = 0.0
-{behind}
-    load = loaded(s, q, a)
-{hinge}
-    slow = a
-{ahead}
+'''
+    + MOVED
+    + """\
     s.time = s.time + dt
     return q, v, slow + {share} * (a - slow)
-'''
+"""
+)
 TORQUE = '''
 def torque(s, position, speed, acceleration, effort, dt):
     """What drive and effects put on the axis, friction negative, at this effort."""

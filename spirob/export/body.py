@@ -18,7 +18,6 @@ from spirob.export.corrected import Corrected
 from spirob.machine.model_file import checked, unheard
 from spirob.plant.body import build_spec
 from spirob.plant.plant import CYCLE, SUBSTEPS
-from spirob.plant.rig import Holes
 from spirob.robot import MOTORS, Scene
 
 STEP = 1e-3  # s, at most
@@ -159,7 +158,7 @@ def bare(model: CorrectedArm) -> Machine:
     plant = model.plant()
     p = plant.table.vector(model.changes)
     spec = build_spec(
-        plant._arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, tip_mass=plant._at_tip(p)
+        plant.arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, tip_mass=plant.tip_mass(p)
     )
     return Machine(spec, "hinge_0", "")
 
@@ -172,11 +171,11 @@ def with_tendons(model: CorrectedArm) -> tuple[Machine, list[str], list[str]]:
     def number(name: str) -> float:
         return float(p[plant.table.position(name)])
 
-    holes = Holes(**{f: number(f"holes.{f}") for f in Holes.parameters()})
-    tip = plant._at_tip(p)
+    holes = plant.holes(p)
+    tip = plant.tip_mass(p)
     units = model.rig.units
     spec = build_spec(
-        plant._arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, True, tip, holes
+        plant.arm(p), Scene(), model.rig.lengths(), CYCLE / SUBSTEPS, True, tip, holes
     )
     gear, radius = number("winch.gear_ratio"), number("winch.radius")
     for side, motor in zip((1.0, -1.0), MOTORS, strict=True):

@@ -1,12 +1,11 @@
 """An effect's kernel run along a whole recording, compiled once and kept on disk."""
 
-import inspect
 import re
-import textwrap
 from collections.abc import Callable
 from typing import Any
 
 from spirob.effects import Effect
+from spirob.effects.pasting import call, kernels
 from spirob.errors import EffectError
 from spirob.generated import load
 from spirob.ports import PORTS
@@ -20,7 +19,6 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True)
 {kernel}
 
 @njit(cache=True, nogil=True)
@@ -29,7 +27,7 @@ def run(out, starts, steps, upstream, reads, p):
         dt = steps[piece]
 {begin}
         for k in range(starts[piece], starts[piece + 1]):
-            out[k]{following} = kernel({arguments})
+            out[k]{following} = {call}
 '''
 
 
@@ -54,24 +52,16 @@ def loop_of(effect: type[Effect]) -> Callable[..., None]:
     return run
 
 
-def function(source: Callable[..., object], name: str) -> str:
-    """The text of a function, under another name and without its decorators."""
-    text = textwrap.dedent(inspect.getsource(source)).replace("@staticmethod\n", "")
-    return re.sub(r"def \w+\(", f"def {name}(", text, count=1)
-
-
 def _source(effect: type[Effect]) -> str:
-    kernel = function(effect.kernel, "kernel")
-    places = {"upstream": "upstream[k]", "dt": "dt"}
-    places |= {argument: f"reads[{k}, k]" for k, argument in enumerate(effect.reads)}
-    places |= {field: f"p[{k}]" for k, field in enumerate(effect.parameters())}
-    places |= {name: f"state_{name}" for name in effect.state}
+    reads = {signal: f"reads[{k}, k]" for k, signal in enumerate(effect.reads.values())}
+    states = {name: f"state_{name}" for name in effect.state}
+    numbers = {field: f"p[{k}]" for k, field in enumerate(effect.parameters())}
     begin = [f"        state_{name} = {float(value)!r}" for name, value in effect.state.items()]
     return TEMPLATE.format(
-        kernel=kernel,
+        kernel=kernels([effect])[0],
         begin="\n".join(begin) or "        pass",
-        following="".join(f", state_{name}" for name in effect.state),
-        arguments=", ".join(places[argument] for argument in effect.arguments()),
+        following="".join(f", {place}" for place in states.values()),
+        call=call(effect, "upstream[k]", "dt", reads, states, numbers),
     )
 
 

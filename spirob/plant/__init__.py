@@ -2,8 +2,10 @@
 
 import mujoco
 
-from spirob.plant.plant import Plant, Response, Session
+from spirob.plant.plant import Plant
+from spirob.plant.records import Response
 from spirob.plant.rig import Rig
+from spirob.plant.session import Session
 
 __all__ = ["Plant", "Response", "Rig", "Session"]
 

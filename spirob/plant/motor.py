@@ -40,6 +40,11 @@ numerical damping; where c < h k the step cannot resolve a tendon so little damp
 import math
 
 
+def own(mean, difference, m):
+    """The number of one motor, 0 the left, 1 the right, of their mean and relative difference."""
+    return mean * (1.0 + (1.0 - 2.0 * m) * difference)
+
+
 def current_loop_gains(resistance, inductance, bandwidth):
     """K_p [V/A] and K_i [V/(A·s)] for both poles at `bandwidth` [Hz]; K_p is never negative."""
     omega = 2.0 * math.pi * bandwidth

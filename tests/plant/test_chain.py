@@ -112,7 +112,7 @@ def wound(scene, own):
     current = np.column_stack([2.5 * np.arange(cycles) / cycles, np.full(cycles, 0.2)])
     session = Plant(RIG).start(scene, {"arm.bends_per_hinge": 2.0})
     if not own:
-        session._chain = session._chain[:, :0]
+        session.arm.alone = 0
     schedule = Schedule(np.full(2, CURRENT), current, 0.0 * current, np.full(2, 5.0))
     return session.play(schedule)
 
@@ -129,7 +129,7 @@ def test_a_trial_is_that_of_mujoco_alone(scene):
 def test_what_moves_beside_the_arm_is_left_to_mujoco():
     ball = Ball(0.02, 0.005, 0.3, 0.2, 0.0, -1.0)
     session = Plant(RIG).start(Scene(ball=ball))
-    assert session._chain.size == 0
+    assert not session.arm.alone
     before = session._data.qpos[UNITS + 1]
     still = np.zeros((100, 2))
     session.play(Schedule(np.full(2, CURRENT), still, still, np.full(2, 5.0)))

@@ -27,7 +27,7 @@ def wound(plant, diameter, changes, bowed=True):
     scene = Scene(cylinder=Cylinder(diameter, 0.31, across + 0.012, 0.3))
     session = plant.start(scene, changes)
     if not bowed:
-        session._bows[:] = 0.0
+        session.arm.bows[:] = 0.0
     limit = np.full(2, 5.0)
     played = session.play(Schedule(np.full(2, CURRENT), current, 0.0 * current, limit))
     return 1e3 * played.shortening[-1, 0]
@@ -44,7 +44,7 @@ def test_the_middle_of_a_unit_lies_where_even_winding_puts_it(bends):
 
 def test_a_point_hinge_has_a_straight_unit_and_no_object_needs_none():
     assert not bow(spiral_arm(24), 1.0).any()
-    assert not Plant(RIG).start(Scene(), {BENDS: 2.0})._bows.any()
+    assert not Plant(RIG).start(Scene(), {BENDS: 2.0}).arm.bows.any()
 
 
 def test_outlines_follow_the_hinges_of_their_own_session_only():
@@ -56,9 +56,9 @@ def test_outlines_follow_the_hinges_of_their_own_session_only():
     one.play(Schedule(np.full(2, CURRENT), current, 0.0 * current, np.full(2, 5.0)))
     q = one._data.qpos
     bend = np.append((q[:-1] + q[1:]) / 2, q[-1])
-    moved = one._model.geom_pos[one._outline, 1] - one._heights
+    moved = one._model.geom_pos[one.arm.outline, 1] - one.arm.heights
     # as of the start of the last step
-    assert moved == pytest.approx(-np.outer(one._bows * bend, np.ones(6)), abs=2e-5)
+    assert moved == pytest.approx(-np.outer(one.arm.bows * bend, np.ones(6)), abs=2e-5)
     assert np.abs(moved).max() > 1e-4
     assert np.array_equal(other._model.geom_pos, straight)
 

@@ -17,9 +17,10 @@ import math
 from collections.abc import Callable, Sequence
 
 from spirob.effects import Effect
+from spirob.effects.pasting import pasted
 from spirob.generated import load
 from spirob.machine.forward import torque as generated
-from spirob.machine.kernel_loop import KIND, function
+from spirob.machine.kernel_loop import KIND
 
 NUDGE = 1e-3  # of the rest speed, for the derivative by speed
 FAR = 1e9  # a wrong model may run away; its error is large enough then
@@ -45,8 +46,7 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
     """
     constants = f"NUDGE, FAR, STEEP, LONGEST = {NUDGE!r}, {FAR!r}, {STEEP!r}, {LONGEST!r}"
     parts = [generated.source(effects), constants]
-    pasted = (asked, beside, total, grown, step, follow, run)
-    parts += [f"@njit(cache=True)\n{function(f, f.__name__)}" for f in pasted]
+    parts += pasted((asked, beside, total, grown, step, follow, run))
     return load("\n\n".join(parts), KIND).run
 
 

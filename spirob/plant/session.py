@@ -1,0 +1,206 @@
+"""A plant in motion: what the compiled loop works on, from rest to wherever a trial leaves it."""
+
+import copy
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from spirob.control.law import CURRENT, Schedule
+from spirob.errors import SimulationError
+from spirob.plant.assemble import memory_rows
+from spirob.plant.body import build_spec
+from spirob.plant.chain import chain_of
+from spirob.plant.objects import bow, launch, outlines
+from spirob.plant.records import (
+    COLUMNS,
+    PASSING,
+    ROW,
+    STATE,
+    Moved,
+    Response,
+    arm_kind,
+    made,
+)
+from spirob.plant.rest import Torque, rest_pose
+from spirob.plant.rig import Arm
+from spirob.plant.tendon import guides, shortenings, with_holes
+from spirob.robot import CYCLE_NS, Scene, Weights
+from spirob.unit_table import Geometry
+
+if TYPE_CHECKING:
+    from spirob.plant.plant import Plant
+
+CYCLE = CYCLE_NS * 1e-9
+SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
+SETTLING = 1000  # cycles in which the arm comes to rest under currents, half of them to raise these
+LIGHT = {  # rotors that hardly slow it
+    "motor.rotor_inertia": 1e-7,
+    "motor.rotor_damping": 1e-6,
+    "winch.drum_inertia": 0.0,
+}
+Shape = tuple[Geometry, int]  # what the arm is, and into how many units the model cuts it
+
+
+class Session:
+    """A plant in motion: each `play` goes on where the one before it stopped.
+
+    state, arm  what the compiled loop works on (`plant.records`)
+    memory  of the effects, a row for each state of `memory_rows`
+    """
+
+    def __init__(self, plant: "Plant", scene: Scene, p: np.ndarray):
+        self._plant, self._p = plant, p
+        hinges = plant.rig.units
+        self._step = CYCLE / plant.substeps
+        self._settings, self._passing = plant.settings.copy(), made(PASSING)
+        self._settings["substeps"], self._settings["step"] = plant.substeps, self._step
+        self._settings["cycle"] = plant.substeps * self._step
+        drive_rate = p[plant.table.position("drive.rate")]
+        self._settings["drive_steps"] = max(1, round(self._step * drive_rate))
+        self._state, self._arm = made(STATE), made(arm_kind(hinges))
+        self.state, self.arm = self._state[0], self._arm[0]
+        self.memory = np.repeat(plant.begun[:, None], max(2 * hinges, SLOTS), axis=1)
+        tip_mass = plant.tip_mass(p)
+        self._model = plant.compiled(p, scene, self._step, tip_mass)
+        bends = float(p[plant.table.position("arm.bends_per_hinge")])
+        self._guides = guides(with_holes(plant.geometry, plant.holes(p)), bends)
+        self._describe(scene, bends, tip_mass)
+        self._data = mujoco.MjData(self._model)
+        launch(self._data, scene, hinges)
+        self._moved = self._moves()
+        self._hang(tip_mass)
+        weights = scene.weights or Weights()
+        self.state.hung = weights.left, weights.right
+
+    def _describe(self, scene: Scene, bends: float, tip_mass: float) -> None:
+        """Fill the arm's record."""
+        plant, arm, model, hinges = self._plant, self.arm, self._model, self._plant.rig.units
+        arm.outline = outlines(model, hinges)
+        arm.heights = model.geom_pos[arm.outline, 1]
+        if scene.touchable and bends > 1.0:
+            model = self._model = copy.copy(model)
+            # its outline moves, out of the boxes drawn round it
+            model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+            arm.bows = bow(plant.geometry, bends)
+        arm.chain = chain_of(model, hinges, arm.outline, arm.bows)
+        arm.alone = not (scene.ball or scene.peg)  # MuJoCo has to move these
+        arm.gravity = model.opt.gravity[:2]
+        if scene.cylinder:
+            arm.post = scene.cylinder.x, scene.cylinder.y, scene.cylinder.diameter / 2
+        arm.stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[:hinges, 0]
+        arm.units[:, 0] = np.append(model.body_mass[1 : hinges + 1], tip_mass)
+        arm.units[:hinges, 1] = plant.geometry.unit_length
+        arm.guides = self._guides.T
+
+    def _moves(self) -> Moved:
+        model, data = self._model, self._data
+        pull, solved = self.arm.pull, self.arm.solved
+        assert model.nv <= pull.shape[1], "MuJoCo would write beyond the rows"
+        first, row = (pull.ctypes.data, solved.ctypes.data), pull.strides[0]
+        return Moved(
+            model._address,
+            data._address,
+            data.qpos,
+            data.qvel,
+            data.qfrc_applied,
+            model.geom_pos,
+            (first[0], first[0] + row),
+            (first[1], first[1] + row),
+        )
+
+    def _hang(self, tip_mass: float) -> None:
+        """Put the arm where it hangs by itself, tendons just taut."""
+        plant, p = self._plant, self._p
+        arm, hinges = plant.arm(p), plant.rig.units
+        torques = plant.resting_torques(p)
+        if not (torques or arm.gravity_x or arm.gravity_y):
+            return
+        bare = plant.compiled(p, Scene(), self._step, tip_mass)
+        # every trial of an evaluation begins alike
+        units, stiffness = self.arm.units, self.arm.stiffness
+        pose = _pose(bare, units.tobytes(), stiffness.tobytes(), torques)
+        self._data.qpos[:hinges] = pose
+        self.state.displacement = self.state.shortening = shortenings(pose, self._guides)
+
+    def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
+        """Say where in a turn the rotors stand at the start [rad]."""
+        self.state.first_angle = angle
+
+    def settle(self, currents: np.ndarray) -> None:
+        """Let the arm come to rest under constant currents (2,) [A]; lengths count from there.
+
+        The rotors are next to weightless meanwhile, which leaves the place of rest where it is.
+        """
+        heavy, self._p = self._p, self._p.copy()
+        for name, value in LIGHT.items():
+            self._p[self._plant.table.position(name)] = value
+        rising = np.minimum(np.linspace(0.0, 2.0, SETTLING), 1.0)[:, None] * currents
+        modes = np.full(2, CURRENT)
+        self.play(Schedule(modes, rising, np.zeros_like(rising), np.abs(currents)))
+        self._p = heavy
+        self.state.rate = self.state.turned = self.state.cycle = 0.0
+        self._data.qvel[:] = 0.0
+        for row, (effect, _) in enumerate(memory_rows(self._plant.effects)):
+            if effect.port == "sensing.frame":
+                self.memory[row, :2] = 0.0  # of the lengths, which pass this port first
+
+    def constants(self) -> dict[str, np.ndarray]:
+        """What the loop is given beside the schedule, by its argument's name, as it begins."""
+        return {
+            "p": self._p.copy(),
+            "state": self._state[0].copy(),
+            "passing": self._passing[0].copy(),
+            "settings": self._settings[0].copy(),
+            "arm": self._arm[0].copy(),
+            "memory": self.memory.copy(),
+            "qpos": self._data.qpos.copy(),
+        }
+
+    def play(self, schedule: Schedule) -> Response:
+        """Play a schedule; the response has one row more than it, the state at its end."""
+        rows = schedule.cycles + 1
+        out = np.zeros((rows, 2), ROW)
+        angles = np.zeros((rows, self._plant.rig.units))
+        self._settings["mode"], self._settings["limit"] = schedule.mode, schedule.current_limit
+        failed = self._plant.run(
+            self._plant.layout.of(self._p),
+            self._state,
+            self._passing,
+            self._settings,
+            self._arm,
+            self._moved,
+            self.memory,
+            np.ascontiguousarray(schedule.reference, dtype=float),
+            np.ascontiguousarray(schedule.reference_rate, dtype=float),
+            out,
+            angles,
+        )
+        if failed >= 0:
+            raise SimulationError(f"the model became non-finite after {failed * CYCLE:.3f} s")
+        return Response(**{name: out[name] for name in COLUMNS}, angles=angles)
+
+
+@lru_cache(maxsize=512)
+def compiled(
+    arm: Arm, scene: Scene, shape: Shape, timestep: float, tip_mass: float, scatter: bytes
+) -> mujoco.MjModel:
+    geometry, units = shape[0].arm(shape[1]), shape[1]
+    model = build_spec(arm, scene, geometry, timestep, tip_mass=tip_mass).compile()
+    if scatter:
+        factors = np.frombuffer(scatter)
+        model.dof_damping[:units] *= factors
+        model.jnt_stiffness.reshape(model.njnt, -1)[:units, 0] *= factors
+    # a reset in mid-run would hide that the model diverged
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    return model
+
+
+@lru_cache(maxsize=64)
+def _pose(
+    model: mujoco.MjModel, units: bytes, stiffness: bytes, torques: tuple[Torque, ...]
+) -> np.ndarray:
+    sizes = np.frombuffer(units).reshape(-1, 2)
+    return rest_pose(model, sizes, np.frombuffer(stiffness), torques)
