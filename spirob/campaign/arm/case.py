@@ -29,7 +29,7 @@ from spirob.diagnosis.rungs import Ladder, Rung, Settings
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
-from spirob.emulator.build import AS_DESIGNED
+from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.identify.coarse import near
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, Problem, effort_rms
@@ -93,7 +93,7 @@ class Case:
     seed: int
     without: bool = False
     ratios: tuple[float, float] = RATIOS
-    build: str = AS_DESIGNED
+    build: str = TYPICAL
 
     @property
     def name(self) -> str:

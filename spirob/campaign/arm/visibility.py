@@ -28,7 +28,7 @@ from spirob.campaign.arm.strength import (
 )
 from spirob.diagnosis.ladder import begun
 from spirob.diagnosis.rungs import Ladder, Rung, Settings
-from spirob.emulator.build import AS_DESIGNED
+from spirob.emulator.build import TYPICAL
 from spirob.emulator.rig import HiddenSettings
 from spirob.ending import end_with_parent
 from spirob.identify.coarse import near
@@ -111,7 +111,7 @@ def drawn(
     plant: Plant,
     settings: Settings,
     ratios: tuple[float, float] = RATIOS,
-    build: str = AS_DESIGNED,
+    build: str = TYPICAL,
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
