@@ -81,3 +81,14 @@ def test_a_number_that_moves_nothing_is_named_before_the_fit(data):
     gate = probe(data, [*NAMES, "drive.voltage_limit"], {})
     assert gate.silent == ["drive.voltage_limit"]
     assert "drive.voltage_limit" in gate.sentence
+
+
+def test_drums_that_differ_show_in_the_length_that_the_other_motor_winds_in():
+    """Of 0.6 %: more than a whole model may leave, and found where their difference is fitted."""
+    apart = residual(spirob(), {"winch.radius_difference": 0.006})
+    alike = fit(apart, NAMES, {}, scale=0.05)
+    own = fit(apart, [*NAMES, "winch.radius_difference"], {}, scale=0.05)
+    assert own.estimates["winch.radius_difference"].value == pytest.approx(0.006, abs=3e-4)
+    other = np.setdiff1d(np.arange(len(own.residual)), np.arange(len(own.residual))[apart.rows])
+    lengths = [np.sqrt(np.mean(found.residual[other] ** 2)) for found in (own, alike)]
+    assert lengths[1] > 2 * lengths[0]
