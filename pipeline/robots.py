@@ -14,7 +14,6 @@ from spirob.canbus import CanRobot, open_bus
 from spirob.drives import Drive, find_drive
 from spirob.drives.drive import require_fast_enough
 from spirob.effects import find_effects
-from spirob.emulator.build import AS_DESIGNED
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
@@ -112,7 +111,7 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
             by_voltage=rig.host is not None,
         )
         effect = HiddenSettings(
-            str(hidden["effect"]), float(hidden["strength"]), hidden.get("build", AS_DESIGNED)
+            str(hidden["effect"]), float(hidden["strength"]), str(hidden["build"])
         )
         return EmulatedRobot(machine, effect, int(hidden["seed"]), robot.faults)
     if robot.kind == "simulated":

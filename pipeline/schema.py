@@ -6,7 +6,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from spirob.diagnosis.rungs import Rules
-from spirob.emulator.build import AS_DESIGNED, BuildName
+from spirob.emulator.build import TYPICAL, BuildName
 from spirob.errors import ConfigError
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")  # kinds of errors: no such key
@@ -34,7 +34,7 @@ class Emulated(Strict):
     faults: list[dict[str, Any]] = []  # checked by `spirob.emulator.faults`
     safety: dict[str, float] = {}  # checked by `spirob.safety.Limits`
     # both are taken out before any other stage sees the configuration
-    build: BuildName = AS_DESIGNED
+    build: BuildName = TYPICAL
     hidden: Hidden | None = None
 
 
@@ -143,7 +143,7 @@ class TrialConfig(Strict):
     seeds: tuple[int, int] = (0, 1)
     nulls: int = Field(0, ge=0, le=10_000)
     without: bool = False
-    build: BuildName = AS_DESIGNED
+    build: BuildName = TYPICAL
     scheduler: str | None = None  # address of a Dask cluster; else the cores of this machine
 
 

@@ -12,7 +12,7 @@ import sys
 import can
 
 from spirob.can_interface import require_interface
-from spirob.emulator.build import AS_DESIGNED, BUILDS
+from spirob.emulator.build import BUILDS, TYPICAL
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import serve
@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--channel", default="239.74.163.2", help="of that interface")
     parser.add_argument("--seconds", type=float, default=3600.0, help="how long to serve")
     parser.add_argument("--hidden", default="none", help="what the model does not know")
-    parser.add_argument("--build", default=AS_DESIGNED, choices=BUILDS, help="how it is built")
+    parser.add_argument("--build", default=TYPICAL, choices=BUILDS, help="how it is built")
     parser.add_argument("--seed", type=int, default=1, help="which machine of its kind")
     parser.add_argument(
         "--drive", default="c620", choices=("c620", "gm6020"), help="gm6020 takes voltages"

@@ -85,6 +85,7 @@ def _shape(arm: SpiralArm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 BuildName = Literal["as_designed", "typical", "rough"]
 BUILDS: tuple[str, ...] = get_args(BuildName)
 AS_DESIGNED: BuildName = "as_designed"
+TYPICAL: BuildName = "typical"  # what pipeline and trial play where nothing is said
 STIFFEST_GEAR = 600.0  # N·m/rad at the winch, of the data sheet
 TRIES = 100  # draws until a build can be; of rough ones one in a hundred cannot
 

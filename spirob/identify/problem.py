@@ -165,4 +165,5 @@ FITTED = (
     "winch.efficiency_difference",
     "motor.rotor_damping_difference",
     "motor.rotor_inertia_difference",
+    "winch.radius_difference",
 )

@@ -198,3 +198,14 @@ def test_a_fit_that_loses_its_way_without_a_number_is_not_taken():
     assert left == []
     assert list(found.estimates) == [sure, vague]
     assert found.changes[sure] == pytest.approx(1.3, rel=0.01)
+
+
+def test_drums_that_differ_show_in_the_length_that_the_other_motor_winds_in():
+    """Of 0.6 %: more than a whole model may leave, and found where their difference is fitted."""
+    apart = residual(spirob(), {"winch.radius_difference": 0.006})
+    alike = fit(apart, NAMES, {}, scale=0.05)
+    own = fit(apart, [*NAMES, "winch.radius_difference"], {}, scale=0.05)
+    assert own.estimates["winch.radius_difference"].value == pytest.approx(0.006, abs=3e-4)
+    other = np.setdiff1d(np.arange(len(own.residual)), np.arange(len(own.residual))[apart.rows])
+    lengths = [np.sqrt(np.mean(found.residual[other] ** 2)) for found in (own, alike)]
+    assert lengths[1] > 2 * lengths[0]

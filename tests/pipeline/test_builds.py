@@ -9,9 +9,13 @@ from pipeline.config import composed, write
 from pipeline.robots import build
 from pipeline.schema import validated
 from pipeline.stage import HIDDEN, PUBLIC, public_config
+from spirob.campaign.arm import running
+from spirob.cli.main import main
 from spirob.emulator import EmulatedRobot
 from spirob.errors import ConfigError
 from spirob.plant import Rig
+from tests.campaign.arm.test_killed import fake
+from tests.pipeline.project import SHORT
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,16 +26,35 @@ def configured(folder, *overrides):
     return public_config(folder), yaml.safe_load((folder / HIDDEN).read_text())
 
 
-def test_it_is_as_designed_where_nothing_is_said(tmp_path):
-    config, hidden = configured(tmp_path)
-    assert hidden["build"] == config.trial.build == "as_designed"
+@pytest.mark.parametrize("choices", [[], SHORT], ids=["full", "short"])
+def test_it_is_typical_where_nothing_is_said(tmp_path, choices):
+    config, hidden = configured(tmp_path, *choices)
+    assert hidden["build"] == config.trial.build == "typical"
+    unsaid = config.public()
+    del unsaid["trial"]["build"]
+    found = validated(unsaid, "conf")
+    assert found.robot.build == found.trial.build == "typical"
 
 
-def test_a_chosen_build_is_built_and_not_told(tmp_path):
-    config, hidden = configured(tmp_path, "robot.build=rough")
+def test_a_trial_plays_typical_builds_where_nothing_is_said(monkeypatch, tmp_path):
+    played = []
+
+    def run(case, settings):
+        played.append(case)
+        return [{**fake(case, settings)[0], "kind": case.kind}]
+
+    monkeypatch.setattr(running, "run", run)
+    table = str(tmp_path / "cases.jsonl")
+    assert main(["trial", "--kinds", "cogging", "--workers", "1", "--out", table]) == 0
+    assert {case.build for case in played} == {"typical"}
+
+
+@pytest.mark.parametrize("name", ["as_designed", "typical", "rough"])
+def test_a_chosen_build_is_built_and_not_told(tmp_path, name):
+    config, hidden = configured(tmp_path, f"robot.build={name}")
     robot = build(config, Rig.from_mapping(config.rig), hidden)
     assert isinstance(robot, EmulatedRobot)
-    assert robot.truth()["build"]["name"] == "rough"
+    assert robot.truth()["build"]["name"] == name
     robot.close()
     assert "build" not in yaml.safe_load((tmp_path / PUBLIC).read_text())["robot"]
     plain, _ = configured(tmp_path / "plain")

@@ -29,7 +29,7 @@ from spirob.diagnosis.rungs import Ladder, Rung, Settings
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
-from spirob.emulator.build import AS_DESIGNED
+from spirob.emulator.build import TYPICAL
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, Problem, effort_rms
 from spirob.identify.residual import Residual, near
@@ -92,12 +92,12 @@ class Case:
     seed: int
     without: bool = False
     ratios: tuple[float, float] = RATIOS
-    build: str = AS_DESIGNED
+    build: str = TYPICAL
 
     @property
     def name(self) -> str:
         """As it is told."""
-        build = "" if self.build == AS_DESIGNED else f"-{self.build}"
+        build = "" if self.build == TYPICAL else f"-{self.build}"
         return f"{self.kind.replace('+', '_and_')}-{self.seed}{build}{'-without' * self.without}"
 
     @property

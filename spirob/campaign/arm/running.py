@@ -15,7 +15,7 @@ from spirob.campaign.arm.case import Case, run
 from spirob.campaign.arm.rates import is_right
 from spirob.campaign.arm.strength import RATIOS
 from spirob.diagnosis.rungs import Settings
-from spirob.emulator.build import AS_DESIGNED
+from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, DataError
 from spirob.logs.atomic import write_text
@@ -78,7 +78,7 @@ def cases(
     without: bool = False,
     pairs: bool = False,
     ratios: tuple[float, float] = RATIOS,
-    build: str = AS_DESIGNED,
+    build: str = TYPICAL,
 ) -> list[Case]:
     """Every kind with every seed, `nulls` robots with nothing hidden, each pair with every seed.
 

@@ -28,7 +28,7 @@ from spirob.campaign.arm.strength import (
 )
 from spirob.diagnosis.ladder import begun
 from spirob.diagnosis.rungs import Ladder, Rung, Settings
-from spirob.emulator.build import AS_DESIGNED
+from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.emulator.rig import HiddenSettings
 from spirob.ending import end_with_parent
 from spirob.identify.fit import STEPS, fit
@@ -55,9 +55,9 @@ def shown_by(hidden: HiddenSettings, seed: int) -> float:
     return left(begun(problems, FITTED, {}, Settings(intervals=False)).base, problems)
 
 
-def nothing(seed: int) -> float:
+def nothing(seed: int, build: str = AS_DESIGNED) -> float:
     """The same of a robot with nothing hidden."""
-    return shown_by(HiddenSettings("none"), seed)
+    return shown_by(HiddenSettings("none", build=build), seed)
 
 
 def visible(kind: str, seed: int, plain: float) -> tuple[str, int, list[float], list[float]]:
@@ -110,7 +110,7 @@ def drawn(
     plant: Plant,
     settings: Settings,
     ratios: tuple[float, float] = RATIOS,
-    build: str = AS_DESIGNED,
+    build: str = TYPICAL,
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
@@ -139,7 +139,9 @@ def _alone(
 ) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
-    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]), ratios)
+    known = kind == "none" or build == AS_DESIGNED
+    own = LEFT if known else nothing(robot, build)  # builds differ in it by a factor of three
+    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]), ratios, own)
     strength = strength_of(kind, wanted)
     tries: list[tuple[float, float]] = []
     played = []
@@ -148,8 +150,8 @@ def _alone(
         hidden = HiddenSettings(effect, build=build)
         problems = problems_of(recorded(hidden, robot), plant)
         search = _without_any(problems, settings)
-        tries.append((strength, beside(left(search.base, problems), LEFT)))
-        beyond = _beyond(tries[-1][1], sizes(ratios))
+        tries.append((strength, beside(left(search.base, problems), own)))
+        beyond = _beyond(tries[-1][1], sizes(ratios, own))
         played.append((beyond, hidden, problems, search))
         if kind == "none" or beyond == 0.0 or len(tries) == TRIES:
             break

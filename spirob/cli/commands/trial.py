@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--build",
-        default="as_designed",
+        default="typical",
         metavar="BUILD",
         help="how the robots are built: as_designed, typical or rough (%(default)s)",
     )

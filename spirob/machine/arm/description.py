@@ -22,6 +22,7 @@ from spirob.control.law import Gains
 from spirob.given_number import Size
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
+from spirob.machine.arm.tolerated import TOLERANCES
 from spirob.machine.rig import (
     ANGLES,
     EFFORTS,
@@ -163,7 +164,8 @@ class ArmFile(Entry):
     right: MotorColumns
     arm: dict[str, Any] = {}
     known: dict[str, Size] = {}
-    fit: dict[str, Bounded | None] = dict.fromkeys(FITTED)
+    # what a build leaves open is asked of the logs
+    fit: dict[str, Bounded | None] = dict.fromkeys(n for n in FITTED if n not in TOLERANCES)
     effects: Effects = []
     dbc: str | None = None
     filter: ArmFilter = ArmFilter()

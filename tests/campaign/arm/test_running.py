@@ -35,7 +35,13 @@ def written(path, *results):
 
 def test_results_that_are_there_are_kept(tmp_path, monkeypatch):
     case = Case("cogging", 7, without=True)
-    whole = {"kind": "cogging", "seed": 7, "robot": case.robot, "without": False}
+    whole = {
+        "kind": "cogging",
+        "seed": 7,
+        "robot": case.robot,
+        "without": False,
+        "build": "typical",
+    }
     done = [whole, {**whole, "without": True}]
     table = written(tmp_path / "cases.jsonl", *done)
     monkeypatch.setattr(running, "run", lambda *a: pytest.fail("it was run again"))
@@ -45,7 +51,13 @@ def test_results_that_are_there_are_kept(tmp_path, monkeypatch):
 
 def test_a_case_that_was_not_played_without_its_answer_is_left():
     case = Case("cogging", 7, without=True)
-    whole = {"kind": "cogging", "seed": 7, "robot": case.robot, "without": False}
+    whole = {
+        "kind": "cogging",
+        "seed": 7,
+        "robot": case.robot,
+        "without": False,
+        "build": "typical",
+    }
     assert running.left([case], [whole]) == [case]
 
 
@@ -75,7 +87,9 @@ def test_a_result_of_another_robot_is_no_result():
 
 def test_a_result_of_another_strength_is_no_result():
     strong, weak = Case("cogging", 7), Case("cogging", 7, ratios=(0.5, 0.9))
-    found = [{"kind": "cogging", "seed": 7, "robot": strong.robot, "without": False}]
+    found = [
+        {"kind": "cogging", "seed": 7, "robot": strong.robot, "without": False, "build": "typical"}
+    ]
     assert running.left([strong], found) == []
     assert running.left([weak], found) == [weak]
     assert strong.robot == weak.robot

@@ -32,9 +32,10 @@ def test_every_kind_that_these_logs_can_show_has_a_visibility():
 
 
 @pytest.mark.parametrize("asked", [RATIOS, (0.35, 0.9)])
-def test_the_error_without_the_effect_stands_in_the_asked_ratio(asked):
+@pytest.mark.parametrize("left", [LEFT, 0.8])
+def test_the_error_without_the_effect_stands_in_the_asked_ratio(asked, left):
     rng = np.random.default_rng(3)
-    ratios = [LEFT / np.hypot(LEFT, drawn_size(rng, asked)) for _ in range(500)]
+    ratios = [left / np.hypot(left, drawn_size(rng, asked, left)) for _ in range(500)]
     assert asked[0] < min(ratios) < max(ratios) < asked[1]
     assert max(ratios) - min(ratios) > 0.9 * (asked[1] - asked[0])
 
@@ -101,7 +102,7 @@ def names(monkeypatch):
 def test_each_of_two_is_as_strong_as_it_would_be_alone(monkeypatch, names):
     shares = iter([2.7, 0.74, 0.31, 0.74, 9.9])
     monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
-    hidden, problems, _ = drawn("cogging+joint_creep", 5, 41, None, Settings())
+    hidden, problems, _ = drawn("cogging+joint_creep", 5, 41, None, Settings(), build="as_designed")
     *_, cogging, weak, creep, both = names["played"]
     assert problems is hidden is both
     assert both.parts == [*cogging.parts, *creep.parts]
@@ -112,23 +113,27 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     played = names["played"]
     shares = iter([2.7, 0.31, 0.74])
     monkeypatch.setitem(names, "left", lambda base, problems: next(shares))
-    hidden, problems, _ = drawn("cogging", 5, 41, None, Settings())
+    hidden, problems, _ = drawn("cogging", 5, 41, None, Settings(), build="as_designed")
     first, second, third = (h.parts[0][1] for h in played)
     assert problems is hidden is played[2]
     assert second < third < first
     shares = iter([3.0, 0.42, 5.0, 0.3, 6.0])
-    hidden, problems, _ = drawn("cogging", 5, 41, None, Settings())
+    hidden, problems, _ = drawn("cogging", 5, 41, None, Settings(), build="as_designed")
     assert problems is hidden is played[4], "the nearest of all tries"
     monkeypatch.setitem(names, "left", lambda base, problems: 0.01)
-    drawn("cogging", 5, 41, None, Settings())
+    drawn("cogging", 5, 41, None, Settings(), build="as_designed")
     assert len(played) == 3 + TRIES + 4, "the strongest that is drawn is played once"
     assert played[-1].parts[0][1] == LARGEST
-    drawn("none", 5, 41, None, Settings())
+    drawn("none", 5, 41, None, Settings(), build="as_designed")
     assert len(played) == 3 + TRIES + 5
 
 
 def test_every_robot_of_a_case_is_built_as_asked(monkeypatch, names):
-    monkeypatch.setitem(names, "left", lambda base, problems: 0.74)
+    """And its effects count beside what that robot leaves with nothing hidden."""
+    floors = []
+    monkeypatch.setitem(names, "nothing", lambda *of: floors.append(of) or 0.4)
+    monkeypatch.setitem(names, "left", lambda base, problems: 0.4 / 0.32)
     drawn("cogging+joint_creep", 5, 41, None, Settings(), build="rough")
     assert len(names["played"]) == 3
     assert {hidden.build for hidden in names["played"]} == {"rough"}
+    assert floors == [(41, "rough")] * 2
