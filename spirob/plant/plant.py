@@ -15,14 +15,13 @@ from spirob.effects.effect import differences
 from spirob.errors import SimulationError
 from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
-from spirob.plant.body import build_spec
+from spirob.plant.body import Shape, compiled
 from spirob.plant.chain import chain_of
 from spirob.plant.objects import bow, launch, outlines
 from spirob.plant.rest import Torque, rest_pose
 from spirob.plant.rig import Arm, Holes, Rig
 from spirob.plant.tendon import guides, room, shortenings, with_holes
 from spirob.robot import CYCLE_NS, Scene, Weights
-from spirob.unit_table import Geometry
 
 CYCLE = CYCLE_NS * 1e-9
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
@@ -35,7 +34,6 @@ LIGHT = {  # rotors that hardly slow it
     "motor.rotor_damping": 1e-6,
     "winch.drum_inertia": 0.0,
 }
-Shape = tuple[Geometry, int]  # what the arm is, and into how many units the model cuts it
 SLOTS = 6  # of a motor's memory: two motors, and up to three signals that pass one port
 COLUMNS = (
     "current",
@@ -167,8 +165,8 @@ class Plant:
     def _compiled(
         self, p: np.ndarray, scene: Scene, timestep: float, tip_mass: float
     ) -> mujoco.MjModel:
-        shape = self.rig.geometry, self.rig.units
-        return _compiled(self._arm(p), scene, shape, timestep, tip_mass, self._scatter)
+        shape: Shape = self.rig.geometry, self.rig.units
+        return compiled(self._arm(p), scene, shape, timestep, tip_mass, self._scatter)
 
     def _holes(self, p: np.ndarray) -> Holes:
         names = Holes.parameters()
@@ -327,21 +325,6 @@ class Session:
         if failed >= 0:
             raise SimulationError(f"the model became non-finite after {failed * CYCLE:.3f} s")
         return Response(**{c: out[:, :, k] for k, c in enumerate(COLUMNS)}, angles=angles)
-
-
-@lru_cache(maxsize=512)
-def _compiled(
-    arm: Arm, scene: Scene, shape: Shape, timestep: float, tip_mass: float, scatter: bytes
-) -> mujoco.MjModel:
-    geometry, units = shape[0].arm(shape[1]), shape[1]
-    model = build_spec(arm, scene, geometry, timestep, tip_mass=tip_mass).compile()
-    if scatter:
-        factors = np.frombuffer(scatter)
-        model.dof_damping[:units] *= factors
-        model.jnt_stiffness.reshape(model.njnt, -1)[:units, 0] *= factors
-    # a reset in mid-run would hide that the model diverged
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    return model
 
 
 @lru_cache(maxsize=64)
