@@ -18,7 +18,6 @@ with the mass at the tip as M_(N+1).  Gravity g then turns the hinge by the mome
 
 import copy
 import math
-from dataclasses import replace
 from functools import lru_cache
 
 import mujoco
@@ -205,7 +204,8 @@ def compiled(
     Only its springs differ from fit to fit, and a copy that gets others is, bit by bit, what takes
     a hundred times as long to compile.
     """
-    model = copy.copy(_body(replace(arm, **SPRINGY), scene, shape, timestep, tip_mass))
+    plain = Arm(**{name: SPRINGY.get(name, getattr(arm, name)) for name in Arm.parameters()})
+    model = copy.copy(_body(plain, scene, shape, timestep, tip_mass))
     units = shape[1]
     stiffness = hinge_stiffness(arm, shape[0].arm(units))
     factors = np.frombuffer(scatter) if scatter else np.ones(units)

@@ -2,8 +2,13 @@
 
 The usual numbers are fitted first.  Where they leave no more than a complete model does, nothing
 else is asked.  Otherwise the arm may be of another design, or buckle, and not only lack an effect:
-its shape is searched for (`shape`) and believed where that clearly pays, and what builds of this
-arm leave open is left out of all roles (`determined`).
+its shape is searched for (`shape`), fitted to the rows that builds of the arm do not leave open
+(`determined`), and believed where that clearly pays.
+
+A shape may imitate an effect that is missing, and rows may count that hinges would leave open if
+the effect were there.  So where a shape leaves much, it is searched for once more beside the effect
+that promises most, and that arm is taken if it leaves far less of its own rows.  Only shape and
+rows are taken over: the search for effects begins without any, fits the shape again, and asks all.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,31 +17,115 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnosis.evidence import complete
-from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.rungs import Settings, parameters_of
+from spirob.diagnosis.screen import screen
+from spirob.effects import Effect
+from spirob.identify.builds import SCATTER, TOLERANCES, Floor, floor_of
 from spirob.identify.coarse import near
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.residual import Residual
-from spirob.machine.arm.rows import SCATTER, determined
+from spirob.machine.arm.rows import determined
 from spirob.machine.arm.shape import FREED, searched_shape
-from spirob.machine.arm.tolerated import TOLERANCES, gate
+from spirob.machine.arm.tolerated import gate
 
+NEARLY = 3.0  # times the error of a complete model: who leaves more than that misses something
 PAYS = 0.8  # of the cost without: another shape is believed below that
-OTHER_DESIGN = 0.01  # smallest effect that counts there, as on any rig that is not our arm
+HALF = 0.5  # of the error without: an arm with an effect is taken below that
+PROMISING = 2  # effects that are tried beside the usual numbers, the best of them beside a shape
+# by how much builds may be apart in a row, over what counts, and steps of the differences
+ROUNDS = ((3.0, (0.1,)), (1.0, (0.1, 0.03)))
 
 
 @dataclass(frozen=True)
 class Settled:
     """What a search stands on.
 
-    numbers    fitted ones, and those of another shape
+    numbers    fitted ones, and those of another shape;  names  of those that the search fits
     residuals  by role, of the rows that count
-    said       sentences about both
+    floor      what builds of this arm differ by
+    said       sentences about all this
     """
 
     numbers: dict[str, float]
+    names: list[str]
     residuals: dict[str, Residual]
+    floor: Floor
     said: list[str]
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm as its logs show it: numbers, those fitted, and the rows that count, by role."""
+
+    numbers: dict[str, float]
+    names: list[str]
+    residuals: dict[str, Residual]
+    shares: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The logs by role, and how they are fitted.
+
+    names  of the usual numbers;  free  those of a shape and of a build that may be asked for
+    """
+
+    residuals: Mapping[str, Residual]
+    names: Sequence[str]
+    free: Sequence[str]
+    settings: Settings
+    progress: Callable[[str], None]
+
+    @property
+    def train(self) -> Residual:
+        """The trials that are fitted."""
+        return self.residuals["train"]
+
+    @property
+    def limit(self) -> float:
+        """By how much builds may be apart in a row that counts [A]."""
+        return complete(self.train, self.settings.floor)
+
+    def fitted(
+        self, of: Residual, names: Sequence[str], start: Mapping[str, float], steps: Sequence[float]
+    ) -> Fit:
+        """At half the price, and without intervals."""
+        rules = self.settings
+        return fit(
+            near(of, start), names, start, rules.scale, rules.patience, steps=steps, exact=False
+        )
+
+    def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
+        """What builds differ by on the rows that count; `told` by the logs of a build, at 95 %."""
+        kept, rules = arm.residuals, self.settings
+        widths = {n: told.get(n, w) for n, w in TOLERANCES.items() if n in self.free}
+        return floor_of(
+            kept["train"], kept["validate"], arm.numbers, arm.names, rules.scale, widths
+        )
+
+    def on_its_rows(self, numbers: dict[str, float], names: list[str]) -> Arm:
+        """The arm with these numbers, without what its builds leave open."""
+        kept, shares = {}, {}
+        for role, residual in self.residuals.items():
+            trials, shares[role] = determined(residual, numbers, self.limit)
+            kept[role] = replace(residual, trials=trials)
+        return Arm(numbers, names, kept, shares)
+
+    def shaped(self, found: Fit) -> Arm:
+        """The arm with the shape that is searched for from this fit, where that pays."""
+        scale, names = self.settings.scale, list(found.estimates)
+        numbers = found.changes
+        if self.free:
+            freed = [*names, *(n for n in FREED if n in self.free and n not in names)]
+            other = searched_shape(self.train, found, self.free, scale, self.progress)
+            for wide, steps in ROUNDS:
+                trials, _ = determined(self.train, other, wide * self.limit)
+                part = replace(self.train, trials=trials)
+                other = self.fitted(part, freed, other, steps).changes
+            if robust_cost(part(other), scale) < PAYS * robust_cost(part(numbers), scale):
+                numbers, names = other, freed
+        return self.on_its_rows(numbers, names)
 
 
 def settled(
@@ -44,91 +133,87 @@ def settled(
     names: Sequence[str],
     start: Mapping[str, float],
     free: Sequence[str],
+    candidates: Sequence[type[Effect]],
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Settled:
-    """Shape and rows that count, with numbers fitted from where they start.
+    """Shape and rows that count, with numbers fitted from where they start; the floor there.
 
     names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
+    candidates  effects that the model holds, absent
     """
-    train, said = residuals["train"], []
-    enough = complete(train, settings.floor)
-    found = _fitted(train, names, start, settings)
-    if np.sqrt(np.mean(found.residual[train.rows] ** 2)) <= enough:
-        return Settled(found.changes, dict(residuals), [])
-    if free:
-        other = _shaped(train, names, found, free, settings, progress)
-        if other.cost < PAYS * found.cost:
-            found = other
-            said.append(_told(other, [n for n in FREED if n in free], train))
-    kept = {}
-    for role, residual in residuals.items():
-        trials, share = determined(residual, found.changes, enough)
-        kept[role] = replace(residual, trials=trials)
-        if share < 1.0:
-            said.append(
-                f"{', '.join(t.name for t in trials)}: {share:.0%} of the rows count; in the "
-                f"others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
-                f"than {residual.effort.shown(enough)}."
-            )
-    numbers = found.changes
-    if free:
-        numbers, told = _built(kept["train"], names, numbers, free, settings)
-        said += told
-    return Settled(numbers, kept, said)
+    ground = Ground(residuals, names, free, settings, progress)
+    found = ground.fitted(ground.train, names, start, STEPS[:1])
+    if _left(ground.train, found.residual) <= NEARLY * ground.limit:
+        found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
+        whole = Arm(found.changes, list(names), dict(residuals), {})
+        floor = ground.floor(whole, {})
+        if _left(ground.train, found.residual) <= complete(ground.train, floor.share):
+            return Settled(whole.numbers, whole.names, whole.residuals, floor, [])
+    arm = _with_an_effect(ground, ground.shaped(found), found, candidates)
+    numbers, seen, told = _built(ground, arm)
+    floor = ground.floor(replace(arm, numbers=numbers), seen)
+    own = {n for e in candidates for n in parameters_of(e)} - set(names)
+    numbers = {n: v for n, v in numbers.items() if n not in own}
+    fitted = [n for n in arm.names if n not in own]
+    said = [*_shape_told(arm, names, ground.train), *_rows_told(arm, ground), *told]
+    return Settled(numbers, fitted, arm.residuals, floor, said)
 
 
-def _shaped(
-    train: Residual,
-    names: Sequence[str],
-    found: Fit,
-    free: Sequence[str],
-    settings: Settings,
-    progress: Callable[[str], None],
-) -> Fit:
-    """The fit from the shape that was searched for."""
-    freed = [*names, *(n for n in FREED if n in free and n not in names)]
-    start = searched_shape(train, found, free, settings.scale, progress)
-    return _fitted(train, freed, start, settings)
+def _with_an_effect(
+    ground: Ground, plain: Arm, found: Fit, candidates: Sequence[type[Effect]]
+) -> Arm:
+    """`plain`, or the arm beside the effect that promises most, if that leaves far less."""
+    part = plain.residuals["train"]
+    if _left(part, part(plain.numbers)) <= NEARLY * ground.limit:
+        return plain
+    names, scale = list(found.estimates), ground.settings.scale
+    ranked = screen(near(ground.train, found.changes), found, names, candidates, scale)
+    ahead = [s for s in ranked[:PROMISING] if s.gain > 1.0 - PAYS]
+    fits = [ground.fitted(ground.train, s.names, s.changes, STEPS[-1:]) for s in ahead]
+    if not fits:
+        return plain
+    ground.progress(f"the shape again, beside {ahead[0].effect.name()} or the like")
+    arm = ground.shaped(min(fits, key=lambda f: f.cost))
+    part = arm.residuals["train"]
+    with_it, without = (_left(part, part(numbers)) for numbers in (arm.numbers, plain.numbers))
+    return arm if with_it < HALF * without else plain
 
 
-def _built(
-    train: Residual,
-    names: Sequence[str],
-    numbers: Mapping[str, float],
-    free: Sequence[str],
-    settings: Settings,
-) -> tuple[dict[str, float], list[str]]:
-    """The numbers with what of the build the logs tell, where that pays, and what the gate says."""
-    asked = [n for n in TOLERANCES if n in free]
+def _built(ground: Ground, arm: Arm) -> tuple[dict[str, float], dict[str, float], list[str]]:
+    """The numbers with what of the build the logs tell, where that pays; of what they tell the 95 %
+    half widths; and what the gate says."""
+    asked, rules = [n for n in TOLERANCES if n in ground.free], ground.settings
+    if not asked:
+        return arm.numbers, {}, []
+    train, numbers = arm.residuals["train"], arm.numbers
     close = near(train, numbers)
-    told = gate(close, list(dict.fromkeys([*names, *asked])), numbers, asked, settings.scale)
-    if told.seen:
-        freed = list(dict.fromkeys([*names, *told.seen]))
-        built = fit(close, freed, numbers, settings.scale, settings.patience, exact=False)
-        if built.cost < PAYS * robust_cost(close(numbers), settings.scale):
-            return built.changes, told.told(built.changes, train.table)
-    return dict(numbers), told.told(numbers, train.table)
+    told = gate(close, list(dict.fromkeys([*arm.names, *asked])), numbers, asked, rules.scale)
+    if new := [n for n in told.seen if n not in arm.names]:
+        built = ground.fitted(train, [*arm.names, *new], numbers, STEPS[-1:])
+        if built.cost < PAYS * robust_cost(close(numbers), rules.scale):
+            numbers = built.changes
+    return numbers, told.seen, told.told(numbers, train.table)
 
 
-def of_design(settings: Settings, numbers: Mapping[str, float]) -> Settings:
-    """The settings for an arm with these numbers: those of ours, or of another design."""
-    if not any(name.startswith("holes.") for name in numbers):
-        return settings
-    return replace(settings, floor=max(settings.floor, OTHER_DESIGN))
+def _left(of: Residual, missed: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(missed[of.rows] ** 2)))
 
 
-def _fitted(
-    train: Residual, names: Sequence[str], start: Mapping[str, float], settings: Settings
-) -> Fit:
-    close = near(train, start)
-    return fit(close, names, start, settings.scale, settings.patience, steps=STEPS, exact=False)
+def _rows_told(arm: Arm, ground: Ground) -> list[str]:
+    return [
+        f"{', '.join(t.name for t in arm.residuals[role].trials)}: {share:.0%} of the rows count; "
+        f"in the others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
+        f"than {ground.train.effort.shown(ground.limit)}."
+        for role, share in arm.shares.items()
+        if share < 1.0
+    ]
 
 
-def _told(found: Fit, freed: Sequence[str], train: Residual) -> str:
+def _shape_told(arm: Arm, names: Sequence[str], train: Residual) -> list[str]:
     values = []
-    for name in freed:
+    for name in [n for n in FREED if n in arm.names and n not in names]:
         about = train.table.about[name]
         unit = "" if about.unit == "1" else f" {about.unit}"
-        values.append(f"{about.meaning}: {found.changes[name]:.3g}{unit}")
-    return f"The arm is not as drawn, its logs say ({'; '.join(values)})."
+        values.append(f"{about.meaning}: {arm.numbers[name]:.3g}{unit}")
+    return [f"The arm is not as drawn, its logs say ({'; '.join(values)})."] if values else []
