@@ -70,7 +70,8 @@ def floor_of(
     widths   by how much other numbers of a build may differ, at 95 %; of those fitted, how far the
              fit may be off: what a step puts right does not count, hinges that snap otherwise do
     """
-    both = replace(train, trials=[*train.trials, *unseen.trials])
+    plant = train.plant.coarse()  # what builds differ by hardly depends on the steps
+    both = replace(train, plant=plant, trials=[*train.trials, *unseen.trials])
     fitted = train.edges[-1]
     values = dict(zip(both.table.names, both.table.vector(numbers).tolist(), strict=True))
     scaling, at = Scaling(both.table, names), both(numbers)

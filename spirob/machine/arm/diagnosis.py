@@ -10,12 +10,12 @@ from spirob.diagnosis.document import document
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import begun, climb
-from spirob.diagnosis.rungs import Ladder, Settings
+from spirob.diagnosis.rungs import Ladder, Settings, rung_of
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
 from spirob.identify.builds import TOLERANCES, Floor
-from spirob.identify.fit import STEPS
+from spirob.identify.fit import STEPS, fit_identifiable
 from spirob.identify.measurement import Measurement
 from spirob.identify.plausibility import SENSE, SUSPECTS, explained
 from spirob.identify.problem import effort_rms
@@ -23,7 +23,7 @@ from spirob.identify.residual import Filter, Residual
 from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
-from spirob.machine.arm.preparation import settled
+from spirob.machine.arm.preparation import Settled, settled
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
@@ -97,13 +97,30 @@ def searched(
         if "fit" in rig.model_fields_set
         else [n for n in (*SHAPE, *TOLERANCES) if n not in rig.known]
     )
-    ground = settled(residuals, names, start, free, absent, settings, progress)
+    ground = settled(residuals, names, start, free, settings, progress)
     if said is not None:
         said += ground.said
     known = replace(settings, floor=ground.floor.share)
-    base = begun(ground.residuals, ground.names, ground.numbers, known, STEPS[-1:])
-    found = climb(ground.residuals, ground.names, absent, start, known, progress, known=base)
+    base = _base(ground, names, known)
+    found = climb(ground.residuals, names, absent, start, known, progress, known=base)
     return Searched(found, ground.residuals, known, ground.floor)
+
+
+def _base(ground: Settled, names: Sequence[str], settings: Settings) -> Ladder:
+    """A search about to begin; beside another shape its numbers were just fitted."""
+    if ground.as_drawn:
+        return begun(ground.residuals, names, ground.numbers, settings, STEPS[-1:])
+    found, vague = fit_identifiable(
+        ground.residuals["train"],
+        names,
+        ground.numbers,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[-1:],
+        exact=False,
+    )
+    base = rung_of("fitted parameters", [], found, ground.residuals)
+    return Ladder(base, [base], vague=vague)
 
 
 def _unseen(rig: ArmFile) -> dict[str, str]:

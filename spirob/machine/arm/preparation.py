@@ -4,11 +4,6 @@ The usual numbers are fitted first.  Where they leave no more than a complete mo
 else is asked.  Otherwise the arm may be of another design, or buckle, and not only lack an effect:
 its shape is searched for (`shape`), fitted to the rows that builds of the arm do not leave open
 (`determined`), and believed where that clearly pays.
-
-A shape may imitate an effect that is missing, and rows may count that hinges would leave open if
-the effect were there.  So where a shape leaves much, it is searched for once more beside the effect
-that promises most, and that arm is taken if it leaves far less of its own rows.  Only shape and
-rows are taken over: the search for effects begins without any, fits the shape again, and asks all.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,9 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnosis.evidence import complete
-from spirob.diagnosis.rungs import Settings, parameters_of
-from spirob.diagnosis.screen import screen
-from spirob.effects import Effect
+from spirob.diagnosis.rungs import Settings
 from spirob.identify.builds import SCATTER, TOLERANCES, Floor, floor_of
 from spirob.identify.coarse import near
 from spirob.identify.descent import robust_cost
@@ -31,27 +24,26 @@ from spirob.machine.arm.tolerated import gate
 
 NEARLY = 3.0  # times the error of a complete model: who leaves more than that misses something
 PAYS = 0.8  # of the cost without: another shape is believed below that
-HALF = 0.5  # of the error without: an arm with an effect is taken below that
-PROMISING = 2  # effects that are tried beside the usual numbers, the best of them beside a shape
 # by how much builds may be apart in a row, over what counts, and steps of the differences
-ROUNDS = ((3.0, (0.1,)), (1.0, (0.1, 0.03)))
+ROUNDS = ((3.0, (0.1,)), (1.0, (0.03,)))
 
 
 @dataclass(frozen=True)
 class Settled:
     """What a search stands on.
 
-    numbers    fitted ones, and those of another shape;  names  of those that the search fits
+    numbers    fitted ones, and those of another shape, which the search holds
     residuals  by role, of the rows that count
     floor      what builds of this arm differ by
+    as_drawn   nothing else had to be asked
     said       sentences about all this
     """
 
     numbers: dict[str, float]
-    names: list[str]
     residuals: dict[str, Residual]
     floor: Floor
     said: list[str]
+    as_drawn: bool = False
 
 
 @dataclass(frozen=True)
@@ -133,14 +125,12 @@ def settled(
     names: Sequence[str],
     start: Mapping[str, float],
     free: Sequence[str],
-    candidates: Sequence[type[Effect]],
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Settled:
     """Shape and rows that count, with numbers fitted from where they start; the floor there.
 
     names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
-    candidates  effects that the model holds, absent
     """
     ground = Ground(residuals, names, free, settings, progress)
     found = ground.fitted(ground.train, names, start, STEPS[:1])
@@ -149,35 +139,12 @@ def settled(
         whole = Arm(found.changes, list(names), dict(residuals), {})
         floor = ground.floor(whole, {})
         if _left(ground.train, found.residual) <= complete(ground.train, floor.share):
-            return Settled(whole.numbers, whole.names, whole.residuals, floor, [])
-    arm = _with_an_effect(ground, ground.shaped(found), found, candidates)
+            return Settled(found.changes, whole.residuals, floor, [], as_drawn=True)
+    arm = ground.shaped(found)
     numbers, seen, told = _built(ground, arm)
     floor = ground.floor(replace(arm, numbers=numbers), seen)
-    own = {n for e in candidates for n in parameters_of(e)} - set(names)
-    numbers = {n: v for n, v in numbers.items() if n not in own}
-    fitted = [n for n in arm.names if n not in own]
     said = [*_shape_told(arm, names, ground.train), *_rows_told(arm, ground), *told]
-    return Settled(numbers, fitted, arm.residuals, floor, said)
-
-
-def _with_an_effect(
-    ground: Ground, plain: Arm, found: Fit, candidates: Sequence[type[Effect]]
-) -> Arm:
-    """`plain`, or the arm beside the effect that promises most, if that leaves far less."""
-    part = plain.residuals["train"]
-    if _left(part, part(plain.numbers)) <= NEARLY * ground.limit:
-        return plain
-    names, scale = list(found.estimates), ground.settings.scale
-    ranked = screen(near(ground.train, found.changes), found, names, candidates, scale)
-    ahead = [s for s in ranked[:PROMISING] if s.gain > 1.0 - PAYS]
-    fits = [ground.fitted(ground.train, s.names, s.changes, STEPS[-1:]) for s in ahead]
-    if not fits:
-        return plain
-    ground.progress(f"the shape again, beside {ahead[0].effect.name()} or the like")
-    arm = ground.shaped(min(fits, key=lambda f: f.cost))
-    part = arm.residuals["train"]
-    with_it, without = (_left(part, part(numbers)) for numbers in (arm.numbers, plain.numbers))
-    return arm if with_it < HALF * without else plain
+    return Settled(numbers, arm.residuals, floor, said)
 
 
 def _built(ground: Ground, arm: Arm) -> tuple[dict[str, float], dict[str, float], list[str]]:

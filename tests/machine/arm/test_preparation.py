@@ -11,7 +11,7 @@ from spirob.identify.residual import Residual
 from spirob.logs.readers import Table
 from spirob.machine.arm.preparation import settled
 from spirob.machine.arm.replay import arm_trial
-from spirob.machine.arm.shape import FREED, SHAPE
+from spirob.machine.arm.shape import SHAPE
 from spirob.plant import Plant
 from tests.identify.known import moves
 from tests.machine.arm.elsewhere import played, rig
@@ -33,14 +33,14 @@ def settle(true):
     logs = [arm_trial(Table(f"{k}", c), rig(), "train")[0] for k, c in enumerate(columns)]
     plant = Plant(rig().machine())
     residuals = {role: Residual(plant, [replace(t, role=role) for t in logs]) for role in ROLES}
-    return residuals, settled(residuals, NAMES, {}, list(SHAPE), [], Settings(), print)
+    return residuals, settled(residuals, NAMES, {}, list(SHAPE), Settings(), print)
 
 
 def test_an_arm_as_drawn_is_asked_nothing_else():
     residuals, found = settle(TRUE)
     assert found.said == []
     assert found.residuals == residuals
-    assert found.names == NAMES
+    assert found.as_drawn
     assert not any(name.startswith("holes.") for name in found.numbers)
 
 
@@ -53,4 +53,4 @@ def test_holes_that_lie_elsewhere_are_found_and_said():
     assert missed < 0.8 * before
     assert found.numbers["holes.shift"] != 0.0
     assert any("not as drawn" in text for text in found.said)
-    assert found.names == [*NAMES, *FREED]
+    assert not found.as_drawn
