@@ -2,8 +2,8 @@
 
 The usual numbers are fitted first.  Where they leave no more than a complete model does, nothing
 else is asked.  Otherwise the arm may be of another design, or buckle, and not only lack an effect:
-its shape is searched for (`shape`), fitted to the rows that builds of the arm do not leave open
-(`determined`), and believed where that clearly pays.
+its shape is searched for (`shape`) and believed where that clearly pays, and what builds of this
+arm leave open is left out of all roles (`determined`).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,8 +24,6 @@ from spirob.machine.arm.tolerated import gate
 
 NEARLY = 3.0  # times the error of a complete model: who leaves more than that misses something
 PAYS = 0.8  # of the cost without: another shape is believed below that
-# by how much builds may be apart in a row, over what counts, and steps of the differences
-ROUNDS = ((3.0, (0.1,)), (1.0, (0.03,)))
 
 
 @dataclass(frozen=True)
@@ -111,12 +109,9 @@ class Ground:
         if self.free:
             freed = [*names, *(n for n in FREED if n in self.free and n not in names)]
             other = searched_shape(self.train, found, self.free, scale, self.progress)
-            for wide, steps in ROUNDS:
-                trials, _ = determined(self.train, other, wide * self.limit)
-                part = replace(self.train, trials=trials)
-                other = self.fitted(part, freed, other, steps).changes
-            if robust_cost(part(other), scale) < PAYS * robust_cost(part(numbers), scale):
-                numbers, names = other, freed
+            shaped = self.fitted(self.train, freed, other, STEPS)
+            if shaped.cost < PAYS * found.cost:
+                numbers, names = shaped.changes, freed
         return self.on_its_rows(numbers, names)
 
 

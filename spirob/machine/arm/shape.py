@@ -26,7 +26,7 @@ from spirob.identify.fit import STEPS, Fit
 from spirob.identify.residual import Residual
 from spirob.identify.scaling import STRENGTH, Scaling
 
-FIRST, CHILDREN, GENERATIONS, PARENTS = 64, 24, 3, 8
+FIRST, CHILDREN, GENERATIONS, PARENTS = 128, 48, 6, 8
 DIFFERENCE = 0.6  # of two parents, added to a third
 NOISE, SHRINKS = 0.075, 1.6  # share of the range in the first generation, and by what it falls
 
@@ -34,7 +34,7 @@ NOISE, SHRINKS = 0.075, 1.6  # share of the range in the first generation, and b
 def evolved(
     cost: Callable[[np.ndarray], float], dimensions: int, progress: Callable[[str], None]
 ) -> np.ndarray:
-    """The best of some hundred points in the unit cube, (dimensions,); the same each time.
+    """The best of some four hundred points in the unit cube, (dimensions,); the same each time.
 
     cost  of a point; infinite where it cannot be told
     """
