@@ -25,6 +25,7 @@ from spirob.machine.rig import RigFile
 from spirob.machine.selection import each_once, filtered_alike
 
 Log = Path | str | pd.DataFrame
+PATIENCE = 3  # sets of differences of a fit of the arm: further ones gain next to nothing
 
 
 def diagnose(
@@ -103,10 +104,11 @@ def _arm(
     from spirob.machine.arm import diagnosis as arm
     from spirob.machine.arm.diagnosis import overlay, parameters
 
-    settings = ArmSettings(intervals=False)
+    settings = ArmSettings(intervals=False, always=False, patience=PATIENCE)
     trials, said = arm.read(rig, train, test)
-    search, residuals = arm.searched(rig, trials, settings, progress, own=own, said=said)
-    found = arm.written(rig, search, residuals, settings, said)
+    stood = arm.searched(rig, trials, settings, progress, own=own, said=said)
+    found = arm.written(rig, stood, said)
+    search, residuals = stood.search, stood.residuals
     last = search.rungs[-1]
     return Diagnosis(
         found,

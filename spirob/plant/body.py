@@ -16,7 +16,9 @@ first moment of all that hinge i carries is
 with the mass at the tip as M_(N+1).  Gravity g then turns the hinge by the moment S_i × g.
 """
 
+import copy
 import math
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -26,8 +28,20 @@ from spirob.plant.objects import ARM_BIT, OBJECT_BIT, add_objects
 from spirob.plant.rig import Arm, Holes
 from spirob.plant.tendon import with_holes
 from spirob.robot import MOTORS, Scene
+from spirob.unit_table import Geometry
 
 OUTLINE_RADIUS = 0.1  # capsule radius over half width
+Shape = tuple[Geometry, int]  # what the arm is, and into how many units the model cuts it
+SPRINGY = {  # the arm's numbers from which nothing but its hinges' stiffness and damping follows
+    name: getattr(Arm(), name)
+    for name in (
+        "base_stiffness",
+        "stiffness_exponent",
+        "stiffness_bow",
+        "damping_time",
+        "bends_per_hinge",
+    )
+}
 
 
 def hinge_stiffness(arm: Arm, geometry: SpiralArm) -> np.ndarray:
@@ -177,6 +191,35 @@ def _add_tendons(spec: mujoco.MjSpec, units: int) -> None:
             trntype=mujoco.mjtTrn.mjTRN_TENDON,
             gear=[-1, 0, 0, 0, 0, 0],  # positive control pulls
         )
+
+
+@lru_cache(maxsize=512)
+def compiled(
+    arm: Arm, scene: Scene, shape: Shape, timestep: float, tip_mass: float, scatter: bytes
+) -> mujoco.MjModel:
+    """The arm in its scene, ready to be played.
+
+    scatter  by how much each hinge's stiffness and damping are multiplied, as bytes; none if empty
+
+    Only its springs differ from fit to fit, and a copy that gets others is, bit by bit, what takes
+    a hundred times as long to compile.
+    """
+    plain = Arm(**{name: SPRINGY.get(name, getattr(arm, name)) for name in Arm.parameters()})
+    model = copy.copy(_body(plain, scene, shape, timestep, tip_mass))
+    units = shape[1]
+    stiffness = hinge_stiffness(arm, shape[0].arm(units))
+    factors = np.frombuffer(scatter) if scatter else np.ones(units)
+    model.jnt_stiffness.reshape(model.njnt, -1)[:units, 0] = factors * stiffness
+    model.dof_damping.reshape(model.nv, -1)[:units, 0] = factors * (arm.damping_time * stiffness)
+    return model
+
+
+@lru_cache(maxsize=64)
+def _body(arm: Arm, scene: Scene, shape: Shape, timestep: float, tip_mass: float) -> mujoco.MjModel:
+    model = build_spec(arm, scene, shape[0].arm(shape[1]), timestep, tip_mass=tip_mass).compile()
+    # a reset in mid-run would hide that the model diverged
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    return model
 
 
 def hinge_weights(angles, units, weight):

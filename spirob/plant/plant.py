@@ -13,10 +13,11 @@ from spirob.effects import Effect
 from spirob.effects.effect import differences
 from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
+from spirob.plant.body import compiled
 from spirob.plant.records import SETTINGS, Layout, Response, made
 from spirob.plant.rest import Torque
 from spirob.plant.rig import Arm, Holes, Rig
-from spirob.plant.session import CYCLE, Session, compiled
+from spirob.plant.session import CYCLE, Session
 from spirob.plant.tendon import room
 from spirob.robot import Scene
 

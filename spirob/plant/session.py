@@ -11,7 +11,6 @@ import numpy as np
 from spirob.control.law import CURRENT, Schedule
 from spirob.errors import SimulationError
 from spirob.plant.assemble import memory_rows
-from spirob.plant.body import build_spec
 from spirob.plant.chain import chain_of
 from spirob.plant.objects import bow, launch, outlines
 from spirob.plant.records import (
@@ -25,10 +24,8 @@ from spirob.plant.records import (
     made,
 )
 from spirob.plant.rest import Torque, rest_pose
-from spirob.plant.rig import Arm
 from spirob.plant.tendon import guides, shortenings, with_holes
 from spirob.robot import CYCLE_NS, Scene, Weights
-from spirob.unit_table import Geometry
 
 if TYPE_CHECKING:
     from spirob.plant.plant import Plant
@@ -41,7 +38,6 @@ LIGHT = {  # rotors that hardly slow it
     "motor.rotor_damping": 1e-6,
     "winch.drum_inertia": 0.0,
 }
-Shape = tuple[Geometry, int]  # what the arm is, and into how many units the model cuts it
 
 
 class Session:
@@ -181,21 +177,6 @@ class Session:
         if failed >= 0:
             raise SimulationError(f"the model became non-finite after {failed * CYCLE:.3f} s")
         return Response(**{name: out[name] for name in COLUMNS}, angles=angles)
-
-
-@lru_cache(maxsize=512)
-def compiled(
-    arm: Arm, scene: Scene, shape: Shape, timestep: float, tip_mass: float, scatter: bytes
-) -> mujoco.MjModel:
-    geometry, units = shape[0].arm(shape[1]), shape[1]
-    model = build_spec(arm, scene, geometry, timestep, tip_mass=tip_mass).compile()
-    if scatter:
-        factors = np.frombuffer(scatter)
-        model.dof_damping[:units] *= factors
-        model.jnt_stiffness.reshape(model.njnt, -1)[:units, 0] *= factors
-    # a reset in mid-run would hide that the model diverged
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    return model
 
 
 @lru_cache(maxsize=64)

@@ -1,7 +1,7 @@
 """The arm's own search (`spirob.diagnosis`) on logs from elsewhere, with document and page."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import pandas as pd
@@ -10,11 +10,12 @@ from spirob.diagnosis.document import document
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import begun, climb
-from spirob.diagnosis.rungs import Ladder, Settings
+from spirob.diagnosis.rungs import Ladder, Settings, rung_of
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
-from spirob.identify.fit import STEPS
+from spirob.identify.builds import TOLERANCES, Floor
+from spirob.identify.fit import STEPS, fit_identifiable
 from spirob.identify.measurement import Measurement
 from spirob.identify.plausibility import SENSE, SUSPECTS, explained
 from spirob.identify.problem import effort_rms
@@ -22,11 +23,10 @@ from spirob.identify.residual import Filter, Residual
 from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.numbers import described
-from spirob.machine.arm.preparation import of_design, settled
+from spirob.machine.arm.preparation import Settled, settled
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
-from spirob.machine.arm.tolerated import TOLERANCES
 from spirob.machine.loading import chosen
 from spirob.parameter import Table as Parameters
 from spirob.plant import Plant
@@ -52,6 +52,16 @@ def read(
     return trials, [*said, *divided, chosen]
 
 
+@dataclass(frozen=True)
+class Searched:
+    """A search with the rows, the rules and the floor that it stood on."""
+
+    search: Ladder
+    residuals: dict[str, Residual]
+    settings: Settings
+    floor: Floor
+
+
 def searched(
     rig: ArmFile,
     trials: Mapping[str, list[Measurement]],
@@ -60,7 +70,7 @@ def searched(
     candidates: Sequence[type[Effect]] | None = None,
     own: Sequence[type[Effect]] | None = None,
     said: list[str] | None = None,
-) -> tuple[Ladder, dict[str, Residual]]:
+) -> "Searched":
     """The search on these trials; candidates are those of the library where none are given.
 
     own   the effects that the model holds, where they are found already
@@ -90,10 +100,27 @@ def searched(
     ground = settled(residuals, names, start, free, settings, progress)
     if said is not None:
         said += ground.said
-    own_floor = of_design(settings, ground.numbers)
-    base = begun(ground.residuals, names, ground.numbers, own_floor, STEPS[-1:])
-    found = climb(ground.residuals, names, absent, start, own_floor, progress, known=base)
-    return found, ground.residuals
+    known = replace(settings, floor=ground.floor.share)
+    base = _base(ground, names, known)
+    found = climb(ground.residuals, names, absent, start, known, progress, known=base)
+    return Searched(found, ground.residuals, known, ground.floor)
+
+
+def _base(ground: Settled, names: Sequence[str], settings: Settings) -> Ladder:
+    """A search about to begin; beside another shape its numbers were just fitted."""
+    if ground.as_drawn:
+        return begun(ground.residuals, names, ground.numbers, settings, STEPS[-1:])
+    found, vague = fit_identifiable(
+        ground.residuals["train"],
+        names,
+        ground.numbers,
+        settings.scale,
+        settings.patience,
+        steps=STEPS[-1:],
+        exact=False,
+    )
+    base = rung_of("fitted parameters", [], found, ground.residuals)
+    return Ladder(base, [base], vague=vague)
 
 
 def _unseen(rig: ArmFile) -> dict[str, str]:
@@ -104,39 +131,34 @@ def _unseen(rig: ArmFile) -> dict[str, str]:
     return found
 
 
-def written(
-    rig: ArmFile,
-    search: Ladder,
-    residuals: Mapping[str, Residual],
-    settings: Settings,
-    said: list[str],
-) -> dict[str, Any]:
+def written(rig: ArmFile, found: Searched, said: list[str]) -> dict[str, Any]:
     """What `diagnosis.json` holds, with the keys of any rig's."""
-    settings = of_design(settings, search.base.fit.changes)
+    search, residuals, settings = found.search, found.residuals, found.settings
     verdict = judge(search, residuals, settings)
     train, base = residuals["train"], search.rungs[0]
     where = survey(train, base.fit.changes, base.fit.residual[train.rows])
     question = asked(search, verdict, residuals, settings)
     further = question.decide or question.prove
-    found = document(search, verdict, where, noise_floor(train), residuals, further)
+    told = document(search, verdict, where, noise_floor(train), residuals, further)
     if base.scores["validate"].r2 < SENSE:
-        found |= _senseless(base.scores["validate"].r2)
-    for effect in found["effects"]:
+        told |= _senseless(base.scores["validate"].r2)
+    for effect in told["effects"]:
         effect["rivals"] = list(verdict.rivals)
     return {
-        **found,
+        **told,
+        "floor": asdict(found.floor),
         "rig": rig.name,
         "predict": "effort",
         "effort": train.effort.name,
         "effort_rms": {
             r: effort_rms(residuals[h]) for r, h in (("train", "train"), ("test", "heldout"))
         },
-        "effects": found["effects"] or _contested(verdict, search, found["verdict"]),
-        "ladder": [_tested(rung) for rung in found["ladder"]],
+        "effects": told["effects"] or _contested(verdict, search, told["verdict"]),
+        "ladder": [_tested(rung) for rung in told["ladder"]],
         "repairs": [*said, *_strangers(search, residuals)],
         "excluded": {},
         "numbers": _numbers(search),
-        "model": _standing(rig, search, residuals, found["verdict"] == "named"),
+        "model": _standing(rig, search, residuals, told["verdict"] == "named"),
         "motion": None,
     }
 

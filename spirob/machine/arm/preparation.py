@@ -13,29 +13,112 @@ import numpy as np
 
 from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.rungs import Settings
+from spirob.identify.builds import SCATTER, TOLERANCES, Floor, floor_of
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.residual import Residual, near
-from spirob.machine.arm.rows import SCATTER, determined
+from spirob.machine.arm.rows import determined
 from spirob.machine.arm.shape import FREED, searched_shape
-from spirob.machine.arm.tolerated import TOLERANCES, gate
+from spirob.machine.arm.tolerated import gate
 
+NEARLY = 3.0  # times the error of a complete model: who leaves more than that misses something
 PAYS = 0.8  # of the cost without: another shape is believed below that
-OTHER_DESIGN = 0.01  # smallest effect that counts there, as on any rig that is not our arm
 
 
 @dataclass(frozen=True)
 class Settled:
     """What a search stands on.
 
-    numbers    fitted ones, and those of another shape
+    numbers    fitted ones, and those of another shape, which the search holds
     residuals  by role, of the rows that count
-    said       sentences about both
+    floor      what builds of this arm differ by
+    as_drawn   nothing else had to be asked
+    said       sentences about all this
     """
 
     numbers: dict[str, float]
     residuals: dict[str, Residual]
+    floor: Floor
     said: list[str]
+    as_drawn: bool = False
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm as its logs show it: numbers, those fitted, and the rows that count, by role."""
+
+    numbers: dict[str, float]
+    names: list[str]
+    residuals: dict[str, Residual]
+    shares: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The logs by role, and how they are fitted.
+
+    names  of the usual numbers;  free  those of a shape and of a build that may be asked for
+    """
+
+    residuals: Mapping[str, Residual]
+    names: Sequence[str]
+    free: Sequence[str]
+    settings: Settings
+    progress: Callable[[str], None]
+
+    @property
+    def train(self) -> Residual:
+        """The trials that are fitted."""
+        return self.residuals["train"]
+
+    @property
+    def limit(self) -> float:
+        """By how much builds may be apart in a row that counts [A]."""
+        return complete(self.train, self.settings.floor)
+
+    def fitted(
+        self, of: Residual, names: Sequence[str], start: Mapping[str, float], steps: Sequence[float]
+    ) -> Fit:
+        """At half the price, and without intervals."""
+        rules = self.settings
+        return fit(
+            near(of, start), names, start, rules.scale, rules.patience, steps=steps, exact=False
+        )
+
+    def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
+        """What builds differ by on the rows that count, or how wrong the model's hinges are.
+
+        told  by the logs of a build, at 95 %
+        """
+        kept, rules = arm.residuals, self.settings
+        widths = {n: told.get(n, w) for n, w in TOLERANCES.items() if n in self.free}
+        found = floor_of(
+            kept["train"], kept["validate"], arm.numbers, arm.names, rules.scale, widths
+        )
+        if found.share >= rules.floor:
+            return found
+        grain = f"the model itself, cut into hinges, is right to {rules.floor:.1%}, which is more."
+        return Floor(rules.floor, f"{found.reason.removesuffix('.')}; {grain}")
+
+    def on_its_rows(self, numbers: dict[str, float], names: list[str]) -> Arm:
+        """The arm with these numbers, without what its builds leave open."""
+        kept, shares = {}, {}
+        for role, residual in self.residuals.items():
+            trials, shares[role] = determined(residual, numbers, self.limit)
+            kept[role] = replace(residual, trials=trials)
+        return Arm(numbers, names, kept, shares)
+
+    def shaped(self, found: Fit) -> Arm:
+        """The arm with the shape that is searched for from this fit, where that pays."""
+        scale, names = self.settings.scale, list(found.estimates)
+        numbers = found.changes
+        if self.free:
+            freed = [*names, *(n for n in FREED if n in self.free and n not in names)]
+            other = searched_shape(self.train, found, self.free, scale, self.progress)
+            shaped = self.fitted(self.train, freed, other, STEPS)
+            if shaped.cost < PAYS * found.cost:
+                numbers, names = shaped.changes, freed
+        return self.on_its_rows(numbers, names)
 
 
 def settled(
@@ -46,88 +129,59 @@ def settled(
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Settled:
-    """Shape and rows that count, with numbers fitted from where they start.
+    """Shape and rows that count, with numbers fitted from where they start; the floor there.
 
     names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
     """
-    train, said = residuals["train"], []
-    enough = complete(train, settings.floor)
-    found = _fitted(train, names, start, settings)
-    if np.sqrt(np.mean(found.residual[train.rows] ** 2)) <= enough:
-        return Settled(found.changes, dict(residuals), [])
-    if free:
-        other = _shaped(train, names, found, free, settings, progress)
-        if other.cost < PAYS * found.cost:
-            found = other
-            said.append(_told(other, [n for n in FREED if n in free], train))
-    kept = {}
-    for role, residual in residuals.items():
-        trials, share = determined(residual, found.changes, enough)
-        kept[role] = replace(residual, trials=trials)
-        if share < 1.0:
-            said.append(
-                f"{', '.join(t.name for t in trials)}: {share:.0%} of the rows count; in the "
-                f"others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
-                f"than {residual.effort.shown(enough)}."
-            )
-    numbers = found.changes
-    if free:
-        numbers, told = _built(kept["train"], names, numbers, free, settings)
-        said += told
-    return Settled(numbers, kept, said)
+    ground = Ground(residuals, names, free, settings, progress)
+    found = ground.fitted(ground.train, names, start, STEPS[:1])
+    if _left(ground.train, found.residual) <= NEARLY * ground.limit:
+        found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
+        whole = Arm(found.changes, list(names), dict(residuals), {})
+        floor = ground.floor(whole, {})
+        if _left(ground.train, found.residual) <= complete(ground.train, floor.share):
+            return Settled(found.changes, whole.residuals, floor, [], as_drawn=True)
+    arm = ground.shaped(found)
+    numbers, seen, told = _built(ground, arm)
+    floor = ground.floor(replace(arm, numbers=numbers), seen)
+    said = [*_shape_told(arm, names, ground.train), *_rows_told(arm, ground), *told]
+    return Settled(numbers, arm.residuals, floor, said)
 
 
-def _shaped(
-    train: Residual,
-    names: Sequence[str],
-    found: Fit,
-    free: Sequence[str],
-    settings: Settings,
-    progress: Callable[[str], None],
-) -> Fit:
-    """The fit from the shape that was searched for."""
-    freed = [*names, *(n for n in FREED if n in free and n not in names)]
-    start = searched_shape(train, found, free, settings.scale, progress)
-    return _fitted(train, freed, start, settings)
-
-
-def _built(
-    train: Residual,
-    names: Sequence[str],
-    numbers: Mapping[str, float],
-    free: Sequence[str],
-    settings: Settings,
-) -> tuple[dict[str, float], list[str]]:
-    """The numbers with what of the build the logs tell, where that pays, and what the gate says."""
-    asked = [n for n in TOLERANCES if n in free]
+def _built(ground: Ground, arm: Arm) -> tuple[dict[str, float], dict[str, float], list[str]]:
+    """The numbers with what of the build the logs tell, where that pays; of what they tell the 95 %
+    half widths; and what the gate says."""
+    asked, rules = [n for n in TOLERANCES if n in ground.free], ground.settings
+    if not asked:
+        return arm.numbers, {}, []
+    train, numbers = arm.residuals["train"], arm.numbers
     close = near(train, numbers)
-    told = gate(close, list(dict.fromkeys([*names, *asked])), numbers, asked, settings.scale)
-    if told.seen:
-        freed = list(dict.fromkeys([*names, *told.seen]))
-        built = fit(close, freed, numbers, settings.scale, settings.patience, exact=False)
-        if built.cost < PAYS * robust_cost(close(numbers), settings.scale):
-            return built.changes, told.told(built.changes, train.table)
-    return dict(numbers), told.told(numbers, train.table)
+    told = gate(close, list(dict.fromkeys([*arm.names, *asked])), numbers, asked, rules.scale)
+    if new := [n for n in told.seen if n not in arm.names]:
+        built = ground.fitted(train, [*arm.names, *new], numbers, STEPS[-1:])
+        if built.cost < PAYS * robust_cost(close(numbers), rules.scale):
+            numbers = built.changes
+    return numbers, told.seen, told.told(numbers, train.table)
 
 
-def of_design(settings: Settings, numbers: Mapping[str, float]) -> Settings:
-    """The settings for an arm with these numbers: those of ours, or of another design."""
-    if not any(name.startswith("holes.") for name in numbers):
-        return settings
-    return replace(settings, floor=max(settings.floor, OTHER_DESIGN))
+def _left(of: Residual, missed: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(missed[of.rows] ** 2)))
 
 
-def _fitted(
-    train: Residual, names: Sequence[str], start: Mapping[str, float], settings: Settings
-) -> Fit:
-    close = near(train, start)
-    return fit(close, names, start, settings.scale, settings.patience, steps=STEPS, exact=False)
+def _rows_told(arm: Arm, ground: Ground) -> list[str]:
+    return [
+        f"{', '.join(t.name for t in arm.residuals[role].trials)}: {share:.0%} of the rows count; "
+        f"in the others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
+        f"than {ground.train.effort.shown(ground.limit)}."
+        for role, share in arm.shares.items()
+        if share < 1.0
+    ]
 
 
-def _told(found: Fit, freed: Sequence[str], train: Residual) -> str:
+def _shape_told(arm: Arm, names: Sequence[str], train: Residual) -> list[str]:
     values = []
-    for name in freed:
+    for name in [n for n in FREED if n in arm.names and n not in names]:
         about = train.table.about[name]
         unit = "" if about.unit == "1" else f" {about.unit}"
-        values.append(f"{about.meaning}: {found.changes[name]:.3g}{unit}")
-    return f"The arm is not as drawn, its logs say ({'; '.join(values)})."
+        values.append(f"{about.meaning}: {arm.numbers[name]:.3g}{unit}")
+    return [f"The arm is not as drawn, its logs say ({'; '.join(values)})."] if values else []

@@ -19,6 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.errors import SimulationError
+from spirob.identify.builds import hinges
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import STILL, Residual
 from spirob.machine import checks
@@ -81,8 +82,6 @@ def _left_out(
 
 
 BUILDS = 8
-SCATTER = 0.05  # of printed flexures, one deviation: stiffness goes with the cube of the thickness
-FARTHEST = 2.0  # deviations
 TOLD = 0.1  # s; a trial with less of it says nothing, and is left out whole
 LEAST_TIME = (
     1.0  # s of all logs of a role that count in any case, those that builds leave least open
@@ -126,8 +125,7 @@ def spread(residual: Residual, changes: Mapping[str, float], index: int) -> np.n
     rng, total = np.random.default_rng(0), np.zeros(cycles)
     middle = _signals(whole, changes)
     for _ in range(BUILDS):
-        drawn = np.clip(rng.standard_normal(units), -FARTHEST, FARTHEST)
-        build = replace(whole, plant=residual.plant.scattered(1.0 + SCATTER * drawn))
+        build = replace(whole, plant=residual.plant.scattered(hinges(rng, units)))
         try:
             total += np.max((_signals(build, changes) - middle) ** 2, axis=0)
         except SimulationError:

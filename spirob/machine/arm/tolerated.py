@@ -10,24 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spirob.identify.builds import SURE, TOLERANCES
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import STEPS
 from spirob.identify.problem import Problem
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
 
-# By how much a build may differ, at 95 %, and why
-TOLERANCES = {
-    "holes.shift": 0.05,  # of a unit's length: 1 to 2 mm, as designs differ
-    "holes.mount": 0.005,  # m: mounts are each laboratory's own
-    "holes.height": 0.03,  # 1 mm of the base unit's 38
-    "arm.stiffness_exponent": 0.3,  # published values lie between 1 and 3
-    "arm.stiffness_bow": 0.15,  # flexures 5 % thinner half-way along the arm
-    "winch.radius_difference": 0.01,  # how deep the line lies in its groove
-}
-
-
-SURE = 1.96  # deviations
 TOLD = 0.5  # of its tolerance: what is known of a number that counts as seen
 
 

@@ -88,9 +88,9 @@ def test_what_an_arm_of_13_measured_units_hides_is_named(folder):
     trials, said = diagnosis.read(arm, logs[:3], logs[3:])
     settings = Settings(finalists=2, rounds=1, iterations=1, intervals=False)
     library = [all_effects()[name] for name in NAMES]
-    search, residuals = diagnosis.searched(arm, trials, settings, print, library, said=said)
-    assert residuals["train"].plant.rig.units == 13
-    document = diagnosis.written(arm, search, residuals, settings, said)
+    found = diagnosis.searched(arm, trials, settings, print, library, said=said)
+    assert found.residuals["train"].plant.rig.units == 13
+    document = diagnosis.written(arm, found, said)
     assert [effect["name"] for effect in document["effects"]] == ["load_dependent_friction"]
     before, after = (document["ladder"][k]["test"]["rmse"] for k in (0, 1))
     assert after < 0.4 * before

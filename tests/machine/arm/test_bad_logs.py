@@ -47,8 +47,8 @@ def diagnosed(folder, bad):
     arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
     settings = Settings(finalists=1, rounds=1, iterations=1, patience=2, intervals=False)
     trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
-    search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
-    return diagnosis.written(arm, search, residuals, settings, said)
+    found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
+    return diagnosis.written(arm, found, said)
 
 
 def test_exchanged_motors_get_no_name_but_a_sentence(tmp_path):

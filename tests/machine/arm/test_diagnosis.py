@@ -23,12 +23,12 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
     trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
     settings = Settings(finalists=1, rounds=1, intervals=False)
-    search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
-    document = diagnosis.written(arm, search, residuals, settings, said)
+    found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
+    document = diagnosis.written(arm, found, said)
     assert document["verdict"] == "named"
-    (found,) = document["effects"]
-    assert found["name"] == "coulomb_friction"
-    assert found["parameters"]["coulomb_torque"]["value"] == pytest.approx(0.004, rel=0.1)
+    (effect,) = document["effects"]
+    assert effect["name"] == "coulomb_friction"
+    assert effect["parameters"]["coulomb_torque"]["value"] == pytest.approx(0.004, rel=0.1)
     before, after, ceiling = (rung["test"]["rmse"] for rung in document["ladder"])
     assert after < 0.4 * before
     assert ceiling < 1.05 * after
@@ -36,9 +36,13 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     for rung in document["ladder"]:
         assert set(rung["interval"]) == {"train", "validate", "heldout", "test"}
     assert any("read with ';'" in text for text in document["repairs"])
-    shown = overlay(search, residuals, named=True)
+    assert document["floor"]["share"] == found.settings.floor
+    assert "builds of this machine" in document["floor"]["reason"]
+    shown = overlay(found.search, found.residuals, named=True)
     assert {"trial", "role", "time", "measured", "base", "named"} <= set(shown.columns)
-    assert parameters(search, residuals["train"].table)["winch.efficiency"]["unit"] == "1"
+    assert (
+        parameters(found.search, found.residuals["train"].table)["winch.efficiency"]["unit"] == "1"
+    )
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,8 @@ def fitted(logs, **changes):
     """The fit of the numbers alone, and the residuals by role."""
     arm = rig(**changes)
     trials, _ = diagnosis.read(arm, tables(logs[:3]), tables(logs[3:]))
-    return diagnosis.searched(arm, trials, QUICK, print, [])
+    found = diagnosis.searched(arm, trials, QUICK, print, [])
+    return found.search, found.residuals
 
 
 def plant(arm, own=()):

@@ -135,13 +135,14 @@ def test_one_log_alone_is_searched_in_blocks(tmp_path):
     arm = rig(fit=["winch.efficiency"])
     trials, said = diagnosis.read(arm, tables([tmp_path / "one.csv"]), [])
     settings = Settings(finalists=1, rounds=1, intervals=False)
-    search, residuals = diagnosis.searched(arm, trials, settings, print, [FRICTION])
-    found = search.rounds[0][0]
-    assert found.scores["heldout"].rmse < 0.2 * search.base.scores["heldout"].rmse
-    document = diagnosis.written(arm, search, residuals, settings, said)
+    found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
+    search = found.search
+    best = search.rounds[0][0]
+    assert best.scores["heldout"].rmse < 0.2 * search.base.scores["heldout"].rmse
+    document = diagnosis.written(arm, found, said)
     assert any("the last 30% of each training log was kept aside" in t for t in document["repairs"])
     assert any("one.csv (50 to 70 %), which no fit has seen" in t for t in document["repairs"])
-    shown = overlay(search, residuals, named=True)
+    shown = overlay(search, found.residuals, named=True)
     times = {role: rows["time"] for role, rows in shown.groupby("role")}
     assert times["test"].min() == pytest.approx(7.0, abs=0.02)
     assert times["train"].max() < 5.0
