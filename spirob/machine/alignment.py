@@ -13,7 +13,7 @@ import numpy as np
 
 from spirob.machine.models import Model
 from spirob.machine.recording import Recording
-from spirob.machine.rig import Bounded, RigFile
+from spirob.machine.rig import RigFile
 
 # So far apart two channels of one log may be: a sample for the effort held over a cycle, one for
 # the drive's answer, one for the order of logging; of a slow log the last alone
@@ -27,13 +27,6 @@ SIGNS = {"sensing.current": 1.0, "sensing.report": 1.0, "sensing.frame": -1.0}
 def usual(period: float) -> float:
     """Seconds by which effort and motion of any log may be apart, for its sample period."""
     return max(min(ROWS * period, LONG), FEW * period, LEAST)
-
-
-def about(rig: RigFile, place: float, period: float) -> RigFile:
-    """The rig with a delay to fit, as far about its place as any log may be off."""
-    most = usual(period)
-    fitted = Bounded(nominal=place, low=place - most, high=place + most)
-    return rig.model_copy(update={"fit": {**rig.fit, "delay": fitted}})
 
 
 def is_told(rig: RigFile) -> bool:

@@ -11,7 +11,7 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import about, is_told, partnered
+from spirob.machine.alignment import is_told, partnered
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
@@ -32,7 +32,7 @@ from spirob.machine.page_tables import laws, overlay, parameters, predicted
 from spirob.machine.plausibility import beyond_bounds, doubts, oddities, released
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
-from spirob.machine.rig import RigFile
+from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
@@ -149,15 +149,15 @@ def _placed(ready: _Ready, settings: Criteria, progress: Callable[[str], None]) 
     still = ready.rig.model_copy(update={"known": {**ready.rig.known, "delay": 0.0}})
     search, _ = _search(replace(ready, rig=still), settings, progress)
     progress("effort and motion are laid over one another")
-    return _at(ready, _place(search, search.models.fitted((), {})))
+    return _about(ready, _place(search, search.models.fitted((), {})))
 
 
-def _at(ready: _Ready, delay: float) -> _Ready:
-    period = max(r.period for r in ready.train)
-    return replace(ready, rig=about(ready.rig, delay, period))
+def _about(ready: _Ready, delay: Bounded) -> _Ready:
+    fit = {**ready.rig.fit, "delay": delay}
+    return replace(ready, rig=ready.rig.model_copy(update={"fit": fit}))
 
 
-def _place(search: Search, model: Model) -> float:
+def _place(search: Search, model: Model) -> Bounded:
     return place(search.train, model, search.models.folds, search.absent(model))
 
 
@@ -168,10 +168,8 @@ def _once_more(
     if not done.chosen.fit.estimates["rig.delay"].at_bound:
         return done
     delay = _place(done.search, done.chosen)
-    if delay == done.ready.rig.fit["delay"].nominal:
-        return done
-    progress(f"once more, with the effort {1e3 * delay:.2g} ms after the motion")
-    other = _searched(_at(done.ready, delay), settings, progress)
+    progress(f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion")
+    other = _searched(_about(done.ready, delay), settings, progress)
     return other if done.search.worth.matters(done.chosen, other.chosen) else done
 
 

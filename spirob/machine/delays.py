@@ -2,8 +2,8 @@
 
     argmin over δ of  min over effects of  min over p of |m(p) - e(t + δ)|²,   p in their bounds
 
-m is what the fitted numbers and one effect of the library ask for on the measured motion, linear in
-its amplitudes; e is the measured effort.  A delay turns inertia into friction and friction into a
+m is what the fitted numbers, dry friction, a weight and one effect of the library ask for on the
+measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into friction and friction into a
 spring, so it is told apart from what is missing only beside what may be missing, and by bounds: an
 inertia or a friction below zero is none.  Shifting the effort changes no column, so all delays
 cost little more than one.
@@ -19,6 +19,7 @@ from spirob.machine.alignment import FARTHEST, usual
 from spirob.machine.flexible import RIDGE, step
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import DELAY, Model
+from spirob.machine.rig import Bounded
 from spirob.machine.screening import Screening, room
 from spirob.machine.shapes import counts_periods, starts
 
@@ -26,7 +27,7 @@ FINE = 3  # steps of the search in the delay that is usual
 ENOUGH = 4000  # rows to look for it
 FEWEST = 50  # rows below which nothing is looked for
 LOOKS = 9  # delays at which the orders of waves are looked for
-TOLD = 0.1  # of the squared error: a delay beyond the usual takes more than that
+TOLD = 0.1  # of the squared error: what leaves more is no place
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,10 @@ class _Law:
 
 def place(
     problem: InverseProblem, model: Model, folds: np.ndarray, effects: Sequence[type[Effect]]
-) -> float:
-    """Seconds by which the effort trails the motion, 0 where that is no more than usual.
+) -> Bounded:
+    """Seconds by which the effort trails the motion, with bounds beyond which it hardly lies.
+
+    They hold the usual delays where these leave hardly more than the best one.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
@@ -66,12 +69,26 @@ def place(
     delays = pace * np.arange(-int(FARTHEST / pace), int(FARTHEST / pace) + 1)
     rows, efforts = problem.later(delays - here, max(1, len(model.left) // ENOUGH))
     if len(rows) < FEWEST:
-        return 0.0
+        return Bounded(nominal=0.0, low=-most, high=most)
     residuals = (model.fit.residual + problem.measured())[rows, None] - efforts
-    laws = _laws(Screening(problem, model.fit, folds), rows, residuals, effects)
+    laws = _laws(problem, model, folds, rows, residuals, effects)
     left = np.sum(residuals**2, axis=0) - _falls(laws)
-    best, near = int(np.argmin(left)), float(np.min(left[np.abs(delays) <= most]))
-    return float(delays[best]) if left[best] < (1.0 - TOLD) * near else 0.0
+    best, low, high = (float(delays[k]) for k in valley(left, np.abs(delays) <= most))
+    return Bounded(nominal=best, low=low - most, high=high + most)
+
+
+def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:
+    """The best place, and the first and last around it that leave hardly more, of (K,).
+
+    usual  (K,) places one of which is taken where it leaves hardly more than any other
+    """
+    enough = left <= np.min(left) / (1.0 - TOLD)
+    allowed = enough & usual if np.any(enough & usual) else enough
+    k = int(np.argmin(np.where(allowed, left, np.inf)))
+    out = np.flatnonzero(~enough)
+    first = int(np.max(out[out < k], initial=-1)) + 1
+    last = int(np.min(out[out > k], initial=len(left))) - 1
+    return first + int(np.argmin(left[first : last + 1])), first, last
 
 
 def _falls(laws: Sequence[_Law]) -> np.ndarray:
@@ -87,13 +104,21 @@ def _falls(laws: Sequence[_Law]) -> np.ndarray:
 
 
 def _laws(
-    screening: Screening, rows: np.ndarray, residuals: np.ndarray, effects: Sequence[type[Effect]]
+    problem: InverseProblem,
+    model: Model,
+    folds: np.ndarray,
+    rows: np.ndarray,
+    residuals: np.ndarray,
+    effects: Sequence[type[Effect]],
 ) -> list[_Law]:
-    """The fitted numbers alone, and with each effect in several shapes."""
-    problem = screening.problem
+    """The fitted numbers with what most axes have, and each effect besides in several shapes."""
+    screening = Screening(problem, model.fit, folds)
     own = [k for k, name in enumerate(screening.names) if name != DELAY]
-    base = screening.jacobian[np.ix_(rows, own)]
-    low, high = (edge[own] for edge in screening.room)
+    common = _common(problem, model)
+    base = np.hstack([screening.jacobian[:, own], common])[rows]
+    free = np.full(common.shape[1], np.inf)
+    low = np.hstack([screening.room[0][own], 0.0, -free[1:]])
+    high = np.hstack([screening.room[1][own], free])
     made = [_Law(base.T @ base, base.T @ residuals, low, high)]
     signals = {name: values[rows] for name, values in screening.signals.items()}
     looks = residuals[:, :: max(1, residuals.shape[1] // LOOKS)].T
@@ -108,3 +133,12 @@ def _laws(
                 edges = np.hstack([low, probed.low]), np.hstack([high, probed.high])
                 made.append(_Law(columns.T @ columns, columns.T @ residuals, *edges))
     return made
+
+
+def _common(problem: InverseProblem, model: Model) -> np.ndarray:
+    """What dry friction, a force and a weight change of the residual, (N, 2 or 4)."""
+    motion = problem.asked.motion
+    torques = [-np.tanh(motion.v / problem.rest_speed), np.ones_like(motion.v)]
+    if problem.rig.position is not None and problem.sizes.axis_unit == "rad":
+        torques += [np.sin(motion.q), np.cos(motion.q)]
+    return np.column_stack([problem.shown(torque, model.fit.changes) for torque in torques])

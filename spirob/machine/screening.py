@@ -18,7 +18,7 @@ from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
 from spirob.machine.flexible import error, products, step
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.shapes import grid, shaping, starts
+from spirob.machine.shapes import places, shaping, starts
 from spirob.parameter import Parameter, Table
 
 GRIDDED, WALK = 2, 6  # numbers of a shape that a grid still covers; places on a walk along one
@@ -142,11 +142,11 @@ class Screening:
         known: Columns = {}
         best, seen = self._trial(effect, shape, known), {tuple(shape.values())}
         for field in [*shape, *shape]:
-            for value in grid(about[field], WALK):
+            for value in places(effect, about[field], field, WALK, self.residual, self.signals):
                 shape = {**best.probed.shape, field: value}
-                if (place := tuple(shape.values())) in seen:
+                if (at := tuple(shape.values())) in seen:
                     continue
-                seen.add(place)
+                seen.add(at)
                 tried = self._trial(effect, shape, known)
                 if tried.error < best.error:
                     best = tried
