@@ -41,7 +41,8 @@ class _Law:
 
     def least(self) -> np.ndarray:
         """Fall of the squared residual at each delay, were there no bounds, (K,)."""
-        size = np.sqrt(np.diagonal(self.gram)) + 1e-300
+        size = np.sqrt(np.diagonal(self.gram))
+        size = np.where(size > 0.0, size, 1.0)
         scaled = self.gram / np.outer(size, size) + RIDGE * np.eye(len(size))
         goal = self.side / size[:, None]
         return np.asarray(np.sum(goal * np.linalg.solve(scaled, goal), axis=0))
