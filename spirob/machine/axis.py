@@ -38,6 +38,7 @@ from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
 from spirob.machine.standing import heldout, standing
 
+
 @dataclass(frozen=True)
 class _Ready:
     """A rig and its logs, ready to be searched; `said` is what was repaired or left out."""

@@ -3,10 +3,10 @@
     argmin over δ of  min over effects of  min over p of |m(p) - e(t + δ)|²,   p in their bounds
 
 m is what the fitted numbers, dry friction, a weight and one effect of the library ask for on the
-measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into friction and friction into a
-spring, so it is told apart from what is missing only beside what may be missing, and by bounds: an
-inertia or a friction below zero is none.  Shifting the effort changes no column, so all delays
-cost little more than one.
+measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into
+friction and friction into a spring, so it is told apart from what is missing only beside what may
+be missing, and by bounds: an inertia or a friction below zero is none.  Shifting the effort changes
+no column, so all delays cost little more than one.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from spirob.machine.flexible import RIDGE, step
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import DELAY, Model
 from spirob.machine.rig import Bounded
-from spirob.machine.screening import Screening, room
+from spirob.machine.screening import Screening
 from spirob.machine.shapes import counts_periods, starts
 
 FINE = 3  # steps of the search in the delay that is usual

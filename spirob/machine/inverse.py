@@ -156,9 +156,10 @@ class InverseProblem:
         return self._kept
 
     def later(self, delays: np.ndarray, stride: int) -> tuple[np.ndarray, np.ndarray]:
-        """Measured effort, to the sample, after each delay [s]: of rows (n,) of the residual, (n, K).
+        """Rows of the residual (n,), and the measured effort after each delay [s] there, (n, K).
 
-        Every `stride`-th row is taken, without those that a delay leaves no partner in their piece.
+        Every `stride`-th row is taken, without those that a delay leaves no partner in their piece;
+        delays count to the sample.
         """
         effort = self._smooth(self.asked.motion.effort)
         rows, found, count = [], [], 0
