@@ -13,7 +13,7 @@ import numpy as np
 
 from spirob.machine.models import Model
 from spirob.machine.recording import Recording
-from spirob.machine.rig import RigFile
+from spirob.machine.rig import Bounded, RigFile
 
 # So far apart two channels of one log may be: a sample for the effort held over a cycle, one for
 # the drive's answer, one for the order of logging; of a slow log the last alone
@@ -27,6 +27,12 @@ SIGNS = {"sensing.current": 1.0, "sensing.report": 1.0, "sensing.frame": -1.0}
 def usual(period: float) -> float:
     """Seconds by which effort and motion of any log may be apart, for its sample period."""
     return max(min(ROWS * period, LONG), FEW * period, LEAST)
+
+
+def as_usual(period: float) -> Bounded:
+    """A delay to fit that is no more than that of any log."""
+    most = usual(period)
+    return Bounded(nominal=0.0, low=-most, high=most)
 
 
 def is_told(rig: RigFile) -> bool:

@@ -11,7 +11,7 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import is_told, partnered
+from spirob.machine.alignment import as_usual, is_told, partnered
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
@@ -37,6 +37,8 @@ from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
 from spirob.machine.standing import heldout, standing
+
+LEAVES = 2.0  # times the least effect: a model that leaves more is not complete
 
 
 @dataclass(frozen=True)
@@ -165,13 +167,24 @@ def _place(search: Search, model: Model) -> Bounded:
 def _once_more(
     done: "_Searched", settings: Criteria, progress: Callable[[str], None]
 ) -> "_Searched":
-    """The search about another delay, where it ended at a bound of it and that explains more."""
-    if not done.chosen.fit.estimates["rig.delay"].at_bound:
+    """The search about another delay, where something that counts is left and that explains more.
+
+    Others are tried where the delay ended at a bound, and the usual one where none was possible: a
+    place found beside coarse shapes of laws may be another law's.
+    """
+    if done.chosen.mean_square < (LEAVES * done.search.worth.least) ** 2:
         return done
-    delay = _place(done.search, done.chosen)
-    progress(f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion")
-    other = _searched(_about(done.ready, delay), settings, progress)
-    return other if done.search.worth.matters(done.chosen, other.chosen) else done
+    fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
+    others = []
+    if done.chosen.fit.estimates["rig.delay"].at_bound:
+        others.append(_place(done.search, done.chosen))
+    if none.low < fitted.low or fitted.high < none.high:
+        others.append(none)
+    for delay in others:
+        progress(f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion")
+        other = _searched(_about(done.ready, delay), settings, progress)
+        done = other if done.search.worth.matters(done.chosen, other.chosen) else done
+    return done
 
 
 def _better(done: "_Searched", wider: "_Searched", said: str) -> "_Searched":

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.alignment import FARTHEST, usual
+from spirob.machine.alignment import FARTHEST, as_usual, usual
 from spirob.machine.flexible import RIDGE, step
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import DELAY, Model
@@ -58,9 +58,9 @@ class _Law:
 def place(
     problem: InverseProblem, model: Model, folds: np.ndarray, effects: Sequence[type[Effect]]
 ) -> Bounded:
-    """Seconds by which the effort trails the motion, with bounds beyond which it hardly lies.
+    """Seconds by which the effort trails the motion, bounds as far about as any log may be off.
 
-    They hold the usual delays where these leave hardly more than the best one.
+    Where no delay leaves hardly more than the best one, it lies between the two.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
@@ -70,11 +70,13 @@ def place(
     delays = pace * np.arange(-int(FARTHEST / pace), int(FARTHEST / pace) + 1)
     rows, efforts = problem.later(delays - here, max(1, len(model.left) // ENOUGH))
     if len(rows) < FEWEST:
-        return Bounded(nominal=0.0, low=-most, high=most)
+        return as_usual(period)
     residuals = (model.fit.residual + problem.measured())[rows, None] - efforts
     laws = _laws(problem, model, folds, rows, residuals, effects)
     left = np.sum(residuals**2, axis=0) - _falls(laws)
     best, low, high = (float(delays[k]) for k in valley(left, np.abs(delays) <= most))
+    if low <= 0.0 <= high:
+        low, high = min(best, 0.0), max(best, 0.0)
     return Bounded(nominal=best, low=low - most, high=high + most)
 
 
