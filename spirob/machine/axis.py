@@ -114,6 +114,8 @@ def diagnose_recordings(
         if free := beyond_bounds(done.search, done.chosen):
             progress(f"once more, with {', '.join(free)} set free of its bounds")
             told = replace(done.ready, rig=released(done.ready.rig, free))
+            if not is_told(rig):  # it was placed within these bounds
+                told = _placed(_without_delay(told), settings, progress)
             done = replace(_searched(told, settings, progress), ready=done.ready)
         return _finish(done)
 
@@ -153,6 +155,11 @@ def _placed(ready: _Ready, settings: Criteria, progress: Callable[[str], None]) 
     search, _ = _search(replace(ready, rig=still), settings, progress)
     progress("effort and motion are laid over one another")
     return _about(ready, _place(search, search.models.fitted((), {})))
+
+
+def _without_delay(ready: _Ready) -> _Ready:
+    fit = {name: bounds for name, bounds in ready.rig.fit.items() if name != "delay"}
+    return replace(ready, rig=ready.rig.model_copy(update={"fit": fit}))
 
 
 def _about(ready: _Ready, delay: Bounded) -> _Ready:
