@@ -11,12 +11,13 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import as_usual, is_far, with_delay
+from spirob.machine.alignment import as_usual, is_told, partnered
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.beyond import beyond
 from spirob.machine.criteria import Criteria
+from spirob.machine.delays import place
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
@@ -31,7 +32,7 @@ from spirob.machine.page_tables import laws, overlay, parameters, predicted
 from spirob.machine.plausibility import beyond_bounds, doubts, oddities, released
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
-from spirob.machine.rig import RigFile
+from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
@@ -93,9 +94,9 @@ def diagnose_recordings(
     ready = _ready(rig, folder, train, test, held, without)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
-        done = _searched(ready, settings, progress)
-        if "delay" not in rig.fit:
-            done = _aligned(done, settings, progress)
+        done = _searched(_placed(ready, settings, progress), settings, progress)
+        if not is_told(rig):
+            done = _once_more(done, settings, progress)
         for kind in KINDS:
             if may_differ(kind, rig, done.search, done.chosen):
                 kinds = (*(done.ready.rig.per_log or ()), kind)
@@ -113,6 +114,8 @@ def diagnose_recordings(
         if free := beyond_bounds(done.search, done.chosen):
             progress(f"once more, with {', '.join(free)} set free of its bounds")
             told = replace(done.ready, rig=released(done.ready.rig, free))
+            if not is_told(rig):  # it was placed within these bounds
+                told = _placed(_without_delay(told), settings, progress)
             done = replace(_searched(told, settings, progress), ready=done.ready)
         return _finish(done)
 
@@ -123,6 +126,7 @@ def base_model(
     """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
     ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
     with threadpool_limits(1):
+        ready = _placed(ready, Criteria(), lambda text: None)
         search, _ = _search(ready, Criteria(), lambda text: None)
         return search, search.models.fitted((), {})
 
@@ -143,24 +147,51 @@ def _searched(ready: _Ready, settings: Criteria, progress: Callable[[str], None]
     return _Searched(ready, search, gate, search.run())
 
 
-def _aligned(done: "_Searched", settings: Criteria, progress: Callable[[str], None]) -> "_Searched":
-    """The search with effort and motion as close together as logs usually are, where that holds.
+def _placed(ready: _Ready, settings: Criteria, progress: Callable[[str], None]) -> _Ready:
+    """With a delay between effort and motion to fit, where the description tells nothing of it."""
+    if is_told(ready.rig):
+        return ready
+    still = ready.rig.model_copy(update={"known": {**ready.rig.known, "delay": 0.0}})
+    search, _ = _search(replace(ready, rig=still), settings, progress)
+    progress("effort and motion are laid over one another")
+    return _about(ready, _place(search, search.models.fitted((), {})))
 
-    What is missing of a model may look like a delay: once it is named, a far one is not needed.
-    Where one is needed and something that counts is left, both are searched, and the better holds.
+
+def _without_delay(ready: _Ready) -> _Ready:
+    fit = {name: bounds for name, bounds in ready.rig.fit.items() if name != "delay"}
+    return replace(ready, rig=ready.rig.model_copy(update={"fit": fit}))
+
+
+def _about(ready: _Ready, delay: Bounded) -> _Ready:
+    fit = {**ready.rig.fit, "delay": delay}
+    return replace(ready, rig=ready.rig.model_copy(update={"fit": fit}))
+
+
+def _place(search: Search, model: Model) -> Bounded:
+    return place(search.train, model, search.models.folds, search.absent(model))
+
+
+def _once_more(
+    done: "_Searched", settings: Criteria, progress: Callable[[str], None]
+) -> "_Searched":
+    """The search about another delay, where something that counts is left and that explains more.
+
+    Others are tried where the delay ended at a bound, and the usual one where none was possible: a
+    place found beside coarse shapes of laws may be another law's.
     """
-    period = max(r.period for r in done.ready.train)
-    near = as_usual(done.ready.rig, period)
-    if near is None:
+    if done.chosen.mean_square < (LEAVES * done.search.worth.least) ** 2:
         return done
-    far, least = is_far(done.chosen, period), LEAVES * done.search.worth.least
-    if far and done.chosen.mean_square < least**2:
-        return done
-    progress("once more, with effort and motion as close together as logs usually are")
-    other = _searched(replace(done.ready, rig=near), settings, progress)
-    if far and not done.search.worth.matters(done.chosen, other.chosen):
-        return done
-    return other
+    fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
+    others = []
+    if done.chosen.fit.estimates["rig.delay"].at_bound:
+        others.append(_place(done.search, done.chosen))
+    if none.low < fitted.low or fitted.high < none.high:
+        others.append(none)
+    for delay in others:
+        progress(f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion")
+        other = _searched(_about(done.ready, delay), settings, progress)
+        done = other if done.search.worth.matters(done.chosen, other.chosen) else done
+    return done
 
 
 def _better(done: "_Searched", wider: "_Searched", said: str) -> "_Searched":
@@ -187,7 +218,6 @@ def _ready(
     if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
-    rig, train, test = with_delay(rig, train, test, rest)
     return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs, without)
 
 
@@ -220,16 +250,17 @@ def _search(
 ) -> tuple[Search, Identifiability]:
     """The search over a rig's logs, and what they can say about its numbers."""
     rig = with_payload(ready.rig, ready.sizes)
-    logs = log_numbers(rig, [*ready.train, *ready.test], ready.sizes)
-    fitted = logs.fitted([r.log for r in ready.train])
-    alone = [n for n in logs.fitted([r.log for r in ready.test]) if n not in fitted]
+    fit, held = partnered(rig, ready.train), partnered(rig, ready.test)
+    logs = log_numbers(rig, [*fit, *held], ready.sizes)
+    fitted = logs.fitted([r.log for r in fit])
+    alone = [n for n in logs.fitted([r.log for r in held]) if n not in fitted]
     train, heldout = (
         InverseProblem(rig, ready.body, r, ready.possible, ready.sizes, ready.rest_speed, logs, own)
-        for r, own in ((ready.train, []), (ready.test, alone))
+        for r, own in ((fit, []), (held, alone))
     )
     names = [*(f"rig.{name}" for name in rig.fit), *fitted]
     names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]
-    if names == ["rig.delay"]:
+    if names in ([], ["rig.delay"]):
         raise ConfigError("fit: name at least one number to fit, such as viscous")
     table = train.table
     asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent

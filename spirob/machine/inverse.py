@@ -155,6 +155,24 @@ class InverseProblem:
         """Rows of all pieces in a row that are compared, (N,)."""
         return self._kept
 
+    def later(self, delays: np.ndarray, stride: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the residual (n,), and the measured effort after each delay [s] there, (n, K).
+
+        Every `stride`-th row is taken, without those that a delay leaves no partner in their piece;
+        delays count to the sample.
+        """
+        effort = self._smooth(self.asked.motion.effort)
+        rows, found, count = [], [], 0
+        for kept in kept_rows(self.recordings):
+            moves = np.rint(delays / kept.recording.period).astype(int)
+            first, last = -min(moves.min(), 0), len(kept.piece.q) - max(moves.max(), 0)
+            inside = kept.inside[::stride]
+            whole = (inside >= first) & (inside < last)
+            rows.append(count + stride * np.flatnonzero(whole))
+            found.append(effort[kept.along[::stride][whole][:, None] + moves])
+            count += len(kept.inside)
+        return np.concatenate(rows), np.concatenate(found)
+
     def raw(self) -> list[np.ndarray]:
         """The unfiltered effort of each piece."""
         return [p.raw for r in self.recordings for p in r.pieces]

@@ -56,8 +56,11 @@ class Model:
 
     @property
     def numbers(self) -> int:
-        """How rich it is: numbers and memories of its effects."""
-        return sum(len(e.parameters()) + len(e.state) for e in self.effects)
+        """How rich it is: numbers of its effects, and one more for each that has a memory.
+
+        How many cells a memory takes is a matter of its program: a delay needs many, and one time.
+        """
+        return sum(len(e.parameters()) + bool(e.state) for e in self.effects)
 
 
 class Models:

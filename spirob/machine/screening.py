@@ -18,7 +18,7 @@ from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
 from spirob.machine.flexible import error, products, step
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.shapes import grid, shaping, starts
+from spirob.machine.shapes import places, shaping, starts
 from spirob.parameter import Parameter, Table
 
 GRIDDED, WALK = 2, 6  # numbers of a shape that a grid still covers; places on a walk along one
@@ -79,9 +79,9 @@ class Screening:
 
     def __init__(self, problem: InverseProblem, at: Fit, folds: np.ndarray):
         self.problem, self.residual, self.jacobian = problem, at.residual, at.jacobian
-        self.changes, self.folds = dict(at.changes), folds
-        self._room = room(problem.table, at)
-        self._signals = {**problem.signals(), "effort": problem.measured()}
+        self.changes, self.folds, self.names = dict(at.changes), folds, list(at.estimates)
+        self.room = room(problem.table, at)
+        self.signals = {**problem.signals(), "effort": problem.measured()}
         sizes = np.linalg.norm(at.jacobian, axis=0) + 1e-300
         self._q = np.linalg.qr(at.jacobian / sizes)[0]
         self._tried: dict[str, Offer] = {}
@@ -99,7 +99,7 @@ class Screening:
 
     def pairs(self, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
         """All pairs of offers with the error of the two together, best first."""
-        probed = [self._probe(o.effect, self._shape(o), {}) for o in offers]
+        probed = [self.probe(o.effect, self._shape(o), {}) for o in offers]
         sums = self._sums(*(p.columns for p in probed))
         own = self.jacobian.shape[1]
         ends = own + np.cumsum([0, *(len(p.low) for p in probed)])
@@ -132,7 +132,7 @@ class Screening:
         about = {f: table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
         if len(about) - len(effect.neutral) > GRIDDED:
             return self._walked(effect, about)
-        shapes = starts(effect, about, self.residual, self._signals)
+        shapes = starts(effect, about, self.residual, self.signals)
         known: Columns = {}
         return min((self._trial(effect, s, known) for s in shapes), key=lambda trial: trial.error)
 
@@ -142,22 +142,22 @@ class Screening:
         known: Columns = {}
         best, seen = self._trial(effect, shape, known), {tuple(shape.values())}
         for field in [*shape, *shape]:
-            for value in grid(about[field], WALK):
+            for value in places(effect, about[field], field, WALK, self.residual, self.signals):
                 shape = {**best.probed.shape, field: value}
-                if (place := tuple(shape.values())) in seen:
+                if (at := tuple(shape.values())) in seen:
                     continue
-                seen.add(place)
+                seen.add(at)
                 tried = self._trial(effect, shape, known)
                 if tried.error < best.error:
                     best = tried
         return best
 
     def _trial(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Tried:
-        probed = self._probe(effect, shape, known)
+        probed = self.probe(effect, shape, known)
         sums = self._sums(probed.columns)
         return Tried(probed, sums, self._error(sums, probed))
 
-    def _probe(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Probed:
+    def probe(self, effect: type[Effect], shape: Mapping[str, float], known: Columns) -> Probed:
         """The columns of a shape; those that are `known` from another one are taken from there."""
         table, name = self.problem.table, effect.name()
         at_shape = {f"{name}.{f}": v for f, v in shape.items()}
@@ -187,7 +187,7 @@ class Screening:
         return products(np.hstack([self.jacobian, *columns]), self.residual, self.folds)
 
     def _bounds(self, *probed: Probed) -> tuple[np.ndarray, np.ndarray]:
-        low, high = self._room
+        low, high = self.room
         return np.hstack([low, *(p.low for p in probed)]), np.hstack(
             [high, *(p.high for p in probed)]
         )

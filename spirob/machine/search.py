@@ -87,7 +87,7 @@ class Search:
             seen.add(current.names)
             self.progress(f"chosen so far: {label(current.effects)}")
             self.progress.expect(_steps(len(current.effects), self.settings.most))
-            offers = self._screen(current, self._absent(current))
+            offers = self._screen(current, self.absent(current))
         self.progress.expect(_last(len(current.effects)))
         return self._found(self._pruned(current, whole=True), first)
 
@@ -148,7 +148,8 @@ class Search:
         passed = noise_in_effort(noise, modelled, self.train.signals()["acceleration"])
         return max(self.settings.floor * self.models.size, passed)
 
-    def _absent(self, model: Model) -> list[type[Effect]]:
+    def absent(self, model: Model) -> list[type[Effect]]:
+        """Candidates that may be added to a model."""
         out = model.names | self.vetoed
         return [e for e in self.candidates if e.name() not in out and not related(e, model.effects)]
 
@@ -222,7 +223,7 @@ class Search:
     def _exchanges(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Models with another effect in the place of this one."""
         lesser = self._without(model, effect)
-        offers = [o for o in self._screen(lesser, self._absent(lesser)) if o.effect is not effect][
+        offers = [o for o in self._screen(lesser, self.absent(lesser)) if o.effect is not effect][
             :EXCHANGES
         ]
         made = []

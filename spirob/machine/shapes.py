@@ -33,17 +33,27 @@ def starts(
     residual  (N,) along the trials;  signals  of the motion and the effort there
     """
     fields = [f for f in about if f not in effect.neutral]
-    grids = []
-    for field in fields:
-        if counts_periods(effect, field):
-            wave = residual * _carrier(effect, signals)
-            orders = peaks(wave, signals["angle"], about[field].low, about[field].high)
-            turns = {about[field].nominal, 1.0} if reads_a_disc(effect) else set()
-            grids.append([*sorted(turns), *orders])
-        else:
-            grids.append(grid(about[field], 5 if len(fields) == 1 else 3))
-    combined = [dict(zip(fields, values, strict=True)) for values in product(*grids)]
+    count = 5 if len(fields) == 1 else 3
+    grids = [places(effect, about[f], f, count, residual, signals) for f in fields]
+    combined = [dict(zip(fields, at, strict=True)) for at in product(*grids)]
     return combined[:: max(1, -(-len(combined) // MOST))]
+
+
+def places(
+    effect: type[Effect],
+    about: Parameter,
+    field: str,
+    count: int,
+    residual: np.ndarray,
+    signals: Mapping[str, np.ndarray],
+) -> list[float]:
+    """Values to try of one shape number: peaks of the spectrum, or `count` from bound to bound."""
+    if not counts_periods(effect, field):
+        return grid(about, count)
+    wave = residual * _carrier(effect, signals)
+    orders = peaks(wave, signals["angle"], about.low, about.high)
+    turns = {about.nominal, 1.0} if reads_a_disc(effect) else set()
+    return [*sorted(turns), *orders]
 
 
 def _carrier(effect: type[Effect], signals: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.alignment import FARTHEST, inside, only_aligns, usual, with_delay
+from spirob.machine.alignment import FARTHEST, inside, is_told, only_aligns, partnered, usual
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
 from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes
 from tests.machine.rigs import description
 
@@ -20,7 +20,7 @@ TRUE = {"rig.inertia": 0.03, "rig.viscous": 0.1}
 
 
 def models(lag, effects=(), period=2e-3):
-    """A swinging axis whose effort trails its motion by `lag` [s]."""
+    """A swinging axis whose effort trails its motion by `lag` [s], which is fitted about that."""
     t = np.arange(0, 8, period)
     q = np.sin(W * t) + 0.3 * np.sin(3.7 * W * t)
 
@@ -29,39 +29,35 @@ def models(lag, effects=(), period=2e-3):
         return 0.1 * v - 0.03 * W**2 * (np.sin(W * t) + 4.107 * np.sin(3.7 * W * t))
 
     rig = RigFile.model_validate(description(filter={"cutoff": 40.0}))
+    most = usual(period)
+    fitted = Bounded(nominal=lag, low=lag - most, high=lag + most)
+    rig = rig.model_copy(update={"fit": {**rig.fit, "delay": fitted}})
     log = prepare("log", {"t": t, "q": q, "u": effort(t - lag)}, rig)
-    rig, (log,), _ = with_delay(rig, [log], [], 0.02)
     chosen = [all_effects()[name] for name in effects]
-    problem = InverseProblem(rig, None, [log], chosen, SIZES, 0.02)
+    problem = InverseProblem(rig, None, partnered(rig, [log]), chosen, SIZES, 0.02)
     return Models(problem, problem, [f"rig.{n}" for n in rig.fit]), rig
 
 
 @pytest.mark.parametrize("lag", [-50e-3, -12e-3, -2e-3, 0.0, 1.3e-3, 9e-3, 33.3e-3, 57e-3])
-def test_the_delay_of_a_log_is_found(lag):
+def test_the_delay_of_a_log_is_fitted(lag):
     made, _ = models(lag)
     changes = made.fitted((), {}).fit.changes
     assert changes["rig.delay"] == pytest.approx(lag, abs=5e-5)
     assert changes["rig.inertia"] == pytest.approx(0.03, rel=0.01)
 
 
-@pytest.mark.parametrize("lag", [0.0, 5e-3, 40e-3])
-def test_bounds_of_a_delay_reach_as_far_as_logs_lie_apart(lag):
-    made, rig = models(lag)
-    delay, most = rig.fit["delay"], usual(2e-3)
-    assert delay.low == -most
-    assert delay.high == pytest.approx(most if lag < most else lag + most, abs=most / 2)
-    assert not made.fitted((), {}).fit.estimates["rig.delay"].at_bound
-
-
-def test_a_delay_that_is_given_is_not_fitted():
-    rig = RigFile.model_validate(description(known={"delay": 0.0}))
-    assert with_delay(rig, [log_of(rig)], [], 0.02)[0] is rig
+@pytest.mark.parametrize(
+    ("told", "is_so"),
+    [({"known": {"delay": 0.0}}, True), ({}, False)],
+)
+def test_a_delay_that_is_given_is_told(told, is_so):
+    assert is_told(RigFile.model_validate(description(**told))) == is_so
 
 
 def test_rows_without_a_partner_are_not_compared():
     rig = RigFile.model_validate(description(known={"delay": -0.04}))
     log = log_of(rig)
-    _, (cut,), _ = with_delay(rig, [log], [], 0.02)
+    (cut,) = partnered(rig, [log])
     ends = round(0.04 / log.period)
     before, after = log.pieces[0].use, cut.pieces[0].use
     assert not after[:ends].any()
@@ -69,8 +65,10 @@ def test_rows_without_a_partner_are_not_compared():
     np.testing.assert_array_equal(after[ends:-ends], before[ends:-ends])
 
 
-def test_a_piece_that_a_delay_leaves_nothing_of_is_no_piece():
-    log = log_of(RigFile.model_validate(description()))
+def test_a_log_that_a_delay_leaves_nothing_of_is_compared_whole():
+    rig = RigFile.model_validate(description(known={"delay": 4.0}))
+    log = log_of(rig)
+    assert partnered(rig, [log])[0] is log
     assert inside(log, FARTHEST).pieces
     assert not inside(log, 4.0).pieces
 
@@ -84,9 +82,10 @@ def log_of(rig):
     ("age", "delay", "no_more"),
     [(0.010, 0.0, False), (0.010, -0.005, True), (0.001, 0.0, True), (0.030, -0.045, True)],
 )
-def test_a_lag_counts_from_where_alignment_ends(age, delay, no_more):
-    _, rig = models(0.040)
-    changes = {"current_lag.time": age, "rig.delay": delay}
+@pytest.mark.parametrize("place", [0.0, 0.040])
+def test_a_lag_counts_from_where_alignment_ends(age, delay, no_more, place):
+    _, rig = models(place)
+    changes = {"current_lag.time": age, "rig.delay": place + delay}
     lagging = SimpleNamespace(
         effects=(all_effects()["current_lag"],), fit=SimpleNamespace(changes=changes)
     )

@@ -1,0 +1,147 @@
+"""Where effort and motion lie best over one another, whatever law the machine may have besides.
+
+    argmin over δ of  min over effects of  min over p of |m(p) - e(t + δ)|²,   p in their bounds
+
+m is what the fitted numbers, dry friction, a weight and one effect of the library ask for on the
+measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into
+friction and friction into a spring, so it is told apart from what is missing only beside what may
+be missing, and by bounds: an inertia or a friction below zero is none.  Shifting the effort changes
+no column, so all delays cost little more than one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spirob.effects import Effect
+from spirob.machine.alignment import FARTHEST, as_usual, usual
+from spirob.machine.flexible import RIDGE, step
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.models import DELAY, Model
+from spirob.machine.rig import Bounded
+from spirob.machine.screening import Screening
+from spirob.machine.shapes import counts_periods, starts
+
+FINE = 3  # steps of the search in the delay that is usual
+ENOUGH = 4000  # rows to look for it
+FEWEST = 50  # rows below which nothing is looked for
+LOOKS = 9  # delays at which the orders of waves are looked for
+TOLD = 0.1  # of the squared error: what leaves more is no place
+
+
+@dataclass(frozen=True)
+class _Law:
+    """Products of a law's columns with one another (n, n) and with the residuals (n, K)."""
+
+    gram: np.ndarray
+    side: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def least(self) -> np.ndarray:
+        """Fall of the squared residual at each delay, were there no bounds, (K,)."""
+        size = np.sqrt(np.diagonal(self.gram))
+        size = np.where(size > 0.0, size, 1.0)
+        scaled = self.gram / np.outer(size, size) + RIDGE * np.eye(len(size))
+        goal = self.side / size[:, None]
+        return np.asarray(np.sum(goal * np.linalg.solve(scaled, goal), axis=0))
+
+    def within(self, k: int) -> float:
+        """The same at one delay, within bounds."""
+        side = self.side[:, k]
+        sums = np.block([[self.gram, side[:, None]], [side[None], np.zeros((1, 1))]])
+        moved = step(sums[None], self.low, self.high)
+        return float(-2.0 * moved @ side - moved @ self.gram @ moved)
+
+
+def place(
+    problem: InverseProblem, model: Model, folds: np.ndarray, effects: Sequence[type[Effect]]
+) -> Bounded:
+    """Seconds by which the effort trails the motion, bounds as far about as any log may be off.
+
+    Where no delay leaves hardly more than the best one, it lies between the two.
+
+    model    fitted, at whatever delay;  effects  of which one may be missing of it
+    """
+    period = max(r.period for r in problem.recordings)
+    most, here = usual(period), model.fit.changes.get(DELAY, 0.0)
+    pace = max(period, most / FINE)
+    delays = pace * np.arange(-int(FARTHEST / pace), int(FARTHEST / pace) + 1)
+    rows, efforts = problem.later(delays - here, max(1, len(model.left) // ENOUGH))
+    if len(rows) < FEWEST:
+        return as_usual(period)
+    residuals = (model.fit.residual + problem.measured())[rows, None] - efforts
+    laws = _laws(problem, model, folds, rows, residuals, effects)
+    left = np.sum(residuals**2, axis=0) - _falls(laws)
+    best, low, high = (float(delays[k]) for k in valley(left, np.abs(delays) <= most))
+    if low <= 0.0 <= high:
+        low, high = min(best, 0.0), max(best, 0.0)
+    return Bounded(nominal=best, low=low - most, high=high + most)
+
+
+def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:
+    """The best place, and the first and last around it that leave hardly more, of (K,).
+
+    usual  (K,) places one of which is taken where it leaves hardly more than any other
+    """
+    enough = left <= np.min(left) / (1.0 - TOLD)
+    allowed = enough & usual if np.any(enough & usual) else enough
+    k = int(np.argmin(np.where(allowed, left, np.inf)))
+    out = np.flatnonzero(~enough)
+    first = int(np.max(out[out < k], initial=-1)) + 1
+    last = int(np.min(out[out > k], initial=len(left))) - 1
+    return first + int(np.argmin(left[first : last + 1])), first, last
+
+
+def _falls(laws: Sequence[_Law]) -> np.ndarray:
+    """Greatest fall of the squared residual by any of the laws at each delay, (K,)."""
+    free = np.array([law.least() for law in laws])
+    falls = np.full(free.shape[1], -np.inf)
+    for k, own in enumerate(free.T):
+        for which in np.argsort(-own):
+            if own[which] <= falls[k]:  # bounds can only take from it
+                break
+            falls[k] = max(falls[k], laws[which].within(k))
+    return falls
+
+
+def _laws(
+    problem: InverseProblem,
+    model: Model,
+    folds: np.ndarray,
+    rows: np.ndarray,
+    residuals: np.ndarray,
+    effects: Sequence[type[Effect]],
+) -> list[_Law]:
+    """The fitted numbers with what most axes have, and each effect besides in several shapes."""
+    screening = Screening(problem, model.fit, folds)
+    own = [k for k, name in enumerate(screening.names) if name != DELAY]
+    common = _common(problem, model)
+    base = np.hstack([screening.jacobian[:, own], common])[rows]
+    free = np.full(common.shape[1], np.inf)
+    low = np.hstack([screening.room[0][own], 0.0, -free[1:]])
+    high = np.hstack([screening.room[1][own], free])
+    made = [_Law(base.T @ base, base.T @ residuals, low, high)]
+    signals = {name: values[rows] for name, values in screening.signals.items()}
+    looks = residuals[:, :: max(1, residuals.shape[1] // LOOKS)].T
+    for effect in effects:
+        about = {f: problem.table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
+        waves = any(counts_periods(effect, f) for f in about if f not in effect.neutral)
+        known: dict[tuple[object, ...], np.ndarray] = {}
+        for residual in looks if waves else looks[:1]:
+            for shape in starts(effect, about, residual, signals):
+                probed = screening.probe(effect, shape, known)
+                columns = np.hstack([base, probed.columns[rows]])
+                edges = np.hstack([low, probed.low]), np.hstack([high, probed.high])
+                made.append(_Law(columns.T @ columns, columns.T @ residuals, *edges))
+    return made
+
+
+def _common(problem: InverseProblem, model: Model) -> np.ndarray:
+    """What dry friction, a force and a weight change of the residual, (N, 2 or 4)."""
+    motion = problem.asked.motion
+    torques = [-np.tanh(motion.v / problem.rest_speed), np.ones_like(motion.v)]
+    if problem.rig.position is not None and problem.sizes.axis_unit == "rad":
+        torques += [np.sin(motion.q), np.cos(motion.q)]
+    return np.column_stack([problem.shown(torque, model.fit.changes) for torque in torques])

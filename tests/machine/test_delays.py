@@ -1,0 +1,102 @@
+"""The delay between effort and motion is found beside whatever else is missing of the model."""
+
+import numpy as np
+import pytest
+
+from spirob.effects import all_effects
+from spirob.machine.alignment import usual
+from spirob.machine.delays import place, valley
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.models import Models
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes
+from tests.machine.rigs import description
+
+SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
+W = 2 * np.pi * 0.7
+REST = 0.02
+
+
+def motion(t):
+    return np.sin(W * t) + 0.3 * np.sin(3.7 * W * t)
+
+
+def speed(t):
+    return W * np.cos(W * t) + 1.11 * W * np.cos(3.7 * W * t)
+
+
+def none(t):
+    return 0.0 * t
+
+
+def wave(t):
+    return 0.3 * np.sin(20 * motion(t))
+
+
+def dry(t):
+    return 0.3 * np.tanh(speed(t) / REST)
+
+
+def weight(t):
+    return 0.5 * np.cos(motion(t))
+
+
+def placed(lag, hidden, period=2e-3):
+    """Where effort and motion of a swinging axis lie, whose effort trails by `lag` [s]."""
+
+    def effort(t):
+        faster = -(W**2) * (np.sin(W * t) + 4.107 * np.sin(3.7 * W * t))
+        return 0.1 * speed(t) + 0.03 * faster + sum(law(t) for law in hidden)
+
+    return found_in(lambda t: effort(t - lag), period)
+
+
+def found_in(effort, period=2e-3, rows=None):
+    """The same for any effort, of the first rows of the log."""
+    t = np.arange(0, 8, period)
+    told = description(filter={"cutoff": 0.08 / period}, known={"delay": 0.0})
+    rig = RigFile.model_validate(told)
+    log = prepare("log", {"t": t, "q": motion(t), "u": effort(t)}, rig)
+    if rows:
+        log.pieces[0].use[rows:] = False
+    effects = [all_effects()[name] for name in ("cogging", "presliding_friction")]
+    problem = InverseProblem(rig, None, [log], effects, SIZES, REST)
+    models = Models(problem, problem, [f"rig.{n}" for n in rig.fit])
+    return place(problem, models.fitted((), {}), models.folds, effects)
+
+
+@pytest.mark.parametrize("hidden", [[none], [wave], [dry, weight], [wave, dry]])
+@pytest.mark.parametrize("lag", [-45e-3, -2e-3, 0.0, 17e-3, 50e-3])
+def test_a_delay_is_found_beside_laws_that_are_missing(lag, hidden):
+    found = placed(lag, hidden)
+    assert found.nominal == pytest.approx(lag, abs=0.5 * usual(2e-3))
+    assert found.low < lag < found.high
+
+
+@pytest.mark.parametrize("period", [1e-3, 5e-3, 20e-3])
+def test_it_is_found_at_any_rate(period):
+    found = placed(0.03, [dry, weight], period)
+    assert found.low < 0.03 < found.high
+    assert abs(found.nominal - 0.03) < usual(period)
+
+
+@pytest.mark.parametrize(
+    ("left", "place"),
+    [
+        ([9, 8, 7, 6, 5, 4, 3, 2, 1], (8, 8, 8)),  # sharp, far
+        ([1.0, 2, 3, 2, 1.02, 2, 3, 2, 2], (4, 4, 4)),  # a usual one that leaves hardly more
+        ([1.0, 2, 3, 2, 1.5, 2, 3, 2, 2], (0, 0, 0)),
+        ([3, 3, 1.01, 1.0, 1.05, 1.05, 2, 2, 2], (3, 2, 5)),  # flat: all that it may be
+        ([1.0] * 9, (0, 0, 8)),
+    ],
+)
+def test_a_place_and_how_far_about_it_the_delay_may_lie(left, place):
+    among = np.abs(np.arange(9) - 4) <= 1
+    assert valley(np.array(left, float), among) == place
+
+
+def test_too_few_rows_tell_no_delay():
+    found = found_in(lambda t: speed(t - 0.03), 20e-3, rows=60)
+    most = usual(20e-3)
+    assert (found.low, found.nominal, found.high) == (-most, 0.0, most)
