@@ -7,6 +7,7 @@ cases that they were fitted to (`spirob.campaign.calibration`).
 """
 
 import json
+from collections.abc import Collection
 from itertools import pairwise
 from pathlib import Path
 
@@ -28,6 +29,7 @@ FIGURES = (
     "place",
     "late",
 )
+MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less makes most of it
 TINY = 1e-300
 MOST = 10.0  # of a logarithm: what is larger says no more
 
@@ -39,8 +41,35 @@ def probability(figures: dict[str, float]) -> float:
     return float(1.0 / (1.0 + np.exp(-(LEARNED["bias"] + weights @ ((x - mean) / scale)))))
 
 
-def figures(search: Search, found: Found, rest: Ceiling, effect: type[Effect]) -> dict[str, float]:
+def kin(search: Search, chosen: Model, effect: type[Effect]) -> list[str]:
+    """Names of the effects that make most of what this one makes, in its place; the best first.
+
+    Their models differ from the chosen one by less than half the squared error that the effect
+    takes, on the samples that are fitted.
+    """
+    rest = chosen.names - {effect.name()}
+    fall = search.models.tried[rest].mean_square - chosen.mean_square
+    found = {}
+    for model in search.models.tried.values():
+        other = model.names - rest
+        if len(other) != 1 or len(model.names) != len(chosen.names) or model is chosen:
+            continue
+        apart = float(np.mean((model.fit.residual - chosen.fit.residual) ** 2))
+        if apart < MOSTLY * fall:
+            found[next(iter(other))] = model.heldout_square
+    return sorted(found, key=lambda name: found[name])
+
+
+def figures(
+    search: Search,
+    found: Found,
+    rest: Ceiling,
+    effect: type[Effect],
+    same: Collection[str] = (),
+) -> dict[str, float]:
     """What the search shows of one chosen effect; logarithms are natural, errors squared.
+
+    same  names that count as this effect, too: the figures are then of all of them
 
     fall_heldout   ln of the held-out error without it over that with it
     ahead_heldout  ln of the held-out error of the best other model over that of the chosen one;
@@ -53,7 +82,7 @@ def figures(search: Search, found: Found, rest: Ceiling, effect: type[Effect]) -
     chosen, bare = found.chosen, found.rungs[0]
     without = search.models.tried[chosen.names - {effect.name()}]
     fall = without.mean_square - chosen.mean_square
-    others = [m.heldout_square for m in _others(search, chosen, effect)]
+    others = [m.heldout_square for m in _others(search, chosen, {effect.name(), *same})]
     order = [next(iter(b.names - a.names)) for a, b in pairwise(found.rungs)]
     delay = chosen.fit.estimates.get("rig.delay")
     period = max(r.period for r in search.train.recordings)
@@ -68,11 +97,11 @@ def figures(search: Search, found: Found, rest: Ceiling, effect: type[Effect]) -
     return {name: float(f"{value:.6g}") for name, value in told.items()}
 
 
-def _others(search: Search, chosen: Model, effect: type[Effect]) -> list[Model]:
+def _others(search: Search, chosen: Model, names: Collection[str]) -> list[Model]:
     return [
         m
         for m in search.models.tried.values()
-        if effect.name() not in m.names
+        if m.names.isdisjoint(names)
         and len(m.effects) <= len(chosen.effects)
         and not alike(m, chosen, search.worth.least)
     ]

@@ -46,6 +46,7 @@ def document(
                 "name": e.name(),
                 "title": e.title,
                 "probability": judgement.weighed[e.name()].probability,
+                "together": judgement.weighed[e.name()].together,
                 "equivalents": judgement.weighed[e.name()].equivalents,
                 "rivals": judgement.weighed[e.name()].rivals,
                 "parameters": _numbers(found.chosen, e.name()),
@@ -56,6 +57,7 @@ def document(
             {
                 "name": name,
                 "probability": one.probability,
+                "together": one.together,
                 "equivalents": one.equivalents,
                 "rivals": one.rivals,
                 "figures": one.figures,
@@ -108,7 +110,8 @@ def _candidates(search: Search, found: Found, judgement: Judgement) -> list[dict
         probability = own.probability if own else 0.0
         for one in judgement.weighed.values():
             if name in one.rivals:
-                probability = max(probability, (1 - one.probability) / len(one.rivals))
+                shared = one.together if one.together > one.probability else 1.0
+                probability = max(probability, (shared - one.probability) / len(one.rivals))
         gain = 1.0 - offer.error / found.rungs[0].mean_square
         entries.append(
             {

@@ -16,7 +16,7 @@ from spirob.diagnosis.flexible import share
 from spirob.effects import Effect
 from spirob.identify.problem import Effort
 from spirob.machine.candidates import equivalents
-from spirob.machine.certainty import figures, probability
+from spirob.machine.certainty import figures, kin, probability
 from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
@@ -64,8 +64,8 @@ class Words:
             sets.append(" or ".join(plain(n) for n in names))
         return (
             f"Undecided: {'; and '.join(sets)}.",
-            f"Each of these explains the {self.effort.name} about as well on data that it was not "
-            f"fitted to; these data cannot tell them apart. {self._fall()} {self._left()}",
+            f"Each of these explains most of the same of the {self.effort.name}; these data cannot "
+            f"tell them apart. {self._fall()} {self._left()}",
         )
 
     def _nothing_missing(
@@ -174,9 +174,13 @@ LIKELY = 0.5  # a name is given where it is more likely right than wrong
 
 @dataclass(frozen=True)
 class Weighed:
-    """A chosen effect: how likely its name is right, what says the same, what else it could be."""
+    """A chosen effect: how likely its name is right, what says the same, what else it could be.
+
+    together  how likely it is right that this effect or one of its rivals is there
+    """
 
     probability: float
+    together: float
     equivalents: list[str]
     rivals: list[str]
     figures: dict[str, float]
@@ -197,16 +201,21 @@ def weigh(search: Search, found: Found, rest: Ceiling) -> dict[str, Weighed]:
     """Each chosen effect by name; `rest` is the ceiling over the chosen model."""
     weighed = {}
     for effect in found.chosen.effects:
-        others = found.rivals[effect.name()]
-        same, rivals = equivalents(found.chosen, others, search.worth.least)
+        exchanged = found.rivals[effect.name()]
+        same, rivals = equivalents(found.chosen, exchanged, search.worth.least)
         shown = figures(search, found, rest, effect)
-        weighed[effect.name()] = Weighed(probability(shown), same, rivals, shown)
+        own = together = probability(shown)
+        if own < LIKELY and (others := kin(search, found.chosen, effect)):
+            whole = probability(figures(search, found, rest, effect, others))
+            if whole >= LIKELY:
+                together, rivals = whole, [*others, *(n for n in rivals if n not in others)]
+        weighed[effect.name()] = Weighed(own, together, same, rivals, shown)
     return weighed
 
 
 def likely(weighed: Mapping[str, Weighed]) -> list[str]:
-    """Names that are more likely right than wrong."""
-    return [name for name, one in weighed.items() if one.probability >= LIKELY]
+    """Names that are more likely right than wrong, alone or with those that say most of it."""
+    return [name for name, one in weighed.items() if one.together >= LIKELY]
 
 
 def judge(
@@ -233,7 +242,7 @@ def judge(
             f" {', '.join(plain(n) for n in found.vetoed)} would lower the error on the training "
             "trials, but not on the held-out ones, and is not named."
         )
-    unsure = {n: one for n, one in weighed.items() if one.probability < LIKELY}
+    unsure = {n: one for n, one in weighed.items() if one.together < LIKELY}
     if unsure and not warnings:
         told = ", ".join(f"{plain(n)} ({one.probability:.0%})" for n, one in unsure.items())
         explanation += f" Too unlikely to be named, though it lowers the error: {told}."

@@ -16,14 +16,16 @@ from spirob.machine.composed import Composed
 class Finding:
     """An effect that is needed.
 
-    probability  how often it wins against its rivals and its absence on resampled blocks
-    equivalents  effects that say the same on this rig;  rivals  those that explain it as well
+    probability  that the name is right;  together  that it or one of its rivals is
+    equivalents  effects that say the same on this rig
+    rivals       those that explain it as well, or that make most of what it makes
     numbers      name -> value, low, high (95 %), unit
     """
 
     name: str
     title: str
     probability: float
+    together: float
     equivalents: tuple[str, ...]
     rivals: tuple[str, ...]
     numbers: Mapping[str, Mapping[str, Any]]
@@ -99,6 +101,7 @@ class Diagnosis:
                 e["name"],
                 e["title"],
                 e["probability"],
+                e.get("together", e["probability"]),
                 tuple(e["equivalents"]),
                 tuple(e["rivals"]),
                 e["parameters"],
