@@ -21,7 +21,7 @@ from spirob.machine.delays import place
 from spirob.machine.document import document, plain
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import judge, likely, structured, weigh
+from spirob.machine.judgement import TWICE, judge, likely, structured, weigh
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import chosen, files
 from spirob.machine.models import Model, label
@@ -37,8 +37,6 @@ from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
 from spirob.machine.standing import heldout, standing
-
-LEAVES = 2.0  # times the least effect: a model that leaves more is not complete
 
 
 @dataclass(frozen=True)
@@ -179,7 +177,7 @@ def _once_more(
     Others are tried where the delay ended at a bound, and the usual one where none was possible: a
     place found beside coarse shapes of laws may be another law's.
     """
-    if done.chosen.mean_square < (LEAVES * done.search.worth.least) ** 2:
+    if done.chosen.mean_square < (TWICE * done.search.worth.least) ** 2:
         return done
     fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
     others = []
@@ -316,7 +314,7 @@ def _law(search: Search, found: Found, rest: Ceiling, kind: str) -> Composed | N
     """The law of what no name explains: of all that is left where there is none."""
     if kind == "unknown":
         return composed(search, found, found.rungs[0])
-    if kind in ("named", "undecided") and structured(search, found, rest):
+    if kind in ("named", "undecided") and structured(search, found.chosen, rest):
         return composed(search, found, found.chosen)
     return None
 

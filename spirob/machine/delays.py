@@ -60,7 +60,8 @@ def place(
 ) -> Bounded:
     """Seconds by which the effort trails the motion, bounds as far about as any log may be off.
 
-    Where no delay leaves hardly more than the best one, it lies between the two.
+    It is a usual one where no delay leaves hardly more than the best one, or where a usual one does
+    and all that do are further apart than usual ones: then nothing tells it.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
@@ -75,8 +76,9 @@ def place(
     laws = _laws(problem, model, folds, rows, residuals, effects)
     left = np.sum(residuals**2, axis=0) - _falls(laws)
     best, low, high = (float(delays[k]) for k in valley(left, np.abs(delays) <= most))
-    if low <= 0.0 <= high:
-        low, high = min(best, 0.0), max(best, 0.0)
+    touches, flat = low <= most and high >= -most, high - low > 2.0 * most
+    if low <= 0.0 <= high or (touches and flat):
+        return Bounded(nominal=float(np.clip(best, -most, most)), low=-most, high=most)
     return Bounded(nominal=best, low=low - most, high=high + most)
 
 

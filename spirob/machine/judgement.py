@@ -74,8 +74,8 @@ class Words:
         return (
             f"Nothing is missing: the model is within {self._share(self.before):.1%} of the "
             f"{self.effort.name}.",
-            "With fitted numbers alone no effect of the library lowers the error on data left out "
-            f"by {self.search.worth.least / self.search.models.size:.1%} of the "
+            "No likely effect of the library lowers the error of the fitted numbers on data left "
+            f"out by {self.search.worth.least / self.search.models.size:.1%} of the "
             f"{self.effort.name}'s RMS, and a flexible model of the motion explains "
             f"{self.bare.share:.0%} of the squared residual.",
         )
@@ -169,6 +169,7 @@ def plain(name: str) -> str:
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
 # of the effort's RMS, and times the noise: three quarters of the square are then no noise
 MUCH, NOISY = 0.1, 2.0
+TWICE = 2.0  # times the least effect: what counts where nothing names it
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
 
 
@@ -234,7 +235,7 @@ def judge(
     own = {e.name(): weighed[e.name()] for e in chosen.effects}
     same = {name: one.equivalents for name, one in own.items()}
     rivals = {name: one.rivals for name, one in own.items()}
-    kind = _kind(search, found, rest, own, bool(warnings))
+    kind = _kind(search, found, bare, own, bool(warnings))
     words = Words(search, found.rungs[0], chosen, bare, rest, search.train.effort)
     sentence, explanation = words.say(kind, same, rivals, warnings)
     if found.vetoed:
@@ -251,29 +252,33 @@ def judge(
 
 
 def _kind(
-    search: Search, found: Found, rest: Ceiling, weighed: Mapping[str, Weighed], doubtful: bool
+    search: Search, found: Found, bare: Ceiling, weighed: Mapping[str, Weighed], doubtful: bool
 ) -> str:
     if doubtful:
         return "unknown"
-    if not weighed:
-        more = structured(search, found, rest) or _unexplained(search, found)
-        return "unknown" if more else "nothing_missing"
     if not likely(weighed):
-        return "unknown"
+        return "unknown" if _lacking(search, found, bare) else "nothing_missing"
     return "undecided" if any(one.rivals for one in weighed.values()) else "named"
 
 
-def structured(search: Search, found: Found, rest: Ceiling) -> bool:
-    """Whether what is left still follows from the motion, by a share and a size that count."""
-    large = np.sqrt(rest.share * found.chosen.mean_square) >= 2.0 * search.worth.least
+def _lacking(search: Search, found: Found, bare: Ceiling) -> bool:
+    """Whether the fitted numbers alone leave something that counts, though nothing names it."""
+    model, least = found.rungs[0], TWICE * search.worth.least
+    taken = model.mean_square - found.chosen.mean_square
+    return taken >= least**2 or structured(search, model, bare) or _unexplained(search, model)
+
+
+def structured(search: Search, model: Model, rest: Ceiling) -> bool:
+    """Whether what a model leaves follows from the motion, by a share and a size that count."""
+    large = np.sqrt(rest.share * model.mean_square) >= TWICE * search.worth.least
     return bool(large) and rest.share > LEAST_SHARE
 
 
-def _unexplained(search: Search, found: Found) -> bool:
+def _unexplained(search: Search, model: Model) -> bool:
     """Whether far more is left than any noise, though no signal of this moment explains it.
 
     Blows, chatter and memories do not follow from the motion of this moment.
     """
     noise = max(float(noise_floor(search.train)), search.worth.least)
-    left = np.sqrt(found.chosen.heldout_square)
+    left = np.sqrt(model.heldout_square)
     return bool(left > max(MUCH * search.models.size, NOISY * noise))
