@@ -7,7 +7,7 @@ unknown          something is missing, and no name for it is likely enough
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -205,13 +205,27 @@ def weigh(search: Search, found: Found, rest: Ceiling) -> dict[str, Weighed]:
         exchanged = found.rivals[effect.name()]
         same, rivals = equivalents(found.chosen, exchanged, search.worth.least)
         shown = figures(search, found, rest, effect)
-        own = together = probability(shown)
-        if own < LIKELY and (others := kin(search, found.chosen, effect)):
-            whole = probability(figures(search, found, rest, effect, others))
-            if whole >= LIKELY:
-                together, rivals = whole, [*others, *(n for n in rivals if n not in others)]
-        weighed[effect.name()] = Weighed(own, together, same, rivals, shown)
-    return weighed
+        own = probability(shown)
+        weighed[effect.name()] = Weighed(own, own, same, rivals, shown)
+    if likely(weighed):
+        return weighed
+    return {e.name(): _with_kin(search, found, rest, e, weighed) for e in found.chosen.effects}
+
+
+def _with_kin(
+    search: Search,
+    found: Found,
+    rest: Ceiling,
+    effect: type[Effect],
+    weighed: Mapping[str, Weighed],
+) -> Weighed:
+    """An effect that is too unlikely alone, with its kin where one of them is likely."""
+    one, others = weighed[effect.name()], kin(search, found.chosen, effect)
+    together = probability(figures(search, found, rest, effect, others)) if others else 0.0
+    if together < LIKELY:
+        return one
+    rivals = [*others, *(name for name in one.rivals if name not in others)]
+    return replace(one, together=together, rivals=rivals)
 
 
 def likely(weighed: Mapping[str, Weighed]) -> list[str]:
