@@ -27,6 +27,7 @@ FINE = 3  # steps of the search in the delay that is usual
 ENOUGH = 4000  # rows to look for it
 FEWEST = 50  # rows below which nothing is looked for
 LOOKS = 9  # delays at which the orders of waves are looked for
+GRAIN = 9  # digits of a delay [s]: what differs by less differs by rounding
 TOLD = 0.1  # of the squared error: what leaves more is no place
 
 
@@ -79,7 +80,8 @@ def place(
     touches, flat = low <= most and high >= -most, high - low > 2.0 * most
     if low <= 0.0 <= high or (touches and flat):
         return Bounded(nominal=float(np.clip(best, -most, most)), low=-most, high=most)
-    return Bounded(nominal=best, low=low - most, high=high + most)
+    nominal, low, high = (round(x, GRAIN) for x in (best, low - most, high + most))
+    return Bounded(nominal=nominal, low=low, high=high)
 
 
 def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:

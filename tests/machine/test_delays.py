@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
+from spirob.machine import delays
 from spirob.machine.alignment import usual
 from spirob.machine.delays import place, valley
 from spirob.machine.inverse import InverseProblem
@@ -100,3 +101,10 @@ def test_too_few_rows_tell_no_delay():
     found = found_in(lambda t: speed(t - 0.03), 20e-3, rows=60)
     most = usual(20e-3)
     assert (found.low, found.nominal, found.high) == (-most, 0.0, most)
+
+
+@pytest.mark.parametrize("period", [2.0004e-3, 2.0012e-3, 2.0026e-3])
+def test_a_bound_that_rounding_leaves_beside_zero_is_zero(monkeypatch, period):
+    """One usual delay after none, less one usual delay, is 4e-19 s."""
+    monkeypatch.setattr(delays, "valley", lambda left, usual: (31, 31, 32))
+    assert placed(0.0, [none], period).low == 0.0
