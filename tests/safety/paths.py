@@ -11,30 +11,37 @@ from tests.trials.fake_robot import FakeRobot
 
 
 class Answers(Served):
-    """Drives that stand still whatever they are told; keeps all commands."""
-
-    def __init__(self, channel):
-        super().__init__(channel)
-        self.commands = []
+    """Drives that stand still whatever they are told."""
 
     def answer(self, message):
-        if message.arbitration_id != COMMAND_ID:
-            return
-        self.commands.append(decode_command(bytes(message.data)))
-        for m in (1, 2):
-            self.say(FEEDBACK_ID + m, encode_feedback(Feedback(0, 0, 0, 25)))
+        if message.arbitration_id == COMMAND_ID:
+            for m in (1, 2):
+                self.say(FEEDBACK_ID + m, encode_feedback(Feedback(0, 0, 0, 25)))
+
+
+def commands_of(bus):
+    """All commands that a bus was given, as they are given: no thread has to take them in first."""
+    commands, send = [], bus.send
+
+    def noted(message, timeout=None):
+        send(message, timeout)
+        if message.arbitration_id == COMMAND_ID:
+            commands.append(decode_command(bytes(message.data)))
+
+    bus.send = noted
+    return commands
 
 
 @contextmanager
 def can_path():
     channel = f"safety-{id(object())}"
-    with Answers(channel) as drives:
-        robot = CanRobot(
-            open_bus("virtual", channel), silence_ns=500_000_000, ask=lambda question: "arm"
-        )
+    bus = open_bus("virtual", channel)
+    commands = commands_of(bus)
+    with Answers(channel):
+        robot = CanRobot(bus, silence_ns=500_000_000, ask=lambda question: "arm")
         try:
             robot.prepare(Scene())
-            yield robot, drives.commands
+            yield robot, commands
         finally:
             robot.close()
 
