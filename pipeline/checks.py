@@ -42,7 +42,7 @@ def check(config: Config) -> None:
     with about("rig"):
         rig = Rig.from_mapping(config.rig)
     _model(config, rig)
-    _experiment(config)
+    _recordings(config)
     _robot(config, rig)
     _experiments(config)
     _perceive(config)
@@ -87,8 +87,8 @@ def _model(config: Config, rig: Rig) -> None:
             model.table.position(name)
 
 
-def _experiment(config: Config) -> None:
-    with about("experiment"):
+def _recordings(config: Config) -> None:
+    with about("recordings"):
         trials = [Trial.from_plain(t) for t in experiment_trials(config)]
         require_once([t.name for t in trials] + [t["name"] for t in robot_wraps(config)])
         for role in ROLES:
@@ -139,8 +139,8 @@ def hidden_of(config: Config) -> dict[str, Any]:
 
 def _experiments(config: Config) -> None:
     geometry = Rig.from_mapping(config.rig).geometry
-    for name, settings in config.experiments.items():
-        with about(f"experiments.{name}"):
+    for name, settings in config.paper.items():
+        with about(f"paper.{name}"):
             for play in experiment_from(name, settings, geometry).plays():
                 Trial.from_plain(play.trial)
                 Rig.from_mapping(merged(config.rig, play.rig))

@@ -37,7 +37,7 @@ def stage(root: Path) -> None:
     named = read_json(root / "data/diagnosis/model.json", "decide")
     models = {"base": {"effects": config.plant.effects, "changes": base["changes"]}, "named": named}
     written, metrics = {}, {}
-    for name, settings in config.experiments.items():
+    for name, settings in config.paper.items():
         experiment = experiment_from(name, settings, Rig.from_mapping(config.rig).geometry)
         sides = _played(root, config, hidden, models, experiment)
         rows = experiment.measure(sides)

@@ -32,7 +32,7 @@ def fitted_names(config: Config) -> list[str]:
 
 def measurements(root: Path, config: Config, role: str) -> list[Measurement]:
     """The decoded trials of the experiment with this role."""
-    chosen = [t["name"] for t in config.experiment.trials if t["role"] == role]
+    chosen = [t["name"] for t in config.recordings.trials if t["role"] == role]
     found = []
     for name in chosen:
         path = root / "data/traces" / f"{name}.parquet"

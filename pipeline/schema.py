@@ -65,7 +65,7 @@ class PlantConfig(Strict):
     effects: list[str] = []
 
 
-class Experiment(Strict):
+class Recordings(Strict):
     """Trials; their own keys are checked by `spirob.trials.Trial`."""
 
     trials: list[dict[str, Any]] = Field(min_length=1)
@@ -153,8 +153,8 @@ class Config(Strict):
     rig: dict[str, Any]
     robot: Emulated | Simulated | Can = Field(discriminator="kind")
     plant: PlantConfig
-    experiment: Experiment
-    experiments: dict[str, dict[str, Any]] = {}  # settings, checked by `spirob.experiments`
+    recordings: Recordings
+    paper: dict[str, dict[str, Any]] = {}  # settings, checked by `spirob.experiments`
     identify: Identify
     diagnose: Diagnose
     perceive: Perceive

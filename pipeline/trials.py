@@ -18,7 +18,7 @@ ROBOT_WRAPS, UNSEEN_WRAPS, UNSEEN_DRAWN = 10, 11, 12
 
 def experiment_trials(config: Config) -> list[dict[str, Any]]:
     """The trials that identification and diagnosis see."""
-    return config.experiment.trials
+    return config.recordings.trials
 
 
 def robot_wraps(config: Config) -> list[dict[str, Any]]:

@@ -63,7 +63,7 @@ SAME = {
 def stage(root: Path) -> None:
     """Play the robot, its twins and the named model, and compare their recoils."""
     config = public_config(root)
-    settings = config.experiments.get("active_contact")
+    settings = config.paper.get("active_contact")
     if config.robot.kind != "emulated" or settings is None:
         raise ConfigError("twins are of an emulated robot, and of the experiment active_contact")
     contact = experiment_from("active_contact", settings, Rig.from_mapping(config.rig).geometry)

@@ -157,12 +157,12 @@ def experiment_from(name: str, given: Any, geometry: Geometry = PUBLISHED) -> Ex
     module = importlib.import_module(f"spirob.experiments.{name}")
     kind: type[Experiment] = getattr(module, name.title().replace("_", ""))
     if not isinstance(given, Mapping):
-        raise ConfigError(f"experiments.{name} must be a mapping of settings, not {given!r}")
+        raise ConfigError(f"paper.{name} must be a mapping of settings, not {given!r}")
     known = {about.name: about for about in fields(kind) if about.name != "geometry"}
     for key, value in given.items():
         if key not in known:
-            raise ConfigError(f"experiments.{name} has no key '{key}'; it has: {', '.join(known)}")
-        _require_number(f"experiments.{name}.{key}", value, known[key].default)
+            raise ConfigError(f"paper.{name} has no key '{key}'; it has: {', '.join(known)}")
+        _require_number(f"paper.{name}.{key}", value, known[key].default)
     values = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
     return kind(geometry=geometry, **values)
 

@@ -76,7 +76,7 @@ class OnHost(Experiment):
     def __post_init__(self) -> None:
         if self.shots < 1:
             name = type(self).__module__.rpartition(".")[2]
-            raise ConfigError(f"experiments.{name}.shots = {self.shots}: one at least")
+            raise ConfigError(f"paper.{name}.shots = {self.shots}: one at least")
 
     @property
     def sets(self) -> list[GainSet]:

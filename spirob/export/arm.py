@@ -81,7 +81,7 @@ def corrected_arm(document: dict[str, Any], folder: Path) -> CorrectedArm:
         data = folder.parent
         told = json.loads(_text(folder / MODEL))
         config = yaml.safe_load(_text(data / CONFIG))
-        trials = [t["name"] for t in config["experiment"]["trials"] if t["role"] == "heldout"]
+        trials = [t["name"] for t in config["recordings"]["trials"] if t["role"] == "heldout"]
         found = _arm(document, told, config["rig"], data, tuple(map(str, trials)))
         return _with_base(found, json.loads(_text(data / BASE)))
     except (KeyError, TypeError, ValueError, AttributeError, yaml.YAMLError) as error:

@@ -33,7 +33,7 @@ from spirob.logs.cycles import Transmission
 from spirob.robot import CYCLE_NS
 from spirob.trials import Trial, guard, play
 
-EXPERIMENT = Path(__file__).parents[2] / "conf/experiment/excitation.yaml"
+EXPERIMENT = Path(__file__).parents[2] / "conf/recordings/excitation.yaml"
 SHOWN = ("train_fast_left", "train_deep_right")
 SEEDS = (1, 2, 3)
 STEP = 0.03

@@ -16,7 +16,7 @@ from spirob.plant.single import Motion
 from spirob.trials import Trial
 
 ROOT = Path(__file__).parents[2]
-CONF = ROOT / "conf" / "experiments" / "settings"
+CONF = ROOT / "conf" / "paper" / "settings"
 COLUMNS = {"what", "unit", "robot", "base", "named", "single", "paper", "aim", "met", "note"}
 
 
@@ -37,13 +37,12 @@ def test_a_preset_is_playable_and_names_every_setting(name):
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-@pytest.mark.parametrize("group", ["experiment", "experiments"])
-def test_a_preset_runs_alone(group, name):
+def test_a_preset_runs_alone(name):
     """Identification sees what it always sees; of the paper's experiments one is played."""
-    plain = composed(ROOT, [f"{group}={name}"])
-    assert list(plain["experiments"]) == [name]
-    assert plain["experiments"][name] == preset(name)
-    assert plain["experiment"] == composed(ROOT, [])["experiment"]
+    plain = composed(ROOT, [f"paper={name}"])
+    assert list(plain["paper"]) == [name]
+    assert plain["paper"][name] == preset(name)
+    assert plain["recordings"] == composed(ROOT, [])["recordings"]
     check(validated(plain, "conf"))
 
 
@@ -102,8 +101,8 @@ def played(play, experiment):
     ("name", "given", "said"),
     [
         ("dance", {}, "no experiment 'dance'"),
-        ("delay", {"forcs": [1.0]}, "experiments.delay has no key 'forcs'"),
-        ("delay", {"forces": 1.0}, "experiments.delay.forces must be a list"),
+        ("delay", {"forcs": [1.0]}, "paper.delay has no key 'forcs'"),
+        ("delay", {"forces": 1.0}, "paper.delay.forces must be a list"),
         ("delay", {"forces": ["a"]}, "must be a finite number"),
         ("hysteresis", {"period": -1}, "must not be below 0"),
         ("hysteresis", {"period": True}, "must be a finite number"),

@@ -155,7 +155,7 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
     (data / "config").mkdir()
     told = {"effects": ["coulomb_friction"], "changes": {"coulomb_friction.coulomb_torque": 0.003}}
     (data / "diagnosis/model.json").write_text(json.dumps(told))
-    config = "rig: {name: spirob}\nexperiment: {trials: [{name: deep, role: heldout}]}\n"
+    config = "rig: {name: spirob}\nrecordings: {trials: [{name: deep, role: heldout}]}\n"
     (data / "config/config.yaml").write_text(config)
     number = {"value": 0.003, "low": 0.002, "high": 0.004, "unit": "N·m"}
     (data / "identified").mkdir()

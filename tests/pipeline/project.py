@@ -14,12 +14,12 @@ from spirob.cli.interruption import discard_torn
 
 SOURCE = Path(__file__).parents[2]
 SHORT = [
-    "experiment=short",
+    "recordings=short",
     "identify=short",
     "diagnose=short",
     "perceive=short",
     "passive=short",
-    "experiments=short",
+    "paper=short",
     "trial=short",
 ]
 READMES = ("data/sweep/README.md", "data/recorded/README.md")

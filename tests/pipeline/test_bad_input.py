@@ -66,8 +66,8 @@ def configured(project):
         ("robot.hidden.strength=high", "robot.hidden.strength"),
         ("plant.effects=[magic]", "no effect 'magic'"),
         ("diagnose.candidates=[magic]", "no effect 'magic'"),
-        ("experiment.trials.0.duration=-1", "duration"),
-        ("experiment.trials.0.motors.left.mode=fly", "fly"),
+        ("recordings.trials.0.duration=-1", "duration"),
+        ("recordings.trials.0.motors.left.mode=fly", "fly"),
         ("perceive.repeats=0", "perceive.repeats"),
         ("rig.name=x y z=", "rig.name"),
         ("+rig.units=0", "units"),
@@ -84,8 +84,8 @@ def configured(project):
         ("plant.effects=[cogging,cogging]", "plant.effects: 'cogging' stands twice"),
         ("diagnose.candidates=[cogging,cogging]", "diagnose.candidates: 'cogging' stands twice"),
         ("identify.parameters=[motor.rotor_inertia,motor.rotor_inertia]", "stands twice"),
-        ("experiment.trials.1.name=train_left", "'train_left' stands twice"),
-        ("experiment.trials.0.duration=0.05", "trial 'train_left': 50 ms"),
+        ("recordings.trials.1.name=train_left", "'train_left' stands twice"),
+        ("recordings.trials.0.duration=0.05", "trial 'train_left': 50 ms"),
         ("perceive.diameters=[0.02,0.02,0.02]", "perceive.diameters"),
         ("perceive.unseen=[-0.1]", "diameter must be above 0"),
         ("trial.kinds=[magic]", "trial.kinds: trial: no kind 'magic'"),
@@ -99,7 +99,7 @@ def test_a_bad_configuration(project, override, said):
 
 
 def test_no_trial_to_fit(project):
-    project.override([*SHORT, *(f"experiment.trials.{k}.role=heldout" for k in (0, 1))])
+    project.override([*SHORT, *(f"recordings.trials.{k}.role=heldout" for k in (0, 1))])
     assert "no trial has the role 'train'" in project.refused("config")
 
 
@@ -245,7 +245,7 @@ def test_two_motors_exchanged(project, role, stage):
     run("config", import_module("pipeline.config").stage)
     config = public_config(project.root)
     plant = Plant(Rig.from_mapping(config.rig))
-    for k, plain in enumerate(config.experiment.trials):
+    for k, plain in enumerate(config.recordings.trials):
         log = simulate(plant, Trial.from_plain(plain), {}, 0.005, seed=k)
         log = exchanged(log) if log.meta["role"] == role else log
         write_parquet(log, project.root / f"data/traces/{log.name}.parquet")

@@ -14,7 +14,7 @@ from tests.pipeline.project import Project
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on
 
-OVERRIDES = ["experiment=short", "perceive=short", "robot=can"]
+OVERRIDES = ["recordings=short", "perceive=short", "robot=can"]
 IDENTITY = ("-c", "user.name=tester", "-c", "user.email=tester@localhost")
 LOGS = "data/recorded/logs"
 

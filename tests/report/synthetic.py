@@ -198,7 +198,7 @@ def _table(root: Path, path: str, content: pd.DataFrame) -> None:
 CONFIG = """rig:
   name: spirob
   gear_ratio: 19.203
-experiment:
+recordings:
   seed: 7
   trials: 6
 diagnose:
