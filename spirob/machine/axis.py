@@ -37,6 +37,7 @@ from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
 from spirob.machine.standing import heldout, standing
+from spirob.machine.switches import switches
 
 
 @dataclass(frozen=True)
@@ -291,6 +292,8 @@ def _finish(done: _Searched) -> Diagnosis:
     notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.train, bare.fit.residual)
     written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
+    ranked = [c["name"] for c in written["candidates"]]
+    written["switches"] = plain(switches(search, found, ranked))
     written["composed"] = plain(law.document) if law else None
     stands = chosen if judgement.kind == "named" else bare
     written["model"] = plain(standing(search, stands, ready.body))

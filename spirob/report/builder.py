@@ -39,12 +39,17 @@ def render(data: ReportData, sections: Sequence[Section] | None = None) -> str:
     """The page as text; without a choice it has all sections in `sections/`."""
     environment = _environment()
     sections = discover() if sections is None else sections
-    bodies = [
-        Markup(environment.get_template(section.template).render(section.get_context(data)))
-        for section in sections
-    ]
+    shown, absent = [], []
+    for section in sections:
+        context = section.get_context(data)
+        if why := section.absent(context):
+            absent.append((section, why))
+        else:
+            body = environment.get_template(section.template).render(context)
+            shown.append((section, Markup(body)))
     return environment.get_template("page.html.j2").render(
-        sections=list(zip(sections, bodies, strict=True)),
+        sections=shown,
+        absent=absent,
         commit=data.provenance.commit[:10],
         style=Markup(_asset("style.css")),
         plotly=Markup(plotly_script()),

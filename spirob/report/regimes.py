@@ -95,8 +95,8 @@ def atlas(regimes: Sequence[dict[str, Any]]) -> go.Figure:
     return figure
 
 
-def regimes(errors: Mapping[str, float]) -> go.Figure:
-    """RMSE of the worst regimes [mA] for the base model, and room for that of another."""
+def regimes(errors: Mapping[str, float], effort: str, unit: str) -> go.Figure:
+    """RMSE of the worst regimes [unit] for the base model, and room for that of another."""
     ordered = sorted(errors, key=lambda name: -errors[name])[:MOST]
     figure = bars(120 + 40 * len(ordered), barmode="group", bargap=0.28, bargroupgap=0.05)
     labels = [wrap(name, 26) for name in ordered]
@@ -109,7 +109,9 @@ def regimes(errors: Mapping[str, float]) -> go.Figure:
             visible=shown,
             marker={"color": colour},
             customdata=ordered,
-            hovertemplate="%{x:.3g} mA<extra>%{y}, " + name + "</extra>",
+            hovertemplate=f"%{{x:.3g}} {unit}<extra>%{{y}}, {name}</extra>",
         )
-    figure.update_xaxes(title_text="RMSE of current [mA]", range=[0, 1.05 * max(errors.values())])
+    figure.update_xaxes(
+        title_text=f"RMSE of {effort} [{unit}]", range=[0, 1.05 * max(errors.values())]
+    )
     return figure

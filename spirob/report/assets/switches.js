@@ -24,7 +24,7 @@ function startSwitches() {
   function show() {
     const entry = known[key(inputs.filter((input) => input.checked).map((input) => input.value))];
     const left = entry.rmse.heldout, any = entry.effects.length > 0;
-    error.textContent = (any ? `${base.toPrecision(3)} → ` : "") + `${left.toPrecision(3)} mA`;
+    error.textContent = (any ? `${base.toPrecision(3)} → ` : "") + `${left.toPrecision(3)} ${box.dataset.unit}`;
     gauge.style.width = `${100 * Math.min(left / base, 1)}%`;
     how.textContent = `Computed beforehand: ${entry.how}.`;
     const figure = plots.figures.regimes;

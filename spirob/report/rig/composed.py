@@ -28,6 +28,10 @@ class RigComposed(Section):
     title = "A law for what is left"
     template = "rig_composed.html.j2"
 
+    @staticmethod
+    def absent(context: dict[str, Any]) -> str:
+        return str(context.get("absent", ""))
+
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.diagnosis.get("composed")
         if found is None or data.composed is None:

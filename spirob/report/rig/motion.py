@@ -33,6 +33,10 @@ class RigMotion(Section):
     title = "Motion predicted"
     template = "rig_motion.html.j2"
 
+    @staticmethod
+    def absent(context: dict[str, Any]) -> str:
+        return str(context["absent"])
+
     def get_context(self, data: ReportData) -> dict[str, Any]:
         motion = data.diagnosis.get("motion")
         if motion is None or data.motion is None:

@@ -14,6 +14,7 @@ from spirob.report.rig.laws import RigLaws
 from spirob.report.rig.motion import RigMotion
 from spirob.report.rig.overlay import RigOverlay
 from spirob.report.rig.repairs import Repairs
+from spirob.report.rig.switches import RigSwitches
 from spirob.report.rig.verdict import RigVerdict
 from spirob.report.sections.failure import Failure
 from spirob.report.sections.home import Home
@@ -25,6 +26,7 @@ from spirob.report.sections.provenance import ProvenanceSection
 SECTIONS = (
     RigVerdict,
     RigComposed,
+    RigSwitches,
     RigOverlay,
     RigMotion,
     Failure,

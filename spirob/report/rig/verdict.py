@@ -5,7 +5,7 @@ from typing import Any
 from spirob.report.data import ReportData
 from spirob.report.ladder import ladder_plot
 from spirob.report.sections.section import Section
-from spirob.report.sections.verdict import KINDS, gain_sentence
+from spirob.report.sections.verdict import gain_sentence, kind
 
 
 class RigVerdict(Section):
@@ -20,7 +20,7 @@ class RigVerdict(Section):
         unit, rungs = diagnosis["unit"], diagnosis["ladder"]
         noise_floor = diagnosis.get("noise_floor")
         return {
-            "kind": KINDS[diagnosis["verdict"]],
+            "kind": kind(diagnosis),
             "sentence": diagnosis["sentence"],
             "explanation": diagnosis["explanation"],
             "gain": gain_sentence(rungs, noise_floor, unit),

@@ -25,6 +25,14 @@ class Section(ABC):
         """Anchor of the section: the name of its file."""
         return type(self).__module__.rsplit(".", 1)[-1]
 
+    @staticmethod
+    def absent(context: dict[str, Any]) -> str:
+        """Why there is nothing to show, of what `get_context` returned; empty where there is.
+
+        Such a section is a line at the end of the page.
+        """
+        return ""
+
     @abstractmethod
     def get_context(self, data: ReportData) -> dict[str, Any]:
         """Everything the template prints."""

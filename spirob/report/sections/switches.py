@@ -1,5 +1,6 @@
 """Watch the error fall by hand: candidate effects as switches."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from spirob.effects import all_effects
@@ -30,8 +31,13 @@ class Switches(Section):
                 {"name": name, "title": titles[name], "on": name in on}
                 for name in (effects if found else [])
             ],
-            "combinations": [entry(one) for one in found],
-            "rows": rows(found),
+            "combinations": [entry(one, MILLI) for one in found],
+            "rows": rows(found, ("validate", "heldout"), MILLI),
+            "roles": ("validate", "held-out"),
+            "unit": "mA",
+            "effort": "current",
+            "over": "validation and held-out trials",
+            "where": ", here and in the signals below",
             "plot": _plot(found[0]) if found else None,
             "reason": data.absent.get("combinations", "No candidate passed the screening."),
         }
@@ -44,29 +50,33 @@ def names(data: ReportData, effects: list[str]) -> dict[str, str]:
     return {name: known.get(name, name.replace("_", " ")) for name in effects}
 
 
-def entry(one: Combination) -> dict[str, Any]:
-    """What the page's script needs of a combination; errors in mA."""
+def entry(one: Combination, factor: float = 1.0, how: Mapping[str, str] = HOW) -> dict[str, Any]:
+    """What the page's script needs of a combination; errors in the unit shown, times `factor`."""
     return {
         "effects": list(one.effects),
         "column": one.column,
-        "rmse": {role: round(MILLI * value, 3) for role, value in one.rmse.items()},
-        "regimes": {name: round(MILLI * value, 3) for name, value in one.regimes.items()},
-        "how": HOW[one.how],
+        "rmse": {role: float(f"{factor * value:.5g}") for role, value in one.rmse.items()},
+        "regimes": {n: float(f"{factor * value:.5g}") for n, value in one.regimes.items()},
+        "how": how[one.how],
     }
 
 
-def rows(found: list[Combination]) -> list[dict[str, Any]]:
+def rows(
+    found: list[Combination],
+    roles: Sequence[str],
+    factor: float = 1.0,
+    how: Mapping[str, str] = HOW,
+) -> list[dict[str, Any]]:
     """The same for those who read tables: a line for each combination, by the effects' names."""
-    errors = {
-        role: column([MILLI * one.rmse[role] if role in one.rmse else None for one in found])
-        for role in ("validate", "heldout")
-    }
+    errors = [
+        column([factor * one.rmse[role] if role in one.rmse else None for one in found])
+        for role in roles
+    ]
     return [
         {
             "label": " + ".join(name.replace("_", " ") for name in one.effects) or "none",
-            "how": HOW[one.how],
-            "validate": errors["validate"][k],
-            "heldout": errors["heldout"][k],
+            "how": how[one.how],
+            "errors": [each[k] for each in errors],
         }
         for k, one in enumerate(found)
     ]
@@ -77,5 +87,5 @@ def _plot(base: Combination) -> figures.Plot:
     return figures.Plot(
         "regimes",
         "Error in each regime, base model and chosen effects",
-        regimes.regimes(errors),
+        regimes.regimes(errors, "current", "mA"),
     )

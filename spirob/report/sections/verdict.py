@@ -56,10 +56,17 @@ class Verdict(Section):
 def kind(diagnosis: dict[str, Any]) -> str:
     """What sort of verdict it is and, where an effect is named, how sure."""
     found = KINDS.get(diagnosis["verdict"], diagnosis["verdict"])
-    effects = diagnosis.get("effects") or [{}]
-    if diagnosis["verdict"] != "named" or not is_number(sure := effects[0].get("probability")):
+    effects = diagnosis.get("effects") or []
+    if diagnosis["verdict"] == "undecided":
+        known = [e["together"] for e in effects if is_number(e.get("together"))]
+        return f"{found}; {percent(min(known))} sure that it is one of these" if known else found
+    if diagnosis["verdict"] != "named":
         return found
-    return f"{found}; {percent(sure)} sure"
+    sure = [e for e in effects if is_number(e.get("probability"))]
+    if len(sure) > 1:
+        each = ", ".join(f"{e['name'].replace('_', ' ')} {percent(e['probability'])}" for e in sure)
+        return f"Missing effects are named; sure of {each}"
+    return f"{found}; {percent(sure[0]['probability'])} sure" if sure else found
 
 
 def asked_sentence(diagnosis: dict[str, Any]) -> str:
