@@ -52,7 +52,7 @@ def test_a_missing_key_lists_what_is_there(copy):
 
 def test_every_file_read_is_hashed(data, run):
     assert set(data.provenance.hashes) == {source.path for source in SOURCES.values()}
-    assert data.provenance.seed == "experiment.seed = 7, diagnose.seed = 11"
+    assert data.provenance.seed == "recordings.seed = 7, diagnose.seed = 11"
 
 
 def test_a_lesser_file_is_read_where_the_full_one_is_absent(copy):
