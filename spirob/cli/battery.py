@@ -1,9 +1,14 @@
 """The laws that an effect is held to, one line each: kept, broken and how, or why not asked."""
 
+import inspect
 from collections.abc import Iterator
+from pathlib import Path
 
 from spirob.effects import Effect
 from spirob.effects.check import LAWS, Finding, check
+from spirob.errors import ExportError
+from spirob.export.corrected import Held
+from spirob.export.law import kernel_functions, law_of
 from spirob.plant import check as model
 from spirob.ports import PORTS
 
@@ -15,13 +20,25 @@ def battery(effect: type[Effect], alone: bool) -> tuple[list[str], bool]:
 
     alone  leave out the laws of the arm's model
     """
+    refused = {"exported": said} if (said := exported(effect)) else {}
     broken = _by_law(check(effect))
     lines = [_line(law, test, broken, _absent(law, effect)) for law, test in LAWS.items()]
+    lines.append(_line("exported", exported, refused, ""))
     why = "not asked (--alone)" if alone else "not asked: the kernel breaks a law of its own"
     if not (alone or broken):
         broken = _by_law(model.check_in_model(effect))
         why = ""
-    return [*lines, *_of_the_model(effect, broken, why)], not broken
+    return [*lines, *_of_the_model(effect, broken, why)], not (broken or refused)
+
+
+def exported(effect: type[Effect]) -> str:
+    """Its kernel can be written as C for `spirob export`."""
+    try:
+        text = Path(inspect.getfile(effect.kernel)).read_text(encoding="utf-8")
+        kernel_functions(Held(law_of(effect.name(), text, effect), {}))
+    except ExportError as refused:
+        return str(refused)
+    return ""
 
 
 def _by_law(findings: list[Finding]) -> dict[str, str]:

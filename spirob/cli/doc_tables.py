@@ -1,13 +1,14 @@
 """Tables of the docs that are made from the program; `python -m spirob.cli.doc_tables` renews them.
 
-Ports and signals stand in docs/conventions.md, the features of a wrap in docs/size.md, each between
-two comments; a test holds them against `PORTS`, `SIGNALS` and `FEATURES`.
+Ports and signals stand in docs/conventions.md, the features of a wrap in docs/size.md, the library
+of effects in docs/effects.md, each between two comments; tests hold them against the program.
 """
 
 import argparse
 import re
 from pathlib import Path
 
+from spirob.effects.discovery import table
 from spirob.logs.atomic import write_text
 from spirob.perceive.features import FEATURES
 from spirob.ports import PORTS, SIGNALS
@@ -40,7 +41,11 @@ def features() -> str:
     return "\n".join([head, *rows]) + "\n\n"
 
 
-PAGES = {"conventions.md": ("ports", ports), "size.md": ("features", features)}
+PAGES = {
+    "conventions.md": ("ports", ports),
+    "size.md": ("features", features),
+    "effects.md": ("effects", table),
+}
 
 
 def renewed(page: str, text: str) -> str:

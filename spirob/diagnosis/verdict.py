@@ -1,4 +1,10 @@
-"""From the search to a verdict: named, undecided, nothing missing, or unknown."""
+"""From the search to one of four verdicts.
+
+named            accounts for enough of the error and is sure enough
+undecided        another effect that says something else wins too many of the draws
+nothing_missing  the fitted model is complete
+unknown          something is missing, and no name accounts for it or is sure enough
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

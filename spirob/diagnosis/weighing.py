@@ -2,6 +2,8 @@
 
 An effect has to be large enough to matter on trials that no fit has seen, and surely better than
 what stood before it on all; of those that do about equally well the simplest is taken.
+
+Thresholds that a configuration may set are `Rules` in `rungs`.
 """
 
 from collections.abc import Mapping, Sequence

@@ -21,7 +21,9 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class Criteria:
-    """How the search decides.
+    """How the search decides: given to `spirob.diagnose` as `settings`; no description sets it.
+
+    From which probability a name is given is `LIKELY` in `judgement`.
 
     floor    least size of an effect: √(fall of the mean square) over the RMS effort; more where
              the noise of the motion makes more of the modelled effort

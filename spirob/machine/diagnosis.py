@@ -1,4 +1,8 @@
-"""The whole way from logs to a verdict: a plain rig, or our arm logged by somebody else."""
+"""The whole way from logs to a verdict: a plain rig, or our arm logged by somebody else.
+
+Logs are read (`spirob.logs.readers`) and repaired (`recording`); `axis` fits, searches and judges a
+plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig` draws.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -43,6 +47,7 @@ def diagnose(
              else from the working folder
     train    logs to fit: files, or tables with the columns that the description names
     test     logs held out; without one the end of each training log is kept aside
+    settings how the search of a plain rig decides; our arm's has its own
     command  that repeats this, for the page
     effects  further ones that the model holds, names or files of one's own from anywhere; those
              that a description names lie beside or below it

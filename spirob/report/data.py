@@ -88,11 +88,11 @@ SOURCES = {
         "the robot's own shape is not known: its drives do not see it",
     ),
     "size_metrics": Source(
-        "reports/metrics/size.json", "size", (), "object size was not estimated in this run"
+        "reports/metrics/size.json", "evaluate", (), "object size was not estimated in this run"
     ),
     "predictions": Source(
         "data/features/predictions.parquet",
-        "size",
+        "evaluate",
         ("domain", "true_mm", "predicted_mm"),
         "object size was not estimated in this run",
     ),
@@ -129,7 +129,7 @@ SOURCES = {
         instead="reports/metrics/trial.json",
     ),
     "score": Source(
-        "reports/metrics/score.json", "score", (), "the truth of this machine was not opened"
+        "reports/metrics/score.json", "evaluate", (), "the truth of this machine was not opened"
     ),
 }
 

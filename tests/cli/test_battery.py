@@ -28,7 +28,7 @@ def checked(tmp_path, capsys):
 def test_a_sound_effect_keeps_every_law_of_both_kinds(checked):
     code, said = checked()
     assert code == 0
-    assert list(said) == [*LAWS, *MODEL_LAWS]
+    assert list(said) == [*LAWS, "exported", *MODEL_LAWS]
     assert all(text.startswith("kept: ") for text in said.values())
 
 
@@ -44,6 +44,13 @@ def test_alone_the_model_is_not_asked(checked):
     code, said = checked("bounded(0.002, 0.0, 0.05", "bounded(1e-9, 0.0, 0.05", "--alone")
     assert code == 0
     assert {said[law] for law in MODEL_LAWS} == {"not asked (--alone)"}
+
+
+def test_a_kernel_that_cannot_be_written_as_c_is_told_where(checked):
+    same = RETURNED.replace("math.tanh(speed / rest_speed)", "math.erf(speed / rest_speed)")
+    code, said = checked(RETURNED, same, "--alone")
+    assert code == 2
+    assert "its kernel holds a call of 'math.erf'" in said["exported"]
 
 
 def test_a_kernel_that_breaks_its_own_laws_is_not_put_into_the_model(checked):

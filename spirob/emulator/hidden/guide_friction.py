@@ -1,4 +1,4 @@
-"""Friction of the tendons on their guides: the default, because printed arms have it.
+"""Capstan friction of the tendons on their guides: the default, because printed arms have it.
 
 Typical μ₀ ≈ 0.05, braided line in polished holes; different on the two sides, rough or smooth from
 hole to hole, falling with load as polymers do; sticks over 0.1-0.2 mm.  Published fits of printed

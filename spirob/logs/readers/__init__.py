@@ -4,7 +4,7 @@ One file for each kind of log; a new file here is a new kind, no list names it:
 
     KIND           what its sentences call it: "Parquet file"
     SUFFIXES       of the names of such files, in lower case
-    read(asked)    an `Asked` as a `Table`
+    read(asked)    an `Asked` as a `Table`; `columns.add` puts a column into it
     BEGINS         pattern of the first bytes of such a file, where its name may not tell; optional
     FOLDER         a folder with a file that matches this pattern is such a log; optional
     NEEDS          libraries that are loaded only once for many files; optional
