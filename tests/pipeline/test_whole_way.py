@@ -201,17 +201,20 @@ def test_of_rivals_the_one_that_holds_is_left(finished, tmp_path):
     assert found["verdict"] != "undecided"
 
 
-def test_a_run_that_is_killed_in_every_stage_ends_with_the_same_metrics(finished, tmp_path):
-    seed = random.randrange(10**6)  # a moment of its own in each stage, another in each run
+KILLED = 6  # stages of a run, others in each run: as many as there are would double the tests
+
+
+def test_a_run_that_is_killed_in_some_stages_ends_with_the_same_metrics(finished, tmp_path):
+    seed = random.randrange(10**6)  # which stages, and a moment of its own in each
     rng = random.Random(seed)
     killed = Project(tmp_path / "killed", SHORT)
     names = list(STAGES)
     hit = [
-        name
-        for k, name in enumerate(names)
-        if killed.kill_repro_at(name, rng.uniform(0, STAGES[name]), names[k + 1 :])
+        names[k]
+        for k in sorted(rng.sample(range(len(names)), KILLED))
+        if killed.kill_repro_at(names[k], rng.uniform(0, STAGES[names[k]]), names[k + 1 :])
     ]
     killed.repro()
     assert killed.metrics() == finished.metrics(), f"seed {seed}, killed in {hit}"
     assert (killed.root / "reports/index.html").stat().st_size > 1e6
-    assert len(hit) > len(STAGES) / 2, f"seed {seed}: only {hit} still had something to do"
+    assert hit, f"seed {seed}: none of the stages still had something to do"
