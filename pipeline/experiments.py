@@ -10,7 +10,7 @@ from typing import Any
 from joblib import Parallel, delayed
 
 from pipeline.schema import Config
-from pipeline.sides import Models, play_all
+from pipeline.sides import Models, play_all, robot_side
 from pipeline.stage import (
     HIDDEN,
     entry,
@@ -39,6 +39,7 @@ def stage(root: Path) -> None:
     written, metrics = {}, {}
     for name, settings in config.paper.items():
         experiment = experiment_from(name, settings, Rig.from_mapping(config.rig).geometry)
+        experiment = _informed(root, config, hidden, experiment)
         sides = _played(root, config, hidden, models, experiment)
         rows = experiment.measure(sides)
         written[name] = {
@@ -52,6 +53,18 @@ def stage(root: Path) -> None:
         tell(f"{name}: {sum(aimed)} of {len(aimed)} aims met")
     write_json(root / "data/experiments/experiments.json", written)
     write_json(root / "reports/metrics/experiments.json", metrics)
+
+
+def _informed(
+    root: Path, config: Config, hidden: dict[str, Any], experiment: Experiment
+) -> Experiment:
+    """With what the robot's own trial before has told; hardware is not driven."""
+    first = experiment.before()
+    if first is None or config.robot.kind == "can":
+        return experiment
+    return experiment.informed(
+        robot_side(config, hidden, first, root / LOGS / f"{first.name}.mcap")
+    )
 
 
 def _played(

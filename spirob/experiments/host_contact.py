@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, RADIUS, difference
+from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, difference
 from spirob.experiments.experiment import Side, Sides, curve, row
 from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.response import smooth
@@ -23,8 +23,6 @@ from spirob.experiments.single_contact import (
     responses,
     visible,
 )
-from spirob.identify.latency import latency
-from spirob.plant.rig import Motor
 
 ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
@@ -56,7 +54,7 @@ class HostContact(OnHost, SingleContact):
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = [GainSet(b, 1.0, self.latency).margin() for b in self.bandwidths]
-        rows.append(self._latency(sides))
+        rows += self.told_rows()
         for one in self.sets:
             found = self._found(sides, one)
             for key, what in READ:
@@ -67,27 +65,17 @@ class HostContact(OnHost, SingleContact):
                 rows += [self._order(one, found), self._size(one, found)]
         return rows
 
-    def _latency(self, sides: Sides) -> dict[str, Any]:
-        """From a reading until its voltage acts, by each side's own trial without a contact."""
-        free = sides[self.play_of(self.slowest, None)]
-        found = {
-            s: latency(side.current, side.voltage, side.velocity / RADIUS, Motor())
-            for s, side in free.items()
-            if side.current is not None and side.voltage is not None
-        }
-        told = ", ".join(f"{s} ± {2e3 * one.error:.2f}" for s, one in found.items())
-        values = {s: 1e3 * one.seconds for s, one in found.items()}
-        return row("latency of the loop", "ms", values, note=f"two deviations: {told}")
-
     def _order(self, one: GainSet, found: Found) -> dict[str, Any]:
         """Rank of the current's peak over the places where the robot shows it."""
         what = f"rank agreement of current peak, {one.words}"
         robot = found["robot"]
-        shown = [k for k, r in enumerate(robot) if visible(r["peak"], r["peak error"])]
+        least = [max(r["peak error"], one.unsure) for r in robot]
+        shown = [k for k, r in enumerate(robot) if visible(r["peak"], least[k])]
         note = "robot: against the distance from the base, models: against the robot"
         if len(shown) < len(self.places):
             at = ", ".join(f"{self.places[k]:.0%}" for k in shown) or "none"
-            return row(what, "1", {}, note=f"no order: visible on the robot at {at}")
+            rpm = f", where whole rpm make up to {one.unsure:.1f} counts" if one.share else ""
+            return row(what, "1", {}, note=f"no order: visible on the robot at {at}{rpm}")
         peaks = {s: [r["peak"] for r in rows] for s, rows in found.items() if "peak" in rows[0]}
         agree = {m: rank_agreement(peaks[m], peaks["robot"]) for m in MODELS if m in peaks}
         agree["robot"] = rank_agreement(peaks["robot"], list(self.places))
