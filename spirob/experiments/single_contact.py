@@ -109,7 +109,7 @@ class SingleContact(Experiment):
         rig = direct(self.bandwidths[0], emf_compensation=0.0)
         for place in (None, *self.places):
             name = self._name(0.0, place)
-            out.append(Play(name, self.trial_at(name, place), rig, ("base", "named")))
+            out.append(Play(name, self.trial_at(name, place), rig, only=("base", "named")))
         return out
 
     def _name(self, bandwidth: float, place: float | None) -> str:
