@@ -46,10 +46,10 @@ def stage(root: Path) -> None:
     stand = Stand.of(root)
     asked, noise = stand.config.passive, getattr(stand.config.robot, "current_noise", 0.0)
     rng = np.random.default_rng(asked.seed)
-    known = _known(stand)
+    loop = _known(stand)
     simulated = pushes(asked.in_model, rng, "push_model")
     played = [*pushes(asked.on_robot, rng, "push_robot"), *free(asked.free)]
-    given = [(replace(push.play, known=known), noise, k) for k, push in enumerate(simulated)]
+    given = [(replace(push.play, known=loop), noise, k) for k, push in enumerate(simulated)]
     in_model = [heard(side) for side in stand.each(stand.model, given)]
     tell(f"{len(simulated)} pushes in the model")
     train = [(of(told), p.place) for p, told in zip(simulated, in_model, strict=True)]

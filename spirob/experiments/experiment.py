@@ -26,7 +26,7 @@ class Side:
     current       (T, 2) as the drive reports it [A]; None where there is no motor
     displacement  (T, 2) wound-in length [m];  velocity (T, 2) [m/s]
     command       (T, 2) commanded current [A]
-    arm_current   (T, 2) i** of a model whose loop is on the host [A]; None of all others
+    arm_current   (T, 2) i** of a model [A]; None of all others
     voltage       (T, 2) that the host sent [V]; None where the drive closes the current loop
     """
 

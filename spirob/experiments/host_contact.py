@@ -10,15 +10,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, difference
-from spirob.experiments.experiment import Side, Sides, curve, row
+from spirob.experiments.experiment import Sides, curve, row
 from spirob.experiments.host_loop import GainSet, OnHost
-from spirob.experiments.response import smooth
 from spirob.experiments.single_contact import (
-    PEAK,
     READ,
-    SMOOTHING,
     SingleContact,
+    in_time,
     rank_agreement,
     responses,
     visible,
@@ -28,6 +25,7 @@ ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
 SMALL = 5.0  # counts; smaller peaks are not compared in size
 MODELS = ("base", "named")
+FIGURES = (("peak", "current peak"), ("arm peak", "reconstructed current peak"))
 Found = dict[str, list[dict[str, float]]]
 
 
@@ -106,29 +104,18 @@ class HostContact(OnHost, SingleContact):
         out, at = [], 100 * np.array(self.places)
         for one in self.sets:
             for s, found in self._found(sides, one).items():
-                if "peak" in found[0]:
-                    peaks = np.array([r["peak"] for r in found])
-                    out.append(curve(one.words, "current peak", "counts", s, at, peaks, 1))
+                for key, quantity in FIGURES:
+                    if key in found[0]:
+                        peaks = np.array([r[key] for r in found])
+                        out.append(curve(one.words, quantity, "counts", s, at, peaks, 1))
         slowest = self.slowest
+        for s, found in self._found(sides, slowest).items():
+            if "peak" in found[0]:  # of the ball's momentum
+                each = np.array([r["peak"] for r in found]) / (1e3 * self.mass * self.speed)
+                about = (slowest.words, "sensitivity along the arm", "counts/(mN·s)")
+                out.append(curve(*about, s, at, each, 1))
         for place in self.places[:: max(1, len(self.places) // 3)]:
             play = f"{slowest.words}, at {place:.0%}"
             hit, free = (sides[self.play_of(slowest, p)] for p in (place, None))
-            for s in hit:
-                if hit[s].current is not None:
-                    out += self._in_time(play, s, hit[s], free[s])
+            out += in_time(play, hit, free, self.hit, self.motor)
         return out
-
-    def _in_time(self, play: str, s: str, hit: Side, free: Side) -> list[dict[str, Any]]:
-        """The measured current, and beside it i** of the models with the robot's current again."""
-        first = round(1e3 * self.hit) - 50
-        span = slice(first, first + round(1e3 * PEAK) + 50)
-        time = np.arange(-50, span.stop - span.start - 50) * 1e-3
-        current = smooth(difference(hit, free, "current"), SMOOTHING)[span]
-        reconstructed = current
-        if hit.arm_current is not None and free.arm_current is not None:
-            apart = COUNTS_PER_AMPERE * (hit.arm_current - free.arm_current)[:, self.motor]
-            reconstructed = smooth(apart, SMOOTHING)[span]
-        return [
-            curve(play, "current after a hit", "counts", s, time, current, 3),
-            curve(play, "reconstructed current", "counts", s, time, reconstructed, 3),
-        ]

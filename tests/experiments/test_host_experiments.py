@@ -184,3 +184,28 @@ def test_what_whole_rpm_may_have_made_has_no_order():
     told = rows["rank agreement of current peak, 10 Hz (12) whole"]
     assert told["met"] is None
     assert told["note"].startswith("no order: visible on the robot at 35%, 50%, 65%, 80%, 95%, wh")
+
+
+def test_every_figure_of_a_current_has_the_reconstructed_one_beside_it():
+    experiment = HostPeriodic(bandwidths=(5.0,), shares=(0.0,), places=(0.85,), duration=4.5)
+    t = np.arange(4500) * 1e-3
+    swing = np.repeat((20 * COUNT * np.sin(2 * np.pi * t / 0.4))[:, None], 2, axis=1)
+    still = np.zeros((4500, 2))
+    sides = {}
+    for play in experiment.plays():
+        moved = still if "free" in play.name else swing
+        sides[play.name] = {
+            "robot": Side(moved, still, still, still),
+            "named": Side(moved, still, still, still, arm_current=2 * moved),
+        }
+    drawn = {(c["quantity"], c["side"]): np.ptp(c["y"]) for c in experiment.curves(sides)}
+    for side in ("robot", "named"):
+        assert drawn["current", side] == pytest.approx(40, rel=0.05)
+    assert drawn["reconstructed", "named"] == pytest.approx(80, rel=0.05)
+    assert drawn["reconstructed", "robot"] == pytest.approx(40, rel=0.05)
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    told = rows["apparent period of reconstructed current, 5 Hz without back-EMF, at 85%"]
+    assert told["named"] == pytest.approx(0.4, rel=0.01)
+    assert told["robot"] is None
+    measured = rows["apparent period of current, 5 Hz without back-EMF, at 85%"]
+    assert measured["note"] == "robot, quarter by quarter: 0.40 to 0.40 s"
