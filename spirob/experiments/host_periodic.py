@@ -27,7 +27,7 @@ from spirob.experiments.response import PERIOD, smooth
 
 SEGMENT = 4.0  # s: lines 0.25 Hz apart
 HIGHEST = 12.0  # Hz of the spectrum in the report
-PARTS = 4  # of a trial, whose lines say how far one of a few seconds is to be trusted
+PARTS = 3  # of a trial, whose lines say how far one of a few seconds is to be trusted
 APART = 0.02  # s, least between two peaks
 ALIKE = 0.1  # most by which an apparent period of the model may be off
 SIGNALS = {"current": "current", "filtered": "filtered", "arm_current": "reconstructed current"}
@@ -75,7 +75,7 @@ class HostPeriodic(OnHost, PeriodicContact):
         "host lets the back-EMF through. What (12) feeds forward hides it here as well."
     )
     named: ClassVar[str] = "host_peg"
-    duration: float = 32.5
+    duration: float = 12.5
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = []
@@ -123,7 +123,7 @@ class HostPeriodic(OnHost, PeriodicContact):
     def _repeats(self, values: np.ndarray) -> str:
         """What the parts of a robot's own trial tell, each for itself."""
         periods = [mean_line(part, *BAND)[0] for part in np.array_split(values, PARTS)]
-        return f"robot, quarter by quarter: {min(periods):.2f} to {max(periods):.2f} s"
+        return f"robot, third by third: {min(periods):.2f} to {max(periods):.2f} s"
 
     def _gap(self, hit: Side, free: Side, signal: str) -> float:
         values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
