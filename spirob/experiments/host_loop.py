@@ -154,7 +154,7 @@ class OnHost(Experiment):
         if self.told is None:
             return []
         one, motor, nominal = self.told, self.motor, Motor()
-        note = f"two deviations: {2e3 * one.error:.2f}; the host's gains are for "
+        note = f"two deviations: {2e3 * one.error:.3f}; the host's gains are for "
         late = {"robot": 1e3 * one.latency}
         of = {"resistance": one.resistance, "back-EMF constant": one.emf_constant}
         by = {"resistance": nominal.resistance, "back-EMF constant": nominal.emf_constant}
