@@ -9,8 +9,9 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
+from pipeline.direct import informed
 from pipeline.schema import Config
-from pipeline.sides import Models, play_all, robot_side
+from pipeline.sides import Models, play_all
 from pipeline.stage import (
     HIDDEN,
     entry,
@@ -39,8 +40,8 @@ def stage(root: Path) -> None:
     written, metrics = {}, {}
     for name, settings in config.paper.items():
         experiment = experiment_from(name, settings, Rig.from_mapping(config.rig).geometry)
-        experiment = _informed(root, config, hidden, experiment)
-        sides = _played(root, config, hidden, models, experiment)
+        experiment, known = informed(config, hidden, experiment, models, root / LOGS)
+        sides = _played(root, config, hidden, known, experiment)
         rows = experiment.measure(sides)
         written[name] = {
             "title": experiment.title,
@@ -53,18 +54,6 @@ def stage(root: Path) -> None:
         tell(f"{name}: {sum(aimed)} of {len(aimed)} aims met")
     write_json(root / "data/experiments/experiments.json", written)
     write_json(root / "reports/metrics/experiments.json", metrics)
-
-
-def _informed(
-    root: Path, config: Config, hidden: dict[str, Any], experiment: Experiment
-) -> Experiment:
-    """With what the robot's own trial before has told; hardware is not driven."""
-    first = experiment.before()
-    if first is None or config.robot.kind == "can":
-        return experiment
-    return experiment.informed(
-        robot_side(config, hidden, first, root / LOGS / f"{first.name}.mcap")
-    )
 
 
 def _played(

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from sklearn.pipeline import Pipeline
 
+from pipeline.direct import informed
 from pipeline.sides import Stand
 from pipeline.stage import entry, tell, write_json
 from spirob.experiments import Play, Side
@@ -46,7 +47,7 @@ def stage(root: Path) -> None:
     stand = Stand.of(root)
     asked, noise = stand.config.passive, getattr(stand.config.robot, "current_noise", 0.0)
     rng = np.random.default_rng(asked.seed)
-    loop = _known(stand)
+    stand, loop = _known(stand)
     simulated = pushes(asked.in_model, rng, "push_model")
     played = [*pushes(asked.on_robot, rng, "push_robot"), *free(asked.free)]
     given = [(replace(push.play, known=loop), noise, k) for k, push in enumerate(simulated)]
@@ -64,12 +65,14 @@ def stage(root: Path) -> None:
     write_json(root / "reports/metrics/passive.json", out)
 
 
-def _known(stand: Stand) -> Known:
-    """What a trial without a push tells of the robot's loop; nothing of hardware."""
-    about = HostContact()
-    if stand.config.robot.kind != "can":
-        about = about.informed(stand.robot(about.before(), LOGS))
-    return GAINS.known(about.told, about.motor) if about.told else Known()
+def _known(stand: Stand) -> tuple[Stand, Known]:
+    """What a trial without a push tells of the robot, for its model; nothing of hardware."""
+    given = {"named": stand.named}
+    logs, about = stand.root / LOGS, HostContact()
+    found, models = informed(stand.config, stand.hidden, about, given, logs)
+    assert isinstance(found, HostContact)
+    known = GAINS.known(found.told, found.motor) if found.told else Known()
+    return replace(stand, named=models["named"]), known
 
 
 def pushes(count: int, rng: np.random.Generator, name: str) -> list[Push]:

@@ -125,8 +125,9 @@ class OnHost(Experiment):
 
     def before(self) -> Play:
         """Both currents jump against each other about what they are held at."""
-        name = f"{self.named}_jumps"
-        return Play(name, jumps(name, self.current), self.slowest.rig())
+        name, one = f"{self.named}_jumps", self.slowest
+        known = one.known(self.told, self.motor) if self.told else Known()
+        return Play(name, jumps(name, self.current), one.rig(), known)
 
     def informed(self, side: Side) -> Self:
         """With the robot's own latency and windings; as it is where no voltages were sent."""
