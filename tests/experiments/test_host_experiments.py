@@ -208,4 +208,4 @@ def test_every_figure_of_a_current_has_the_reconstructed_one_beside_it():
     assert told["named"] == pytest.approx(0.4, rel=0.01)
     assert told["robot"] is None
     measured = rows["apparent period of current, 5 Hz without back-EMF, at 85%"]
-    assert measured["note"] == "robot, third by third: 0.40 to 0.40 s"
+    assert measured["note"] == "robot, third by third: 0.39 to 0.40 s"
