@@ -9,6 +9,7 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
+from pipeline.direct import informed
 from pipeline.schema import Config
 from pipeline.sides import Models, play_all
 from pipeline.stage import (
@@ -39,7 +40,8 @@ def stage(root: Path) -> None:
     written, metrics = {}, {}
     for name, settings in config.paper.items():
         experiment = experiment_from(name, settings, Rig.from_mapping(config.rig).geometry)
-        sides = _played(root, config, hidden, models, experiment)
+        experiment, known = informed(config, hidden, experiment, models, root / LOGS)
+        sides = _played(root, config, hidden, known, experiment)
         rows = experiment.measure(sides)
         written[name] = {
             "title": experiment.title,

@@ -2,21 +2,24 @@
 
 The current loop is on the host, without the back-EMF term (docs/experiments.md).  Regions are
 learned from pushes of drawn places, strengths and sides in the named model, with the sensor's
-noise, and told on the robot without retraining.  Writes data/passive/regions.skops and
+noise and what a trial of the robot without a push tells of its loop, and told on the robot without
+retraining.  Writes data/passive/regions.skops and
 reports/metrics/passive.json: how many were felt, how soon, how wrongly, and where.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from sklearn.pipeline import Pipeline
 
+from pipeline.direct import informed
 from pipeline.sides import Stand
 from pipeline.stage import entry, tell, write_json
 from spirob.experiments import Play, Side
+from spirob.experiments.experiment import Known
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
 from spirob.perceive.model_file import save_model
@@ -44,9 +47,10 @@ def stage(root: Path) -> None:
     stand = Stand.of(root)
     asked, noise = stand.config.passive, getattr(stand.config.robot, "current_noise", 0.0)
     rng = np.random.default_rng(asked.seed)
+    stand, loop = _known(stand)
     simulated = pushes(asked.in_model, rng, "push_model")
     played = [*pushes(asked.on_robot, rng, "push_robot"), *free(asked.free)]
-    given = [(push.play, noise, k) for k, push in enumerate(simulated)]
+    given = [(replace(push.play, known=loop), noise, k) for k, push in enumerate(simulated)]
     in_model = [heard(side) for side in stand.each(stand.model, given)]
     tell(f"{len(simulated)} pushes in the model")
     train = [(of(told), p.place) for p, told in zip(simulated, in_model, strict=True)]
@@ -59,6 +63,16 @@ def stage(root: Path) -> None:
         tell(f"{len(played)} trials on the robot")
         out["robot"] = rates(played, on_robot, classifier)
     write_json(root / "reports/metrics/passive.json", out)
+
+
+def _known(stand: Stand) -> tuple[Stand, Known]:
+    """What a trial without a push tells of the robot, for its model; nothing of hardware."""
+    given = {"named": stand.named}
+    logs, about = stand.root / LOGS, HostContact()
+    found, models = informed(stand.config, stand.hidden, about, given, logs)
+    assert isinstance(found, HostContact)
+    known = GAINS.known(found.told, found.motor) if found.told else Known()
+    return replace(stand, named=models["named"]), known
 
 
 def pushes(count: int, rng: np.random.Generator, name: str) -> list[Push]:

@@ -168,11 +168,14 @@ def robot_side(
 def model_side(
     config: Config, play: Play, model: Mapping[str, Any], noise: float = 0.0, seed: int = 0
 ) -> Side:
-    """What a model did: its current in counts of the drive, with sensor noise [A] where asked."""
-    rig, trial = Rig.from_mapping(merged(config.rig, play.rig)), Trial.from_plain(play.trial)
-    plant = Plant(rig, find_effects(model["effects"]))
+    """What a model did: its current in counts of the drive, with sensor noise [A] where asked.
+
+    It has what is known of the robot beside what the model says.
+    """
+    rig = Rig.from_mapping(merged(merged(config.rig, play.rig), play.known.rig))
+    trial, plant = Trial.from_plain(play.trial), Plant(rig, find_effects(model["effects"]))
     known = set(plant.table.names)
-    changes = {k: v for k, v in model["changes"].items() if k in known}
+    changes = {k: v for k, v in model["changes"].items() if k in known} | play.known.changes
     react = play.react() if play.react else None
     return Side.from_trace(simulate(plant, trial, changes, noise, seed, react, play.shots))
 

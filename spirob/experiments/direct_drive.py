@@ -50,6 +50,11 @@ def both(current: float) -> dict[str, Any]:
     return {"left": held, "right": held}
 
 
+def reconstructed(side: Side) -> str:
+    """The signal that stands for i** [A]: a model's own, and the current that a robot measures."""
+    return "current" if side.arm_current is None else "arm_current"
+
+
 def difference(hit: Side, free: Side, signal: str, motor: int = 0) -> np.ndarray:
     """A signal with contact less the same without it, in counts of the drive (no gear)."""
     scale = COUNTS_PER_METRE if signal == "displacement" else COUNTS_PER_AMPERE

@@ -4,7 +4,7 @@ import importlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -26,7 +26,7 @@ class Side:
     current       (T, 2) as the drive reports it [A]; None where there is no motor
     displacement  (T, 2) wound-in length [m];  velocity (T, 2) [m/s]
     command       (T, 2) commanded current [A]
-    arm_current   (T, 2) i** of a model whose loop is on the host [A]; None of all others
+    arm_current   (T, 2) i** of a model [A]; None of all others
     voltage       (T, 2) that the host sent [V]; None where the drive closes the current loop
     """
 
@@ -85,6 +85,7 @@ EXPERIMENTS = (
     "host_contact",
     "host_periodic",
 )
+GIVEN = ("geometry", "told")  # what is no setting
 LIMIT = 5.0  # A, of every command: the paper's saturation
 
 SIDES = ("robot", "base", "named", "single")
@@ -99,12 +100,25 @@ def repeating(model: str) -> str:
 
 
 @dataclass(frozen=True)
+class Known:
+    """What was measured of a robot before it plays, which models of it then have.
+
+    rig      what differs from the rig of the play
+    changes  numbers of the model
+    """
+
+    rig: dict[str, Any] = field(default_factory=dict)
+    changes: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Play:
     """One trial of an experiment.
 
     name   of the trial, unique within the experiment
     trial  as plain data for `spirob.trials.Trial`
     rig    what differs from the configured rig, for example the bandwidth of the drive
+    known  what models have from the robot's own trial before it
     only   the sides that play it; all where empty
     react  makes what a side does about what it feels; None where it does nothing
     shots  how often a robot plays it, its noise being another each time, for their mean
@@ -117,6 +131,7 @@ class Play:
     name: str
     trial: dict[str, Any]
     rig: dict[str, Any] = field(default_factory=dict)
+    known: Known = field(default_factory=Known)
     only: tuple[str, ...] = ()
     shots: int = 1
     noisy: bool = False
@@ -136,6 +151,14 @@ class Experiment(ABC):
     motor: ClassVar[int] = 0  # the one that is looked at
 
     geometry: Geometry = PUBLISHED
+
+    def before(self) -> Play | None:
+        """A trial of the robot alone that comes before all others; None where none is needed."""
+        return None
+
+    def informed(self, side: Side) -> Self:
+        """The same experiment with what the robot's trial `before` has told."""
+        return self
 
     @abstractmethod
     def plays(self) -> list[Play]:
@@ -158,7 +181,7 @@ def experiment_from(name: str, given: Any, geometry: Geometry = PUBLISHED) -> Ex
     kind: type[Experiment] = getattr(module, name.title().replace("_", ""))
     if not isinstance(given, Mapping):
         raise ConfigError(f"paper.{name} must be a mapping of settings, not {given!r}")
-    known = {about.name: about for about in fields(kind) if about.name != "geometry"}
+    known = {about.name: about for about in fields(kind) if about.name not in GIVEN}
     for key, value in given.items():
         if key not in known:
             raise ConfigError(f"paper.{name} has no key '{key}'; it has: {', '.join(known)}")

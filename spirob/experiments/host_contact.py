@@ -10,26 +10,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, RADIUS, difference
-from spirob.experiments.experiment import Side, Sides, curve, row
+from spirob.experiments.experiment import Sides, curve, row
 from spirob.experiments.host_loop import GainSet, OnHost
-from spirob.experiments.response import smooth
 from spirob.experiments.single_contact import (
-    PEAK,
     READ,
-    SMOOTHING,
     SingleContact,
+    in_time,
     rank_agreement,
     responses,
     visible,
 )
-from spirob.identify.latency import latency
-from spirob.plant.rig import Motor
 
 ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
 SMALL = 5.0  # counts; smaller peaks are not compared in size
 MODELS = ("base", "named")
+FIGURES = (("peak", "current peak"), ("arm peak", "reconstructed current peak"))
 Found = dict[str, list[dict[str, float]]]
 
 
@@ -56,7 +52,7 @@ class HostContact(OnHost, SingleContact):
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = [GainSet(b, 1.0, self.latency).margin() for b in self.bandwidths]
-        rows.append(self._latency(sides))
+        rows += self.told_rows()
         for one in self.sets:
             found = self._found(sides, one)
             for key, what in READ:
@@ -67,27 +63,17 @@ class HostContact(OnHost, SingleContact):
                 rows += [self._order(one, found), self._size(one, found)]
         return rows
 
-    def _latency(self, sides: Sides) -> dict[str, Any]:
-        """From a reading until its voltage acts, by each side's own trial without a contact."""
-        free = sides[self.play_of(self.slowest, None)]
-        found = {
-            s: latency(side.current, side.voltage, side.velocity / RADIUS, Motor())
-            for s, side in free.items()
-            if side.current is not None and side.voltage is not None
-        }
-        told = ", ".join(f"{s} ± {2e3 * one.error:.2f}" for s, one in found.items())
-        values = {s: 1e3 * one.seconds for s, one in found.items()}
-        return row("latency of the loop", "ms", values, note=f"two deviations: {told}")
-
     def _order(self, one: GainSet, found: Found) -> dict[str, Any]:
         """Rank of the current's peak over the places where the robot shows it."""
         what = f"rank agreement of current peak, {one.words}"
         robot = found["robot"]
-        shown = [k for k, r in enumerate(robot) if visible(r["peak"], r["peak error"])]
+        least = [max(r["peak error"], one.unsure) for r in robot]
+        shown = [k for k, r in enumerate(robot) if visible(r["peak"], least[k])]
         note = "robot: against the distance from the base, models: against the robot"
         if len(shown) < len(self.places):
             at = ", ".join(f"{self.places[k]:.0%}" for k in shown) or "none"
-            return row(what, "1", {}, note=f"no order: visible on the robot at {at}")
+            rpm = f", where whole rpm make up to {one.unsure:.1f} counts" if one.share else ""
+            return row(what, "1", {}, note=f"no order: visible on the robot at {at}{rpm}")
         peaks = {s: [r["peak"] for r in rows] for s, rows in found.items() if "peak" in rows[0]}
         agree = {m: rank_agreement(peaks[m], peaks["robot"]) for m in MODELS if m in peaks}
         agree["robot"] = rank_agreement(peaks["robot"], list(self.places))
@@ -118,29 +104,18 @@ class HostContact(OnHost, SingleContact):
         out, at = [], 100 * np.array(self.places)
         for one in self.sets:
             for s, found in self._found(sides, one).items():
-                if "peak" in found[0]:
-                    peaks = np.array([r["peak"] for r in found])
-                    out.append(curve(one.words, "current peak", "counts", s, at, peaks, 1))
+                for key, quantity in FIGURES:
+                    if key in found[0]:
+                        peaks = np.array([r[key] for r in found])
+                        out.append(curve(one.words, quantity, "counts", s, at, peaks, 1))
         slowest = self.slowest
+        for s, found in self._found(sides, slowest).items():
+            if "peak" in found[0]:  # of the ball's momentum
+                each = np.array([r["peak"] for r in found]) / (1e3 * self.mass * self.speed)
+                about = (slowest.words, "sensitivity along the arm", "counts/(mN·s)")
+                out.append(curve(*about, s, at, each, 1))
         for place in self.places[:: max(1, len(self.places) // 3)]:
             play = f"{slowest.words}, at {place:.0%}"
             hit, free = (sides[self.play_of(slowest, p)] for p in (place, None))
-            for s in hit:
-                if hit[s].current is not None:
-                    out += self._in_time(play, s, hit[s], free[s])
+            out += in_time(play, hit, free, self.hit, self.motor)
         return out
-
-    def _in_time(self, play: str, s: str, hit: Side, free: Side) -> list[dict[str, Any]]:
-        """The measured current, and beside it i** of the models with the robot's current again."""
-        first = round(1e3 * self.hit) - 50
-        span = slice(first, first + round(1e3 * PEAK) + 50)
-        time = np.arange(-50, span.stop - span.start - 50) * 1e-3
-        current = smooth(difference(hit, free, "current"), SMOOTHING)[span]
-        reconstructed = current
-        if hit.arm_current is not None and free.arm_current is not None:
-            apart = COUNTS_PER_AMPERE * (hit.arm_current - free.arm_current)[:, self.motor]
-            reconstructed = smooth(apart, SMOOTHING)[span]
-        return [
-            curve(play, "current after a hit", "counts", s, time, current, 3),
-            curve(play, "reconstructed current", "counts", s, time, reconstructed, 3),
-        ]

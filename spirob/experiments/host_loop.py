@@ -3,17 +3,30 @@
 A set of gains is a bandwidth at which they are placed, and the share of the back-EMF that the loop
 feeds forward: all of it, as (12) has it, or none.  Such a loop lets the rotor's speed into the
 current, and a pushed rotor turns the drum along: the rig has the drum's inertia, by its drawing.
+
+What (12) leaves of a push is k_e ω(t) less what the host believes of it, k_e ω(t - τ): a matter of
+the robot's own τ, R and k_e, which no trial of a drive with its own loop tells.  So the robot plays
+one trial without a contact first, both currents jumping against each other about what they are
+held at, and models get what that log tells (`spirob.identify.winding`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from spirob.control.host_loop import HostLoop, placed
+import numpy as np
+
+from spirob.control.host_loop import HostLoop, Placed, placed
 from spirob.errors import ConfigError
-from spirob.experiments.direct_drive import DIRECT, DRUM
-from spirob.experiments.experiment import Experiment, Play, row
+from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
+from spirob.experiments.experiment import Experiment, Known, Play, Side, plan, row, trial
+from spirob.identify.winding import Windings, windings
 from spirob.plant.rig import Motor
+
+JUMP, STEP = 0.5, 0.2  # of the current that is held, up and down; s between two jumps
+RESTS, JUMPS = 0.3, 8  # s before the first;  how many
+HALF_RPM = np.pi / 60  # rad/s
+BLEND = 0.002  # s of a jump: as fast as a cycle or two
 
 
 @dataclass(frozen=True)
@@ -36,6 +49,13 @@ class GainSet:
         told = forward.get(self.share, f"{self.share:.0%} of the back-EMF")
         return f"{self.bandwidth:g} Hz {told}"
 
+    @property
+    def unsure(self) -> float:
+        """By how much the current may be off because speeds are told in whole rpm [counts]."""
+        motor = Motor()
+        volts = self.share * motor.emf_constant * HALF_RPM
+        return volts / motor.resistance * COUNTS_PER_AMPERE
+
     def rig(self) -> dict[str, Any]:
         """The rig without gearbox, its loop on the host."""
         host = {"bandwidth": float(self.bandwidth), "latency": float(self.latency)}
@@ -43,11 +63,22 @@ class GainSet:
         winch = {**DIRECT["winch"], "drum_inertia": float(DRUM)}
         return {**DIRECT, "winch": winch, "drive": drive}
 
+    def known(self, told: Windings, motor: int) -> Known:
+        """What a model has of a robot's loop: the host's gains at the robot's own latency."""
+        proportional, integral, derivative = self._placed().gains
+        gains = {"proportional": proportional, "integral": integral, "derivative": derivative}
+        rig = self.rig()
+        rig["drive"]["host"] = {**gains, "latency": told.latency}
+        numbers = {"resistance": told.resistance, "emf_constant": told.emf_constant}
+        return Known(rig, {f"motor.{name}": float(of[motor]) for name, of in numbers.items()})
+
+    def _placed(self) -> Placed:
+        motor, loop = Motor(), HostLoop(bandwidth=self.bandwidth, latency=self.latency)
+        return placed(loop, motor.resistance, motor.inductance)
+
     def margin(self) -> dict[str, Any]:
         """Row of the factor by which the gains may grow, by the nominal winding."""
-        motor = Motor()
-        loop = HostLoop(bandwidth=self.bandwidth, latency=self.latency)
-        found = placed(loop, motor.resistance, motor.inductance)
+        found = self._placed()
         return row(
             f"gain margin, {self.bandwidth:g} Hz", "1", {"base": found.times}, note=found.told()
         )
@@ -60,6 +91,7 @@ class OnHost(Experiment):
     bandwidths  at which the gains of the loop are placed [Hz]
     shares      of the back-EMF that it feeds forward;  latency  from a reading to its voltage [s]
     shots       of a robot, whose mean is looked at
+    told        by the robot's trial `before`; no setting
     """
 
     named: ClassVar[str]  # what its plays are called
@@ -67,9 +99,11 @@ class OnHost(Experiment):
     shares: tuple[float, ...] = (1.0, 0.0)
     latency: float = 0.001
     shots: int = 1
+    told: Windings | None = None
 
     if TYPE_CHECKING:  # of the experiment whose trials are played
         places: tuple[float, ...] = ()
+        current: float = 0.0
 
         def trial_at(self, name: str, place: float | None) -> dict[str, Any]: ...
 
@@ -89,14 +123,60 @@ class OnHost(Experiment):
         """The set under which a contact shows best."""
         return GainSet(self.bandwidths[0], self.shares[-1], self.latency)
 
+    def before(self) -> Play:
+        """Both currents jump against each other about what they are held at."""
+        name, one = f"{self.named}_jumps", self.slowest
+        known = one.known(self.told, self.motor) if self.told else Known()
+        return Play(name, jumps(name, self.current), one.rig(), known)
+
+    def informed(self, side: Side) -> Self:
+        """With the robot's own latency and windings; as it is where no voltages were sent."""
+        if side.current is None or side.voltage is None:
+            return self
+        speed = side.velocity / RADIUS
+        return replace(self, told=windings(side.current, side.voltage, speed, Motor()))
+
     def plays(self) -> list[Play]:
         """Every trial under every set."""
-        named = [(self.play_of(one, p), p, one) for one in self.sets for p in (None, *self.places)]
         return [
-            Play(name, self.trial_at(name, place), one.rig(), shots=self.shots, noisy=True)
-            for name, place, one in named
+            self.play(self.play_of(one, place), place, one)
+            for one in self.sets
+            for place in (None, *self.places)
         ]
+
+    def play(self, name: str, place: float | None, one: GainSet) -> Play:
+        """A trial under one set; models have what the robot has told."""
+        known = one.known(self.told, self.motor) if self.told else Known()
+        plain = self.trial_at(name, place)
+        return Play(name, plain, one.rig(), known, shots=self.shots, noisy=True)
+
+    def told_rows(self) -> list[dict[str, Any]]:
+        """Rows of what the robot's trial before has told."""
+        if self.told is None:
+            return []
+        one, motor, nominal = self.told, self.motor, Motor()
+        note = f"two deviations: {2e3 * one.error:.3f}; the host's gains are for "
+        late = {"robot": 1e3 * one.latency}
+        of = {"resistance": one.resistance, "back-EMF constant": one.emf_constant}
+        by = {"resistance": nominal.resistance, "back-EMF constant": nominal.emf_constant}
+        shares = [
+            row(f"{name} over the data sheet's", "1", {"robot": of[name][motor] / by[name]})
+            for name in of
+        ]
+        note += f"{1e3 * self.latency:g}"
+        return [row("latency of the loop", "ms", late, note=note), *shares]
 
     def play_of(self, one: GainSet, place: float | None) -> str:
         """Its name."""
         return f"{self.named}_{one.key}_{'free' if place is None else f'{100 * place:.0f}'}"
+
+
+def jumps(name: str, current: float) -> dict[str, Any]:
+    """A trial in which both currents [A] jump against each other, so that the rotors turn."""
+    plans = {}
+    for motor, sign in (("left", 1.0), ("right", -1.0)):
+        levels = [1.0, *(1.0 + sign * JUMP * (-1.0) ** k for k in range(JUMPS))]
+        times = [RESTS, *(STEP for _ in range(JUMPS))]
+        plateaus = [[t, current * level] for t, level in zip(times, levels, strict=True)]
+        plans[motor] = plan("current", {"kind": "steps", "plateaus": plateaus, "blend": BLEND})
+    return trial(name, RESTS + STEP * JUMPS, **plans)

@@ -15,15 +15,22 @@ from scipy.signal import find_peaks, welch
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
 from spirob.experiments.experiment import Side, Sides, curve, row, within
 from spirob.experiments.host_loop import GainSet, OnHost
-from spirob.experiments.periodic_contact import BAND, PAPER, PeriodicContact, seen
+from spirob.experiments.periodic_contact import (
+    BAND,
+    PAPER,
+    SMOOTHING,
+    PeriodicContact,
+    in_time,
+    seen,
+)
 from spirob.experiments.response import PERIOD, smooth
 
-SMOOTHING = 11  # samples
 SEGMENT = 4.0  # s: lines 0.25 Hz apart
-SHOWN, HIGHEST = 4000, 12.0  # samples, and Hz of the spectrum, in the report
+HIGHEST = 12.0  # Hz of the spectrum in the report
+PARTS = 3  # of a trial, whose lines say how far one of a few seconds is to be trusted
 APART = 0.02  # s, least between two peaks
 ALIKE = 0.1  # most by which an apparent period of the model may be off
-SIGNALS = ("current", "filtered")
+SIGNALS = {"current": "current", "filtered": "filtered", "arm_current": "reconstructed current"}
 
 
 def highest(values: np.ndarray) -> float:
@@ -77,6 +84,8 @@ class HostPeriodic(OnHost, PeriodicContact):
             own = {self._name(p): sides[self.play_of(one, p)] for p in (None, *self.places)}
             for k, place in enumerate(self.places):
                 for signal in SIGNALS:
+                    if signal == "arm_current" and not self._modelled(own, place):
+                        continue
                     rows += self._told(own, one, k, place, signal)
         return rows
 
@@ -91,9 +100,12 @@ class HostPeriodic(OnHost, PeriodicContact):
         hits, free = own[self._name(place)], own[self._name(None)]
         gaps = {s: self._gap(hits[s], free[s], signal) for s in periods}
         hidden = [s for s, period in periods.items() if np.isnan(period)]
-        note = f"not visible, no line of one count: {', '.join(hidden)}" if hidden else ""
-        at = f"{signal}, {one.words}, at {place:.0%}"
-        paper = PAPER[k] if signal == "filtered" and len(self.places) == len(PAPER) else None
+        notes = [f"not visible, no line of one count: {', '.join(hidden)}"] if hidden else []
+        if signal == "current" and "robot" in hits and "robot" not in hidden:
+            notes.append(self._repeats(seen(hits["robot"], free["robot"], signal, self.begins)))
+        at = f"{SIGNALS[signal]}, {one.words}, at {place:.0%}"
+        as_paper = signal != "current" and len(self.places) == len(PAPER)
+        paper, note = PAPER[k] if as_paper else None, "; ".join(notes)
         tip = k == len(self.places) - 1 and signal == "current"
         met = within(periods.get("named"), periods.get("robot"), ALIKE) if tip else None
         aim = f"within {ALIKE:.0%}" if tip and met is not None else None
@@ -103,6 +115,15 @@ class HostPeriodic(OnHost, PeriodicContact):
             row(f"swing of {at}", "counts", sizes),
             row(f"line at 1/T of {at}", "counts", lines),
         ]
+
+    def _modelled(self, own: Sides, place: float) -> bool:
+        """Whether a side has an i**."""
+        return any(side.arm_current is not None for side in own[self._name(place)].values())
+
+    def _repeats(self, values: np.ndarray) -> str:
+        """What the parts of a robot's own trial tell, each for itself."""
+        periods = [mean_line(part, *BAND)[0] for part in np.array_split(values, PARTS)]
+        return f"robot, third by third: {min(periods):.2f} to {max(periods):.2f} s"
 
     def _gap(self, hit: Side, free: Side, signal: str) -> float:
         values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
@@ -118,10 +139,9 @@ class HostPeriodic(OnHost, PeriodicContact):
             for s, hit in sides[self.play_of(one, place)].items():
                 if hit.current is None:
                     continue
+                play = f"{one.words}, at {place:.0%}"
+                out += in_time(play, s, hit, free[s], self.begins)
                 values = seen(hit, free[s], "current", self.begins)
-                play, first = f"{one.words}, at {place:.0%}", smooth(values, SMOOTHING)[:SHOWN]
-                time = np.arange(len(first)) * PERIOD
-                out.append(curve(play, "current", "counts", s, time, first, 10))
                 frequency, size = mean_spectrum(values)
                 low = (frequency > 0.0) & (frequency <= HIGHEST)
                 lines = frequency[low], size[low]

@@ -11,13 +11,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.direct_drive import both, difference, direct
+from spirob.experiments.direct_drive import both, difference, direct, reconstructed
 from spirob.experiments.experiment import WINDOW, Experiment, Play, Side, Sides, curve, row, trial
-from spirob.experiments.response import amplitude, strongest_period
+from spirob.experiments.response import PERIOD, amplitude, smooth, strongest_period
 from spirob.trace import moving_average
 from spirob.trials.wrap import beside
 
 PAPER = (0.4, 0.35, 0.15)  # s, from base to tip
+SMOOTHING, SHOWN = 11, 4000  # samples, of the current in the report
 BAND = (0.02, 1.5)  # s, shortest and longest period that counts
 SIGNALS = ("displacement", "displacement, mean", "current", "filtered")
 
@@ -32,6 +33,15 @@ def seen(hit: Side, free: Side, signal: str, begins: float) -> np.ndarray:
     return (moving_average(values, WINDOW) if mean else values)[round(1e3 * begins) :]
 
 
+def in_time(play: str, s: str, hit: Side, free: Side, begins: float) -> list[dict[str, Any]]:
+    """Figure of the measured current, and of i** beside it; the robot's is measured in both."""
+    out = []
+    for quantity, signal in (("current", "current"), ("reconstructed", reconstructed(hit))):
+        values = smooth(seen(hit, free, signal, begins), SMOOTHING)[:SHOWN]
+        out.append(curve(play, quantity, "counts", s, np.arange(len(values)) * PERIOD, values, 10))
+    return out
+
+
 @dataclass(frozen=True, kw_only=True)
 class PeriodicContact(Experiment):
     """places     along the straight arm, as shares of its length, from the base
@@ -42,6 +52,11 @@ class PeriodicContact(Experiment):
     """
 
     title: ClassVar[str] = "Periodic contact, no gearbox, constant current"
+    about: ClassVar[str] = (
+        "The drive's own current loop has answered a hit before the hit is reported, so that the "
+        "hits stand in the angle alone. With the loop on the host, as in the paper, the current "
+        "shows them."
+    )
     places: tuple[float, ...] = (0.25, 0.55, 0.85)
     depth: float = 0.003
     diameter: float = 0.01
@@ -100,7 +115,8 @@ class PeriodicContact(Experiment):
         periods, sizes, lines = {}, {}, {}
         free = sides[self._name(None)]
         for s, hit in sides[self._name(place)].items():
-            if hit.current is None and not signal.startswith("displacement"):
+            name = signal.partition(", ")[0]
+            if getattr(hit, "current" if name == "filtered" else name) is None:
                 continue
             values = seen(hit, free[s], signal, self.begins)
             time = np.arange(len(values))
@@ -119,4 +135,6 @@ class PeriodicContact(Experiment):
                 time = np.arange(len(values)) * 1e-3
                 play = f"at {place:.0%}"
                 out.append(curve(play, "angle", "counts", s, time, values, 10))
+                if hit.current is not None:
+                    out += in_time(play, s, hit, free[s], self.begins)
         return out

@@ -9,13 +9,14 @@ that holds its current hides a contact there, so it is played at several bandwid
 also a drive without feed-forward of the back-EMF, which the emulated one does not offer.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from scipy.stats import spearmanr
 
-from spirob.experiments.direct_drive import both, difference, direct, profile
+from spirob.experiments.direct_drive import both, difference, direct, profile, reconstructed
 from spirob.experiments.experiment import Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.response import smooth
 from spirob.trials.wrap import beside
@@ -23,6 +24,7 @@ from spirob.trials.wrap import beside
 SHIFT = (0.3, 0.6)  # s after the hit: the paper's steady shift
 PEAK = 0.3  # s after the hit
 SMOOTHING = 11  # samples
+BEFORE = 50  # samples before the hit that a figure shows
 READ = (  # key of a response -> what it is called
     ("angle", "angle"),
     ("peak", "current peak"),
@@ -39,6 +41,7 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
     peak    largest change of the current within `PEAK`, over `SMOOTHING` samples
     filtered  largest change within `PEAK` of the current after the paper's 100-sample mean
     shift   mean change of the current within `SHIFT`
+    arm peak  largest change of i** within `PEAK`, over `SMOOTHING` samples
     ... error   what noise alone makes of each
     A side without a motor has an angle only.
     """
@@ -51,6 +54,7 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
     current = difference(hit, free, "current")
     steady = current[first + round(1e3 * SHIFT[0]) : first + round(1e3 * SHIFT[1])]
     level, mean = smooth(current, SMOOTHING), difference(hit, free, "filtered")
+    whole = smooth(difference(hit, free, reconstructed(hit)), SMOOTHING)
     calm = slice(100, first - SMOOTHING)
     return found | {
         "peak": float(np.abs(level[soon]).max()),
@@ -58,8 +62,29 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
         "filtered": float(np.abs(mean[soon]).max()),
         "filtered error": float(1.5 * np.abs(mean[calm]).max()),
         "shift": float(steady.mean()),
+        "arm peak": float(np.abs(whole[soon]).max()),
         "shift error": float(3 * steady.std() / np.sqrt(len(steady))),
     }
+
+
+def in_time(
+    play: str, hit: Mapping[str, Side], free: Mapping[str, Side], at: float, motor: int
+) -> list[dict[str, Any]]:
+    """Figure of the measured current about a hit at a time [s], and of i** beside it.
+
+    The robot, which has no i**, shows its measured current in both.
+    """
+    first, out = round(1e3 * at), []
+    span = slice(first - BEFORE, first + round(1e3 * PEAK))
+    time = 1e-3 * np.arange(-BEFORE, span.stop - first)
+    for s, one in hit.items():
+        if one.current is None:
+            continue
+        named = {"current after a hit": "current", "reconstructed current": reconstructed(one)}
+        for quantity, signal in named.items():
+            values = smooth(difference(one, free[s], signal, motor), SMOOTHING)[span]
+            out.append(curve(play, quantity, "counts", s, time, values, 3))
+    return out
 
 
 def visible(value: float, error: float = 0.0) -> bool:
@@ -84,6 +109,11 @@ class SingleContact(Experiment):
     """
 
     title: ClassVar[str] = "Single contact, no gearbox, constant current"
+    about: ClassVar[str] = (
+        "The drive closes its current loop itself, 20 times a cycle of the bus, with an integral "
+        "and the back-EMF fed forward, so that it has answered a push before the push is reported. "
+        "With the loop on the host, as in the paper, the same push shows."
+    )
     places: tuple[float, ...] = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
     bandwidths: tuple[float, ...] = (50.0, 200.0, 1000.0)
     current: float = 0.8
@@ -109,7 +139,7 @@ class SingleContact(Experiment):
         rig = direct(self.bandwidths[0], emf_compensation=0.0)
         for place in (None, *self.places):
             name = self._name(0.0, place)
-            out.append(Play(name, self.trial_at(name, place), rig, ("base", "named")))
+            out.append(Play(name, self.trial_at(name, place), rig, only=("base", "named")))
         return out
 
     def _name(self, bandwidth: float, place: float | None) -> str:
@@ -190,6 +220,9 @@ class SingleContact(Experiment):
                     continue
                 values = np.array([r[key] for r in found])
                 out.append(curve(f"{fastest:g} Hz", quantity, "counts", s, at, values, 1))
+        tip, name = self.places[-1], f"{fastest:g} Hz, at {self.places[-1]:.0%}"
+        hit, free = (sides[self._name(fastest, place)] for place in (tip, None))
+        out += in_time(name, hit, free, self.hit, self.motor)
         along = profile(self.places, geometry=self.geometry)
         for key, unit in PROFILE:
             values = getattr(along, key)

@@ -24,7 +24,7 @@ from spirob.trace import Trace, moving_average
 from spirob.trials.play import Reaction
 from spirob.trials.trial import Trial
 
-ARM_CURRENT = {"arm_current": "A"}  # i** of (17), beside i*, of a model with its loop on the host
+ARM_CURRENT = {"arm_current": "A"}  # i** of (17), beside i*
 
 
 def simulate(
@@ -63,10 +63,10 @@ def simulate(
             f"{motor}.reference": schedule.reference[:, m],
             f"{motor}.reference_rate": schedule.reference_rate[:, m],
             f"{motor}.mode": np.full(schedule.cycles, float(schedule.mode[m])),
+            f"{motor}.arm_current": response.arm_current[:, m],
         }
         if plant.rig.host is not None:
             signals[f"{motor}.voltage"] = response.voltage[:, m]
-            signals[f"{motor}.arm_current"] = response.arm_current[:, m]
     units = {
         name: (CHANNELS | VOLTAGE | ARM_CURRENT).get(name.split(".")[1], "") for name in signals
     }

@@ -1,5 +1,7 @@
 """The passive experiments with the loop on the host: rules on signals whose answer is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from spirob.experiments import Side
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
 from spirob.experiments.host_periodic import HostPeriodic, highest, mean_line, peak_interval
+from spirob.identify.winding import Windings
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate
@@ -117,7 +120,7 @@ def test_the_wheel_has_a_row_for_every_rule_and_set():
 
 
 def test_less_than_one_shot_is_refused():
-    with pytest.raises(ConfigError, match=r"experiments\.host_contact\.shots = 0: one at least"):
+    with pytest.raises(ConfigError, match=r"paper\.host_contact\.shots = 0: one at least"):
         HostContact(shots=0)
 
 
@@ -140,3 +143,69 @@ def test_irregular_returns_have_one_line_in_the_mean_spectrum():
     assert size > 1.0
     line = 3.0 * np.sin(2 * np.pi * t / 0.4)
     assert mean_line(line, 0.02, 1.5) == pytest.approx((0.4, 3.0), rel=0.01)
+
+
+def test_models_have_the_latency_and_the_back_emf_that_the_robot_has_told():
+    experiment = HostContact(bandwidths=(10.0,), shares=(1.0,), places=(0.95,))
+    told = Windings(0.7e-3, 1e-6, np.array([0.2, 0.19]), np.array([0.0201, 0.0203]))
+    before = experiment.plays()[1]
+    assert not before.known.rig
+    play = replace(experiment, told=told).plays()[1]
+    assert play.rig == before.rig  # the host believes what it believed
+    rig = Rig.from_mapping(play.known.rig)
+    assert rig.host.latency == 0.7e-3
+    assert rig.placed().gains == Rig.from_mapping(play.rig).placed().gains
+    assert play.known.changes == {"motor.resistance": 0.2, "motor.emf_constant": 0.0201}
+    assert rig.winch.drum_inertia == Rig.from_mapping(before.rig).winch.drum_inertia
+
+
+def test_a_trial_before_tells_a_simulated_loop_of_its_windings():
+    experiment = HostContact()
+    play = experiment.before()
+    plant, trial = Plant(Rig.from_mapping(play.rig)), Trial.from_plain(play.trial)
+    trace = simulate(plant, trial, {"motor.emf_constant": 0.0201, "motor.resistance": 0.2})
+    told = experiment.informed(Side.from_trace(trace)).told
+    assert told.latency == pytest.approx(1e-3, abs=1e-5)
+    assert told.emf_constant == pytest.approx([0.0201, 0.0201], rel=1e-3)
+    assert told.resistance == pytest.approx([0.2, 0.2], rel=2e-3)
+
+
+def test_where_no_voltage_was_sent_nothing_is_told():
+    experiment = HostContact()
+    assert experiment.informed(pulse(4.0)) is experiment
+
+
+def test_what_whole_rpm_may_have_made_has_no_order():
+    whole = GainSet(10.0, 1.0, 1e-3)
+    assert whole.unsure == pytest.approx(4.49, abs=0.01)  # k_e · ½ rpm over R, in counts
+    assert GainSet(10.0, 0.0, 1e-3).unsure == 0.0
+    experiment = HostContact(bandwidths=(10.0,), shares=(1.0,))
+    rows = {r["what"]: r for r in experiment.measure(answers(experiment, [4, *RISING[1:]], RISING))}
+    told = rows["rank agreement of current peak, 10 Hz (12) whole"]
+    assert told["met"] is None
+    assert told["note"].startswith("no order: visible on the robot at 35%, 50%, 65%, 80%, 95%, wh")
+
+
+def test_every_figure_of_a_current_has_the_reconstructed_one_beside_it():
+    experiment = HostPeriodic(bandwidths=(5.0,), shares=(0.0,), places=(0.85,), duration=4.5)
+    t = np.arange(4500) * 1e-3
+    swing = np.repeat((20 * COUNT * np.sin(2 * np.pi * t / 0.4))[:, None], 2, axis=1)
+    still = np.zeros((4500, 2))
+    sides = {}
+    for play in experiment.plays():
+        moved = still if "free" in play.name else swing
+        sides[play.name] = {
+            "robot": Side(moved, still, still, still),
+            "named": Side(moved, still, still, still, arm_current=2 * moved),
+        }
+    drawn = {(c["quantity"], c["side"]): np.ptp(c["y"]) for c in experiment.curves(sides)}
+    for side in ("robot", "named"):
+        assert drawn["current", side] == pytest.approx(40, rel=0.05)
+    assert drawn["reconstructed", "named"] == pytest.approx(80, rel=0.05)
+    assert drawn["reconstructed", "robot"] == pytest.approx(40, rel=0.05)
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    told = rows["apparent period of reconstructed current, 5 Hz without back-EMF, at 85%"]
+    assert told["named"] == pytest.approx(0.4, rel=0.01)
+    assert told["robot"] is None
+    measured = rows["apparent period of current, 5 Hz without back-EMF, at 85%"]
+    assert measured["note"] == "robot, third by third: 0.39 to 0.40 s"

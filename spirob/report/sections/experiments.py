@@ -75,6 +75,8 @@ AXES = {
     "filtered current over force": "force [N]",
     "angle response": "place of the hit [% of length]",
     "current peak": "place of the hit [% of length]",
+    "reconstructed current peak": "place of the hit [% of length]",
+    "sensitivity along the arm": "place of the hit [% of length]",
     "current after a hit": "time since the hit [s]",
     "reconstructed current": "time since the hit [s]",
     "amplitude of the current": "frequency [Hz]",
@@ -87,12 +89,15 @@ UPRIGHT = {
     "current over force": "current",
     "filtered current over force": "filtered current",
     "filtered": "filtered current",
+    "reconstructed": "reconstructed current",
+    "sensitivity along the arm": "sensitivity",
     "amplitude of the current": "amplitude",
     "stiffness along the arm": "stiffness of the hinge",
     "inertia along the arm": "inertia beyond",
     "give along the arm": "give of the arm",
 }
-NOTES = {"reconstructed current": "; i** of the models, the measured current of the robot"}
+RECONSTRUCTED = ("reconstructed", "reconstructed current", "reconstructed current peak")
+NOTES = dict.fromkeys(RECONSTRUCTED, "; i** of the models, the measured current of the robot")
 POINTS = 12  # a line of fewer points shows them
 COLUMNS = 2
 ROW = 250  # pixels
