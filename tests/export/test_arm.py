@@ -190,8 +190,13 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
         corrected_arm(document, data / "diagnosis")
 
 
-def test_bam_holds_no_arm():
-    assert not hasattr(bam, "arm")
+def test_a_motor_is_a_servo_of_bam():
+    model = arm_of(["coulomb_friction", "load_dependent_friction", "capstan_friction"])
+    told = {name: json.loads(text) for name, text in bam.arm(model).items()}
+    assert set(told) == {"spirob_left_m5.json", "spirob_right_m5.json"}
+    left, rig = told["spirob_left_m5.json"], model.rig
+    assert left["armature"] == pytest.approx(rig.motor.rotor_inertia)
+    assert left["friction_base"] == model.changes["coulomb_friction.coulomb_torque"]
 
 
 def test_an_arm_that_was_logged_elsewhere_is_read(tmp_path):

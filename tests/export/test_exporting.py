@@ -12,7 +12,9 @@ from spirob.cli.main import main
 from spirob.errors import ExportError
 from spirob.export import listed, targets
 from spirob.export.corrected import corrected, read_document
-from spirob.export.exporting import ALONE, alone, export
+from spirob.export.alone import ALONE, alone
+from spirob.export.exporting import export
+from spirob.export.players import bam
 from tests.export.machines import exported_model
 
 OWN = '''
@@ -98,10 +100,28 @@ def test_bam_is_the_law_here_where_nothing_else_acts(tmp_path):
     names = ["stribeck_friction", "load_dependent_friction"]
     exported_model(tmp_path, names, seconds=2.5, known={"inertia": 0.5, "scale": 0.5})
     export(tmp_path, "bam", tmp_path / "out")
-    told = json.loads((tmp_path / "out" / "elbow_m4.json").read_text())
-    assert told["model"] == "m4"
+    told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text())
+    assert told["model"] == "m5"
     assert told["kt"] == 0.5
-    assert set(told) >= {"friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_base"}
+    assert set(told) >= {"friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_motor"}
+
+
+@pytest.mark.parametrize("kind", ["held", "accelerated"])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_bam_counts_a_load_once(kind, way, tmp_path):
+    exported_model(tmp_path, ["load_dependent_friction"], seconds=1.5)
+    export(tmp_path, "bam", tmp_path / "out")
+    told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text())
+    load, share, speed = 0.8, told["load_friction_motor"], 3.0 * way
+    given = dict.fromkeys(("carried", "beside", "acceleration"), np.zeros(1))
+    given["speed"] = np.array([speed])
+    if kind == "held":
+        given["carried"] = np.array([load])
+    else:
+        given["acceleration"] = np.array([load / told["armature"]])
+    torque = told["kt"] * bam.effort(told, given)[0] - told["friction_viscous"] * speed
+    # a motor's torque is the load and its friction: F = m·|load ± F|
+    assert torque - load == pytest.approx(way * share * load / (1 - way * share), rel=0.01)
 
 
 def test_what_is_drawn_has_the_moments_that_were_fitted(home, tmp_path):

@@ -22,6 +22,7 @@ PLAYER = "mjcf"
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: its body with tendons that do not stretch, drives in ampere."""
+    from spirob.export.arm_heldout import arm_left_out
     from spirob.export.body import with_tendons
     from spirob.export.code import c_name
 
@@ -29,7 +30,8 @@ def arm(model: "CorrectedArm") -> dict[str, str]:
     name = c_name(model.name)
     said = [f"{name}.xml: {model.sentence}", "tendons do not stretch here, but may push"]
     said += [f"holds {e}" for e in held]
-    said += [f"leaves out {e}: not played, so of unknown size" for e in outside]
+    costs = arm_left_out(model, [e for e in model.effects if e.name() in outside])
+    said += [f"leaves out {name}: {cost}" for name, cost in costs.items()]
     return {f"{name}.xml": machine.text(said)}
 
 
