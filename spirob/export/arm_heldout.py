@@ -88,13 +88,16 @@ def _coupled(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
 
 
 def _led(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
-    """Plain MJCF, whose drives lead its tendons as they move in the model here."""
-    given: dict[str, np.ndarray] = {}
+    """Plain MJCF, whose drives lead its winches as they move in the model here."""
+    model, given = heldout.model, dict[str, np.ndarray]()
+    lever = np.array([lever_of(model, m) for m in MOTORS])
+    wound = lever / reported_lever(model)
     for k, (trial, ours) in enumerate(zip(heldout.trials, heldout.ours, strict=True)):
-        given |= {f"length_{k}": ours.displacement, f"rate_{k}": ours.velocity}
-        given |= {f"current_{k}": ours.current, f"led_{k}": trial.schedule.mode != CURRENT}
+        given |= {f"length_{k}": wound * ours.displacement, f"rate_{k}": wound * ours.velocity}
+        given[f"first_{k}"] = lever * np.array(trial.first_angle)
+        given |= {f"current_{k}": ours.command, f"led_{k}": trial.schedule.mode != CURRENT}
     about = {
-        "name": c_name(heldout.model.name),
+        "name": c_name(model.name),
         "trials": len(heldout.trials),
         "motors": list(MOTORS),
     }

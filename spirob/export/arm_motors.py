@@ -54,16 +54,16 @@ def c_files_of_arm(model: CorrectedArm) -> dict[str, str]:
 
 def lever_of(model: CorrectedArm, motor: str) -> float:
     """Tendon that a motor winds in for one radian of its rotor [m]."""
-    number = _numbers(model, motor)
+    number = number_of(model, motor)
     return number("winch.radius", True) / number("winch.gear_ratio")
 
 
 def reported_lever(model: CorrectedArm) -> float:
     """The same as the drives report it, which know nothing of their drums' differences [m]."""
-    return model.rig.winch.radius / _numbers(model, MOTORS[0])("winch.gear_ratio")
+    return model.rig.winch.radius / number_of(model, MOTORS[0])("winch.gear_ratio")
 
 
-def _numbers(model: CorrectedArm, motor: str) -> Callable[..., float]:
+def number_of(model: CorrectedArm, motor: str) -> Callable[..., float]:
     """The numbers of the arm by name, on request as they differ at one motor."""
     plant = model.plant()
     p = plant.table.vector(model.changes)
@@ -80,7 +80,7 @@ def _numbers(model: CorrectedArm, motor: str) -> Callable[..., float]:
 
 def motor_of(model: CorrectedArm, motor: str) -> Corrected:
     """One motor as an axis: rotor angle, current, and as `carried` the tendon's torque r·F/G."""
-    number, lever = _numbers(model, motor), lever_of(model, motor)
+    number, lever = number_of(model, motor), lever_of(model, motor)
     gear = number("winch.gear_ratio")
     efficiency = number("winch.efficiency", True)
     numbers = dict.fromkeys(NUMBERS, 0.0) | {

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from spirob.export.body import DRIVE, STEP, Machine, weigh
+from spirob.export.body import STEP, Machine, weigh
 from spirob.export.corrected import Corrected, Held
 
 NO_MOTOR = 1e-9  # constant of a dcmotor that drives nothing and brakes nothing
@@ -23,7 +23,7 @@ Holder = Callable[[Machine, Held, Corrected], None]
 def _passive(machine: Machine, name: str, **what: object) -> None:
     """A dcmotor that drives nothing, for its cogging or its bristles."""
     motor = machine.spec.add_actuator(
-        name=name, target=machine.joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
+        name=f"{machine.joint}_{name}", target=machine.joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
     )
     motor.set_to_dcmotor([NO_MOTOR, NO_MOTOR], 1.0, **what)
 
@@ -37,7 +37,7 @@ def _wave(machine: Machine, name: str, sine: float, cosine: float, order: float)
 
 def _bias(machine: Machine, force: float) -> None:
     """A constant force of the drive."""
-    drive = machine.spec.actuator(DRIVE)
+    drive = machine.spec.actuator(machine.drive)
     drive.biastype = mujoco.mjtBias.mjBIAS_AFFINE
     drive.biasprm[0] += force
 
@@ -133,12 +133,12 @@ def _force(machine: Machine, one: Held, model: Corrected) -> None:
 
 
 def _gain(machine: Machine, one: Held, model: Corrected) -> None:
-    drive = machine.spec.actuator(DRIVE)
+    drive = machine.spec.actuator(machine.drive)
     drive.gainprm[0] /= 1.0 + one.values["gain_error"]
 
 
 def _offset(machine: Machine, one: Held, model: Corrected) -> None:
-    _bias(machine, -one.values["offset"] * machine.spec.actuator(DRIVE).gainprm[0])
+    _bias(machine, -one.values["offset"] * machine.spec.actuator(machine.drive).gainprm[0])
 
 
 def _shaft(machine: Machine, one: Held, model: Corrected) -> None:

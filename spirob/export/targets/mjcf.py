@@ -21,14 +21,14 @@ PLAYER = "mjcf"
 
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
-    """The same of an arm: its body with tendons that do not stretch, drives in ampere."""
+    """The same of an arm: its body, two winches on springy tendons, drives in ampere."""
     from spirob.export.arm_heldout import arm_left_out
-    from spirob.export.body import with_tendons
+    from spirob.export.arm_body import with_tendons
     from spirob.export.code import c_name
 
     machine, held, outside = with_tendons(model)
     name = c_name(model.name)
-    said = [f"{name}.xml: {model.sentence}", "tendons do not stretch here, but may push"]
+    said = [f"{name}.xml: {model.sentence}", "controls: current of each drive [A], positive winds in"]
     said += [f"holds {e}" for e in held]
     costs = arm_left_out(model, [e for e in model.effects if e.name() in outside])
     said += [f"leaves out {name}: {cost}" for name, cost in costs.items()]
