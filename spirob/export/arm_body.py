@@ -105,9 +105,7 @@ def _held(spec: mujoco.MjSpec, effect: type[Effect], model: CorrectedArm) -> boo
     return True
 
 
-def _at_winch(
-    spec: mujoco.MjSpec, effect: type[Effect], model: CorrectedArm, motor: str
-) -> None:
+def _at_winch(spec: mujoco.MjSpec, effect: type[Effect], model: CorrectedArm, motor: str) -> None:
     """An effect of the rotor, in metres of the tendon instead of radians."""
     axis, turn = motor_of(model, motor), 1.0 / lever_of(model, motor)
     axis = replace(axis, angle=1.0 / turn, rest_speed=axis.rest_speed / turn)

@@ -129,9 +129,7 @@ def _motors(player: str) -> Callable[[ArmHeldout, Path], list[np.ndarray]]:
     return play
 
 
-def _rows(
-    ours: Response, first: float, turn: float, lever: float, m: int
-) -> dict[str, np.ndarray]:
+def _rows(ours: Response, first: float, turn: float, lever: float, m: int) -> dict[str, np.ndarray]:
     """One motor's motion in rotor coordinates, and the torque of its tendon.
 
     turn  of the rotor for a metre that the drive reports [rad/m];  lever  of the tendon's force [m]

@@ -20,9 +20,10 @@ OF_THE_ARM = {  # act on a tendon or a drum: `test_arm` and `test_kernels`
     "capstan_friction", "creep", "drum_build_up", "eccentric_winch", "stretch", "supply_sag",
 }  # fmt: skip
 NATIVE = {  # what plain MJCF holds, within this share of its size
-    "cogging", "constant_force", "coulomb_friction", "current_gain", "current_offset",
-    "gear_compliance", "joint_viscoelasticity", "mount_tilt", "presliding_friction",
-    "quadratic_drag", "rest_curvature", "stiffness_hardening", "stribeck_friction", "tip_payload",
+    "cogging", "constant_force", "coulomb_friction", "current_gain", "current_lag",
+    "current_offset", "feedback_latency", "gear_compliance", "joint_viscoelasticity",
+    "mount_tilt", "presliding_friction", "quadratic_drag", "rest_curvature",
+    "stiffness_hardening", "stribeck_friction", "tip_payload",
 }  # fmt: skip
 SAID = 0.05
 COMPILER = pytest.mark.skipif(

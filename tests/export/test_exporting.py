@@ -96,6 +96,26 @@ def test_a_lossy_target_says_so_unasked(home, tmp_path):
     mujoco.MjModel.from_xml_string(text)
 
 
+def test_sensors_of_plain_mjcf_lag_and_are_late(tmp_path):
+    names = ["current_lag", "feedback_latency"]
+    values = {e.name: e.values for e in exported_model(tmp_path, names, seconds=1.5).effects}
+    export(tmp_path, "mjcf", tmp_path / "out")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "elbow.xml"))
+    data, k = mujoco.MjData(model), np.arange(400)
+    given = np.sin(0.05 * k)
+    lagged, found, places = np.zeros(400), np.zeros(400), np.zeros((2, 400))
+    share = 1.0 - np.exp(-model.opt.timestep / values["current_lag"]["time"])
+    for row in k:
+        lagged[row] = lagged[row - 1] + share * (given[row] - lagged[row - 1]) if row else 0.0
+        data.ctrl[:] = given[row]
+        places[0, row] = data.qpos[0]
+        mujoco.mj_step(model, data)
+        found[row], places[1, row] = data.sensor("effort").data[0], data.sensor("position").data[0]
+    then = k - values["feedback_latency"]["latency"] / model.opt.timestep
+    assert found[20:] == pytest.approx(np.interp(then, k, lagged)[20:], abs=1e-9)
+    assert places[1, 20:] == pytest.approx(np.interp(then, k, places[0])[20:], abs=1e-9)
+
+
 def test_bam_is_the_law_here_where_nothing_else_acts(tmp_path):
     names = ["stribeck_friction", "load_dependent_friction"]
     exported_model(tmp_path, names, seconds=2.5, known={"inertia": 0.5, "scale": 0.5})
@@ -111,7 +131,7 @@ def test_bam_is_the_law_here_where_nothing_else_acts(tmp_path):
 def test_bam_counts_a_load_once(kind, way, tmp_path):
     exported_model(tmp_path, ["load_dependent_friction"], seconds=1.5)
     export(tmp_path, "bam", tmp_path / "out")
-    told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text())
+    told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text()) | {"friction_viscous": 0.0}
     load, share, speed = 0.8, told["load_friction_motor"], 3.0 * way
     given = dict.fromkeys(("carried", "beside", "acceleration"), np.zeros(1))
     given["speed"] = np.array([speed])
@@ -119,7 +139,7 @@ def test_bam_counts_a_load_once(kind, way, tmp_path):
         given["carried"] = np.array([load])
     else:
         given["acceleration"] = np.array([load / told["armature"]])
-    torque = told["kt"] * bam.effort(told, given)[0] - told["friction_viscous"] * speed
+    torque = told["kt"] * bam.effort(told, given)[0]
     # a motor's torque is the load and its friction: F = m·|load ± F|
     assert torque - load == pytest.approx(way * share * load / (1 - way * share), rel=0.01)
 

@@ -24,11 +24,7 @@ def arm(model: "CorrectedArm") -> dict[str, str]:
     from spirob.export.arm_motors import motor_of
     from spirob.robot import MOTORS
 
-    return {
-        name: text
-        for motor in MOTORS
-        for name, text in files(motor_of(model, motor)).items()
-    }
+    return {name: text for motor in MOTORS for name, text in files(motor_of(model, motor)).items()}
 
 
 def files(model: "Corrected") -> dict[str, str]:
