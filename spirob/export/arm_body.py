@@ -27,18 +27,28 @@ POWERS = {"N": 1, "N·m": 1, "rad": -1, "N·m·s²/rad²": 3}  # of rotor radian
 Number = Callable[..., float]
 
 
-def with_tendons(model: CorrectedArm) -> tuple[Machine, list[str], list[str]]:
-    """The body with winches and tendons; names of effects that it holds, and of others."""
+def with_tendons(
+    model: CorrectedArm,
+) -> tuple[Machine, list[str], dict[str, dict[str, float]]]:
+    """The body with winches and tendons, names of effects that it holds, and what it leaves out.
+
+    The last with the numbers that it has instead: tendons bend at a hinge once, effects are absent.
+    """
     plant = model.plant()
     p = plant.table.vector(model.changes)
     arm, step, tip = plant.arm(p), CYCLE / SUBSTEPS, plant.tip_mass(p)
     spec = build_spec(arm, Scene(), model.rig.lengths(), step, True, tip, plant.holes(p))
     for motor in MOTORS:
         _winch(spec, motor, number_of(model, motor))
-    held, outside = list[str](), list[str]()
+    held, outside = list[str](), dict[str, dict[str, float]]()
+    if arm.bends_per_hinge != 1.0:
+        outside["arm.bends_per_hinge"] = {"arm.bends_per_hinge": 1.0}
     for effect in model.effects:
-        done = _held(spec, effect, model)
-        (held if done else outside).append(effect.name())
+        name = effect.name()
+        if _held(spec, effect, model):
+            held.append(name)
+        else:
+            outside[name] = {f"{name}.{f}": v for f, v in effect.neutral.items()}
     begun = plant.start(Scene(), model.changes).constants()["qpos"]
     _at_rest(spec, np.asarray(begun))
     return Machine(spec, "hinge_0", ""), held, outside

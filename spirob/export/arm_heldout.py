@@ -38,7 +38,7 @@ class ArmHeldout:
     @cached_property
     def ours(self) -> list[Response]:
         """The trials as the model here plays them."""
-        return self._simulated(())
+        return self._simulated({})
 
     def errors(self, exported: list[np.ndarray]) -> Errors:
         """How far currents, (T, 2) of each trial, are from the measurement and from the model."""
@@ -49,18 +49,20 @@ class ArmHeldout:
 
     def size(self, effects: tuple[type[Effect], ...]) -> float:
         """What these effects do to the currents together, RMS [A]."""
-        bare = self._driven([r.current for r in self._simulated(effects)])
-        return _rms(self._driven([r.current for r in self.ours]) - bare)
+        return self.change({f"{e.name()}.{f}": v for e in effects for f, v in e.neutral.items()})
 
-    def left_out(self, effect: type[Effect]) -> str:
-        """The error of leaving an effect out, in words."""
-        size = self.size((effect,))
-        whole = _rms(self._driven([t.current for t in self.trials]))
+    def change(self, numbers: dict[str, float]) -> float:
+        """By how much the currents change with other numbers, RMS [A]."""
+        other = self._driven([r.current for r in self._simulated(numbers)])
+        return _rms(self._driven([r.current for r in self.ours]) - other)
+
+    def left_out(self, numbers: dict[str, float]) -> str:
+        """The error of numbers that a target takes instead, in words."""
+        whole, size = _rms(self._driven([t.current for t in self.trials])), self.change(numbers)
         return f"costs {size:.3g} A RMS, {size / whole:.2%} of the current"
 
-    def _simulated(self, without: tuple[type[Effect], ...]) -> list[Response]:
-        neutral = {f"{e.name()}.{f}": v for e in without for f, v in e.neutral.items()}
-        changes = {**self.model.changes, **neutral}
+    def _simulated(self, numbers: dict[str, float]) -> list[Response]:
+        changes = {**self.model.changes, **numbers}
         return [
             self.plant.simulate(t.schedule, t.scene, changes, t.first_angle) for t in self.trials
         ]
@@ -172,11 +174,11 @@ def played_arm(model: CorrectedArm, player: str, folder: Path) -> Errors:
     return heldout.errors(PLAYED[player](heldout, folder))
 
 
-def arm_left_out(model: CorrectedArm, effects: list[type[Effect]]) -> dict[str, str]:
-    """The error of leaving each effect out, in words."""
+def arm_left_out(model: CorrectedArm, instead: dict[str, dict[str, float]]) -> dict[str, str]:
+    """The error of what a target leaves out, in words: name -> numbers that it takes instead."""
     try:
         heldout = ArmHeldout(model)
     except ExportError:
         unknown = "of unknown size, as no trial of the arm was kept aside"
-        return {e.name(): unknown for e in effects}
-    return {e.name(): heldout.left_out(e) for e in effects}
+        return dict.fromkeys(instead, unknown)
+    return {name: heldout.left_out(numbers) for name, numbers in instead.items()}

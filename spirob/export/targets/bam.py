@@ -9,7 +9,10 @@ if TYPE_CHECKING:
     from spirob.export.arm import CorrectedArm
     from spirob.export.corrected import Corrected
 
-HOLDS = "viscous, dry and Stribeck friction (M1, M2), and friction by the load (M5); of an arm a motor each"
+HOLDS = (
+    "viscous, dry and Stribeck friction (M1, M2), and friction by the load (M5); of an arm each "
+    "motor by itself"
+)
 LACKS = "whatever is no friction, an axis that slides; the file states what that costs"
 LOSSY = True
 PLAYER = "bam"

@@ -21,18 +21,16 @@ PLAYER = "mjcf"
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: its body, two winches on springy tendons, drives in ampere."""
-    from spirob.export.arm_heldout import arm_left_out
     from spirob.export.arm_body import with_tendons
+    from spirob.export.arm_heldout import arm_left_out
     from spirob.export.code import c_name
 
     machine, held, outside = with_tendons(model)
     name = c_name(model.name)
-    said = [
-        f"{name}.xml: {model.sentence}",
-        "controls: current of each drive [A], positive winds in",
-    ]
+    said = [f"{name}.xml: {model.sentence}"]
+    said += ["controls: current of each drive [A], positive winds in; keyframe: at rest"]
     said += [f"holds {e}" for e in held]
-    costs = arm_left_out(model, [e for e in model.effects if e.name() in outside])
+    costs = arm_left_out(model, outside)
     said += [f"leaves out {name}: {cost}" for name, cost in costs.items()]
     return {f"{name}.xml": machine.text(said)}
 
@@ -54,9 +52,7 @@ def files(model: "Corrected") -> dict[str, str]:
     said += [f"holds {e.name}" for e in held]
     said += [f"leaves out {e.name}: {left_out(model, e)}" for e in outside]
     if machine.spec.actuator(READING):
-        said.append(
-            f"give '{READING}' the control of '{DRIVE}'; sensors effort and position: the log"
-        )
+        said.append(f"give '{READING}' the control of '{DRIVE}'; effort, position: the log")
     if model.numbers["delay"]:
         said.append(f"the log trails the motion by {1e3 * model.numbers['delay']:.3g} ms: not here")
     return {f"{name}.xml": machine.text(said)}
