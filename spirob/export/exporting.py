@@ -4,6 +4,7 @@ The held-out logs are played in what was written, in a process that cannot impor
 """
 
 import json
+import shutil
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -118,9 +119,24 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
     said: list[str] = []
     if player and (check or (target.LOSSY and _kept(model))):
         made, said = _proved(model, player, made)
-    for name, text in made.items():
-        write_text(out / name, text)
+    _write(out, made)
     return Exported(tuple(out / name for name in made), tuple(said))
+
+
+def _write(out: Path, made: dict[str, str]) -> None:
+    """Write all files, or none: they are whole beside their places before the first gets its own."""
+    fresh = not out.exists()
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out, prefix=".") as place:
+        try:
+            for name, text in made.items():
+                write_text(Path(place) / name, text)
+        except OSError:
+            if fresh:
+                shutil.rmtree(out, ignore_errors=True)
+            raise
+        for name in made:
+            (Path(place) / name).replace(out / name)
 
 
 def _kept(model: Corrected | CorrectedArm) -> bool:

@@ -11,20 +11,20 @@ import pytest
 from spirob.cli.main import main
 from spirob.control.law import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
-from spirob.export import exporting, targets
+from spirob.export import arm_covariance, exporting, targets
 from spirob.export.arm import CorrectedArm
 from spirob.export.arm_heldout import PLAYED, ArmHeldout
 from spirob.export.arm_motors import lever_of
 from spirob.identify.measurement import Measurement
 from spirob.logs.atomic import write_text
-from spirob.plant import Rig
+from spirob.plant import Plant, Rig
 from spirob.robot import Scene
 
 CYCLES = 900
 SAID = 0.05
 GENTLE = 0.005
-STRONG, STRENGTHS = 4.0, ("cogging.sine", "quadratic_drag.drag")  # beside 2 mA of the bare arm
-HELD = ["coulomb_friction", "presliding_friction", "cogging", "quadratic_drag"]
+STRONG, STRENGTHS = 4.0, ("quadratic_drag.drag",)  # beside 2 mA of the bare arm
+HELD = ["coulomb_friction", "presliding_friction", "quadratic_drag"]
 COMPILER = pytest.mark.skipif(
     not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler is installed here"
 )
@@ -103,6 +103,38 @@ def test_what_plain_mjcf_leaves_out_has_its_size(tmp_path):
     assert "leaves out capstan_friction: costs " in text
     assert "leaves out arm.bends_per_hinge: costs " in text
     mujoco.MjModel.from_xml_string(text)
+
+
+class Line:
+    """A residual that is linear in two numbers of the arm, with white noise."""
+
+    table, block = Plant(Rig()).table, 10
+    names = ("motor.rotor_damping", "tendon.damping")
+
+    def __init__(self):
+        rng, n = np.random.default_rng(3), 4000
+        self.edges, noise = np.array([0, n]), rng.normal(0.0, 0.01, n)
+        first = rng.normal(size=n)
+        self.slopes = np.column_stack([first, 0.8 * first + 0.6 * rng.normal(size=n)])
+        start = {n: float(self.table.values[self.table.position(n)]) for n in self.names}
+        self.start, self.noise = np.array([*start.values()]), noise
+
+    def __call__(self, changes):
+        at = np.array([changes[n] for n in self.names])
+        return self.slopes @ (at / self.start - 1.0) + self.noise
+
+    def many(self, points):
+        return [self(point) for point in points]
+
+
+def test_numbers_that_do_the_same_are_correlated(monkeypatch):
+    line = Line()
+    monkeypatch.setattr(arm_covariance, "_residual", lambda model: (line, 100.0))
+    found = arm_covariance.correlation_of(arm_of([]), Line.names)
+    inverse = np.linalg.inv(line.slopes.T @ line.slopes)
+    wanted = inverse[0, 1] / np.sqrt(inverse[0, 0] * inverse[1, 1])
+    assert found[0, 1] == found[1, 0] == pytest.approx(wanted, abs=0.1)
+    assert np.diag(found).tolist() == [1.0, 1.0]
 
 
 @pytest.mark.parametrize("target", ["mjcf", "bam"])

@@ -10,7 +10,7 @@ import pytest
 
 from spirob.cli.main import main
 from spirob.errors import ExportError
-from spirob.export import listed, targets
+from spirob.export import exporting, listed, targets
 from spirob.export.alone import ALONE, alone
 from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
@@ -245,6 +245,27 @@ def test_what_is_not_there_is_a_sentence(home, tmp_path, capsys):
     assert "no diagnosis" in capsys.readouterr().err
     (tmp_path / "file").write_text("")
     assert main(["export", str(home), "--to", "c", "--out", str(tmp_path / "file")]) == 2
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_disk_that_is_full_leaves_nothing_half_written(there, home, tmp_path, monkeypatch):
+    out, written = tmp_path / "out", []
+    if there:
+        export(home, "c", out)
+    before = {f.name: f.read_bytes() for f in out.iterdir()} if there else {}
+
+    def full(path, text):
+        written.append(path)
+        if len(written) > 1:
+            raise OSError(28, "No space left on device")
+        path.write_text(text)
+
+    monkeypatch.setattr(exporting, "write_text", full)
+    with pytest.raises(OSError, match="No space left"):
+        export(home, "table", out)
+    assert len(written) > 1
+    assert out.exists() == there
+    assert ({f.name: f.read_bytes() for f in out.iterdir()} if there else {}) == before
 
 
 def test_a_name_from_a_file_becomes_no_code(home, tmp_path):
