@@ -124,7 +124,7 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
 
 
 def _write(out: Path, made: dict[str, str]) -> None:
-    """Write all files, or none: they are whole beside their places before the first gets its own."""
+    """Write all files, or none: all are whole before the first gets its place."""
     fresh = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out, prefix=".") as place:
