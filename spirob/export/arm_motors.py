@@ -1,6 +1,7 @@
 """The motors of the arm in C: each an axis in rotor coordinates, its load the tendon's torque."""
 
 import inspect
+from collections.abc import Callable
 from dataclasses import replace
 
 from spirob.effects.effect import SUFFIX, differences
@@ -51,8 +52,19 @@ def c_files_of_arm(model: CorrectedArm) -> dict[str, str]:
     return found
 
 
-def motor_of(model: CorrectedArm, motor: str) -> Corrected:
-    """One motor as an axis: rotor angle, current, and as `carried` the tendon's torque r·F/G."""
+def lever_of(model: CorrectedArm, motor: str) -> float:
+    """Tendon that a motor winds in for one radian of its rotor [m]."""
+    number = number_of(model, motor)
+    return number("winch.radius", True) / number("winch.gear_ratio")
+
+
+def reported_lever(model: CorrectedArm) -> float:
+    """The same as the drives report it, which know nothing of their drums' differences [m]."""
+    return model.rig.winch.radius / number_of(model, MOTORS[0])("winch.gear_ratio")
+
+
+def number_of(model: CorrectedArm, motor: str) -> Callable[..., float]:
+    """The numbers of the arm by name, on request as they differ at one motor."""
     plant = model.plant()
     p = plant.table.vector(model.changes)
     side = 1.0 if motor == MOTORS[0] else -1.0
@@ -63,8 +75,13 @@ def motor_of(model: CorrectedArm, motor: str) -> Corrected:
             return own
         return own * (1.0 + side * float(p[plant.table.position(f"{name}_difference")]))
 
+    return number
+
+
+def motor_of(model: CorrectedArm, motor: str) -> Corrected:
+    """One motor as an axis: rotor angle, current, and as `carried` the tendon's torque r·F/G."""
+    number, lever = number_of(model, motor), lever_of(model, motor)
     gear = number("winch.gear_ratio")
-    lever = number("winch.radius", True) / gear
     efficiency = number("winch.efficiency", True)
     numbers = dict.fromkeys(NUMBERS, 0.0) | {
         "viscous": number("motor.rotor_damping", True),

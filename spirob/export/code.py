@@ -15,6 +15,7 @@ HEADER = """\
 
    Units: {axis}, s; effort in {effort}; torque or force in {torque}.
    Nothing is allocated and no call takes longer than another: loops have a fixed length.
+   Where a motion or dt is not finite, or dt not positive, the answer is 0 and the state stays.
    An effort follows from the motion and what the state remembers, so keep one state for
    {name}_compensate and another for {name}_torque, and reset them when the machine stops.  */
 #ifndef {guard}
@@ -78,23 +79,25 @@ void {name}_reset({name}_state *state)
 double {name}_compensate({name}_state *state, double position, double speed, double acceleration,
     double dt)
 {{
-    return dt > 0.0 ? compensate(state, position, speed, acceleration, dt) : 0.0;
+    const int usable = dt > 0.0 && isfinite(position + speed + acceleration + dt);
+    return usable ? compensate(state, position, speed, acceleration, dt) : 0.0;
 }}
 
 double {name}_torque({name}_state *state, double position, double speed, double acceleration,
     double effort, double dt)
 {{
-    return dt > 0.0 ? torque(state, position, speed, acceleration, effort, dt) : 0.0;
+    const int usable = dt > 0.0 && isfinite(position + speed + acceleration + effort + dt);
+    return usable ? torque(state, position, speed, acceleration, effort, dt) : 0.0;
 }}
 
 double {name}_reported({name}_state *state, double effort, double dt)
 {{
-    return dt > 0.0 ? reported(state, effort, dt) : effort;
+    return dt > 0.0 && isfinite(effort + dt) ? reported(state, effort, dt) : effort;
 }}
 
 double {name}_framed({name}_state *state, double effort, double dt)
 {{
-    return dt > 0.0 ? framed(state, effort, dt) : effort;
+    return dt > 0.0 && isfinite(effort + dt) ? framed(state, effort, dt) : effort;
 }}
 
 double {name}_seen({name}_state *state, double position, double load)

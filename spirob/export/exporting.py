@@ -4,8 +4,7 @@ The held-out logs are played in what was written, in a process that cannot impor
 """
 
 import json
-import subprocess
-import sys
+import shutil
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from spirob.control.law import CURRENT
 from spirob.errors import ExportError
 from spirob.export import targets
+from spirob.export.alone import PLAYERS, alone
 from spirob.export.arm import CorrectedArm, corrected_arm
+from spirob.export.arm_heldout import PLAYED, played_arm
 from spirob.export.axis import equations
 from spirob.export.body import AXIS
 from spirob.export.code import c_name
@@ -24,12 +24,6 @@ from spirob.export.corrected import Corrected, corrected, read_document
 from spirob.export.heldout import Errors, Heldout, there
 from spirob.logs.atomic import write_text
 
-PLAYERS = Path(__file__).parent / "players"
-ALONE = (
-    "import runpy, sys; sys.modules['spirob'] = sys.modules['pipeline'] = None; "
-    "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
-)
-LONGEST = 3600  # s
 LOSS = 0.01  # of the effects' size, which an export may lose in silence
 
 
@@ -58,56 +52,6 @@ def about_of(model: Corrected, player: str) -> dict[str, Any]:
         "others": list(model.body.others) if model.body else [],
         "controller": player == "mujoco",
     }
-
-
-def played_arm(model: CorrectedArm, folder: Path) -> Errors:
-    """The errors of an arm that was exported to a folder, on the trials kept aside.
-
-    Compared are the currents of motors that are not themselves commanded a current.
-    """
-    plant, trials = model.plant(), model.trials()
-    neutral = {f"{e.name()}.{f}": v for e in model.effects for f, v in e.neutral.items()}
-    given: dict[str, np.ndarray] = {}
-    for k, t in enumerate(trials):
-        said = t.schedule
-        given |= {f"mode_{k}": said.mode, f"limit_{k}": said.current_limit}
-        given |= {f"reference_{k}": said.reference, f"rate_{k}": said.reference_rate}
-        given[f"angle_{k}"] = np.array(t.first_angle)
-    about = {"name": c_name(model.name), "trials": len(trials)}
-    with tempfile.TemporaryDirectory() as place:
-        kept, result = Path(place) / "given.npz", Path(place) / "result.npz"
-        np.savez(kept, about=json.dumps(about), **given)  # type: ignore[arg-type]
-        alone(PLAYERS / "arm.py", folder.resolve(), kept, result)
-        with np.load(result) as made:
-            played = [made[f"current_{k}"] for k in range(len(trials))]
-    rows: list[list[np.ndarray]] = [[], [], [], []]
-    for trial, exported in zip(trials, played, strict=True):
-        ours, bare = (
-            plant.simulate(trial.schedule, trial.scene, changes, trial.first_angle).current
-            for changes in (model.changes, {**model.changes, **neutral})
-        )
-        driven = trial.schedule.mode != CURRENT
-        for kind, values in zip(rows, (trial.current, ours, bare, exported), strict=True):
-            kind.append(values[:, driven].ravel())
-    measured, ours, bare, exported = (np.concatenate(kind) for kind in rows)
-
-    def rms(values: np.ndarray) -> float:
-        return float(np.sqrt(np.mean(values**2)))
-
-    size = rms(ours - bare) if model.effects else rms(measured)
-    return Errors(rms(ours - measured), rms(exported - measured), rms(exported - ours), size)
-
-
-def alone(script: Path, *arguments: Path) -> None:
-    """Run a script that cannot import this project; raises ExportError with what it says."""
-    command = [sys.executable, "-I", "-c", ALONE, str(script), *map(str, arguments)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
-    except subprocess.TimeoutExpired:
-        raise ExportError(f"the exported model did not end within {LONGEST} s") from None
-    if done.returncode:
-        said = (done.stderr.strip().splitlines() or ["nothing"])[-1]
-        raise ExportError(f"the exported model cannot be played: {said[:200]}")
 
 
 def sentence(errors: Errors, unit: str) -> str:
@@ -165,7 +109,7 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
     if isinstance(model, CorrectedArm):
         if not hasattr(target, "arm"):
             raise ExportError(f"'{to}' holds no arm: it has {target.LACKS}")
-        made, player = target.arm(model), "arm" if target.PLAYER == "mujoco" else ""
+        made, player = target.arm(model), target.PLAYER if target.PLAYER in PLAYED else ""
     else:
         by_tendon = model.body is not None and model.body.tendon
         made = target.files(model)
@@ -173,11 +117,36 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
     if check and not player:
         raise ExportError(f"'{to}' leaves nothing here that could be played; leave --check away")
     said: list[str] = []
-    if player and (check or (target.LOSSY and there(path.parent))):
+    if player and (check or (target.LOSSY and _kept(model))):
         made, said = _proved(model, player, made)
-    for name, text in made.items():
-        write_text(out / name, text)
+    _write(out, made)
     return Exported(tuple(out / name for name in made), tuple(said))
+
+
+def _write(out: Path, made: dict[str, str]) -> None:
+    """Write all files, or none: all are whole before the first gets its place."""
+    fresh = not out.exists()
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out, prefix=".") as place:
+        try:
+            for name, text in made.items():
+                write_text(Path(place) / name, text)
+        except OSError:
+            if fresh:
+                shutil.rmtree(out, ignore_errors=True)
+            raise
+        for name in made:
+            (Path(place) / name).replace(out / name)
+
+
+def _kept(model: Corrected | CorrectedArm) -> bool:
+    """Whether there are logs that were held out."""
+    if isinstance(model, Corrected):
+        return there(model.folder)
+    try:
+        return bool(model.trials())
+    except ExportError:
+        return False
 
 
 def _model(document: dict[str, Any], folder: Path) -> Corrected | CorrectedArm:
@@ -196,7 +165,7 @@ def _proved(
         for name, text in made.items():
             write_text(Path(place) / name, text)
         if isinstance(model, CorrectedArm):
-            errors, unit = played_arm(model, Path(place)), "A"
+            errors, unit = played_arm(model, player, Path(place)), "A"
         else:
             errors, unit = played(model, player, Path(place)), model.effort
     told = {"unit": unit, **asdict(errors), "lost": errors.lost}

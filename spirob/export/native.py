@@ -9,13 +9,14 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from spirob.export.body import DRIVE, STEP, Machine, weigh
+from spirob.export.body import STEP, Machine, weigh
 from spirob.export.corrected import Corrected, Held
 
 NO_MOTOR = 1e-9  # constant of a dcmotor that drives nothing and brakes nothing
 RAMP = 1.35  # of a clipped line that is as near to tanh as can be, in units of its speed
 SOFT = 1e-4  # impedance of a friction constraint that is a ramp of the speed
 SWING = 2e-4  # s, of a step: MuJoCo's error is of first order in it
+READING = "reading"
 LIGHT = 1e-7  # kg·m², of a joint that only creeps
 Holder = Callable[[Machine, Held, Corrected], None]
 
@@ -23,7 +24,7 @@ Holder = Callable[[Machine, Held, Corrected], None]
 def _passive(machine: Machine, name: str, **what: object) -> None:
     """A dcmotor that drives nothing, for its cogging or its bristles."""
     motor = machine.spec.add_actuator(
-        name=name, target=machine.joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
+        name=f"{machine.joint}_{name}", target=machine.joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
     )
     motor.set_to_dcmotor([NO_MOTOR, NO_MOTOR], 1.0, **what)
 
@@ -37,7 +38,7 @@ def _wave(machine: Machine, name: str, sine: float, cosine: float, order: float)
 
 def _bias(machine: Machine, force: float) -> None:
     """A constant force of the drive."""
-    drive = machine.spec.actuator(DRIVE)
+    drive = machine.spec.actuator(machine.drive)
     drive.biastype = mujoco.mjtBias.mjBIAS_AFFINE
     drive.biasprm[0] += force
 
@@ -133,12 +134,12 @@ def _force(machine: Machine, one: Held, model: Corrected) -> None:
 
 
 def _gain(machine: Machine, one: Held, model: Corrected) -> None:
-    drive = machine.spec.actuator(DRIVE)
+    drive = machine.spec.actuator(machine.drive)
     drive.gainprm[0] /= 1.0 + one.values["gain_error"]
 
 
 def _offset(machine: Machine, one: Held, model: Corrected) -> None:
-    _bias(machine, -one.values["offset"] * machine.spec.actuator(DRIVE).gainprm[0])
+    _bias(machine, -one.values["offset"] * machine.spec.actuator(machine.drive).gainprm[0])
 
 
 def _shaft(machine: Machine, one: Held, model: Corrected) -> None:
@@ -175,6 +176,45 @@ def _maxwell(machine: Machine, one: Held, model: Corrected) -> None:
     tendon.stiffness, tendon.springlength = [stiffness, 0.0, 0.0], [0.0, 0.0]
 
 
+def _lag(machine: Machine, one: Held, model: Corrected) -> None:
+    """A first-order filter of the reading."""
+    reading, _ = _readings(machine)
+    reading.dyntype, reading.dynprm[0] = mujoco.mjtDyn.mjDYN_FILTEREXACT, one.values["time"]
+    reading.actearly = True
+
+
+def _late(machine: Machine, one: Held, model: Corrected) -> None:
+    """Sensors that tell what was some time ago."""
+    for sensor in _readings(machine)[1]:
+        sensor.delay, sensor.interp = one.values["latency"], 1
+        sensor.nsample = math.ceil(one.values["latency"] / SWING) + 2
+
+
+def _readings(machine: Machine) -> tuple[mujoco._specs.MjsActuator, list[mujoco._specs.MjsSensor]]:
+    """An actuator that moves nothing, whose control is the drive's, and sensors of it and the axis.
+
+    Sensors `effort` and `position` then are what the log shows.
+    """
+    spec = machine.spec
+    if found := spec.actuator(READING):
+        return found, [spec.sensor("effort"), spec.sensor("position")]
+    spec.worldbody.add_site(name="log")
+    reading = spec.add_actuator(name=READING, target="log", trntype=mujoco.mjtTrn.mjTRN_SITE)
+    effort = spec.add_sensor(
+        name="effort",
+        type=mujoco.mjtSensor.mjSENS_ACTUATORFRC,
+        objtype=mujoco.mjtObj.mjOBJ_ACTUATOR,
+        objname=READING,
+    )
+    position = spec.add_sensor(
+        name="position",
+        type=mujoco.mjtSensor.mjSENS_JOINTPOS,
+        objtype=mujoco.mjtObj.mjOBJ_JOINT,
+        objname=machine.joint,
+    )
+    return reading, [effort, position]
+
+
 ON_DRIVE = {"tendon.force", "sensing.current", "body.tip_mass"}  # whatever the drive pulls on
 HOLDERS: dict[tuple[str, str], Holder] = {
     ("coulomb_friction", "motor.torque"): _coulomb,
@@ -191,6 +231,8 @@ HOLDERS: dict[tuple[str, str], Holder] = {
     ("constant_force", "tendon.force"): _force,
     ("current_gain", "sensing.current"): _gain,
     ("current_offset", "sensing.current"): _offset,
+    ("current_lag", "sensing.report"): _lag,
+    ("feedback_latency", "sensing.frame"): _late,
     ("gear_compliance", "motor.torque"): _shaft,
 }
 

@@ -3,6 +3,8 @@
 The players run in this process here; `test_exporting` lets them run apart.
 """
 
+import ctypes
+import math
 import shutil
 
 import pytest
@@ -20,9 +22,10 @@ OF_THE_ARM = {  # act on a tendon or a drum: `test_arm` and `test_kernels`
     "capstan_friction", "creep", "drum_build_up", "eccentric_winch", "stretch", "supply_sag",
 }  # fmt: skip
 NATIVE = {  # what plain MJCF holds, within this share of its size
-    "cogging", "constant_force", "coulomb_friction", "current_gain", "current_offset",
-    "gear_compliance", "joint_viscoelasticity", "mount_tilt", "presliding_friction",
-    "quadratic_drag", "rest_curvature", "stiffness_hardening", "stribeck_friction", "tip_payload",
+    "cogging", "constant_force", "coulomb_friction", "current_gain", "current_lag",
+    "current_offset", "feedback_latency", "gear_compliance", "joint_viscoelasticity",
+    "mount_tilt", "presliding_friction", "quadratic_drag", "rest_curvature",
+    "stiffness_hardening", "stribeck_friction", "tip_payload",
 }  # fmt: skip
 SAID = 0.05
 COMPILER = pytest.mark.skipif(
@@ -98,3 +101,20 @@ def test_mjcf_holds_it_or_says_that_it_does_not(machine):
     else:
         assert share > SAID
         assert f"leaves out {name}: costs " in text
+
+
+@COMPILER
+def test_what_is_not_finite_leaves_the_c_state_as_it_is(tmp_path):
+    model = exported_model(tmp_path, ["presliding_friction", "gear_compliance"], seconds=1.5)
+    for name, text in targets()["c"].files(model).items():
+        write_text(tmp_path / name, text)
+    library, about = c.compiled(tmp_path, "elbow", tmp_path), about_of(model, "c")
+    state = (ctypes.c_double * len(about["fields"]))()
+    call = library.elbow_compensate
+    call.restype, call.argtypes = ctypes.c_double, [ctypes.c_void_p, *[ctypes.c_double] * 4]
+    call(state, 0.1, 0.5, 1.0, 1e-3)
+    kept = list(state)
+    for wrong in ((math.nan, 0.0, 0.0, 1e-3), (0.0, math.inf, 0.0, 1e-3), (0.0, 0.0, 0.0, -1.0)):
+        assert call(state, *wrong) == 0.0
+        assert list(state) == kept
+    assert math.isfinite(call(state, 0.1, 0.5, 1.0, 1e-3))

@@ -10,9 +10,11 @@ import pytest
 
 from spirob.cli.main import main
 from spirob.errors import ExportError
-from spirob.export import listed, targets
+from spirob.export import exporting, listed, targets
+from spirob.export.alone import ALONE, alone
 from spirob.export.corrected import corrected, read_document
-from spirob.export.exporting import ALONE, alone, export
+from spirob.export.exporting import export
+from spirob.export.players import bam
 from tests.export.machines import exported_model
 
 OWN = '''
@@ -94,14 +96,52 @@ def test_a_lossy_target_says_so_unasked(home, tmp_path):
     mujoco.MjModel.from_xml_string(text)
 
 
+def test_sensors_of_plain_mjcf_lag_and_are_late(tmp_path):
+    names = ["current_lag", "feedback_latency"]
+    values = {e.name: e.values for e in exported_model(tmp_path, names, seconds=1.5).effects}
+    export(tmp_path, "mjcf", tmp_path / "out")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "elbow.xml"))
+    data, k = mujoco.MjData(model), np.arange(400)
+    given = np.sin(0.05 * k)
+    lagged, found, places = np.zeros(400), np.zeros(400), np.zeros((2, 400))
+    share = 1.0 - np.exp(-model.opt.timestep / values["current_lag"]["time"])
+    for row in k:
+        lagged[row] = lagged[row - 1] + share * (given[row] - lagged[row - 1]) if row else 0.0
+        data.ctrl[:] = given[row]
+        places[0, row] = data.qpos[0]
+        mujoco.mj_step(model, data)
+        found[row], places[1, row] = data.sensor("effort").data[0], data.sensor("position").data[0]
+    then = k - values["feedback_latency"]["latency"] / model.opt.timestep
+    assert found[20:] == pytest.approx(np.interp(then, k, lagged)[20:], abs=1e-9)
+    assert places[1, 20:] == pytest.approx(np.interp(then, k, places[0])[20:], abs=1e-9)
+
+
 def test_bam_is_the_law_here_where_nothing_else_acts(tmp_path):
     names = ["stribeck_friction", "load_dependent_friction"]
     exported_model(tmp_path, names, seconds=2.5, known={"inertia": 0.5, "scale": 0.5})
     export(tmp_path, "bam", tmp_path / "out")
-    told = json.loads((tmp_path / "out" / "elbow_m4.json").read_text())
-    assert told["model"] == "m4"
+    told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text())
+    assert told["model"] == "m5"
     assert told["kt"] == 0.5
-    assert set(told) >= {"friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_base"}
+    assert set(told) >= {"friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_motor"}
+
+
+@pytest.mark.parametrize("kind", ["held", "accelerated"])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_bam_counts_a_load_once(kind, way, tmp_path):
+    exported_model(tmp_path, ["load_dependent_friction"], seconds=1.5)
+    export(tmp_path, "bam", tmp_path / "out")
+    told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text()) | {"friction_viscous": 0.0}
+    load, share, speed = 0.8, told["load_friction_motor"], 3.0 * way
+    given = dict.fromkeys(("carried", "beside", "acceleration"), np.zeros(1))
+    given["speed"] = np.array([speed])
+    if kind == "held":
+        given["carried"] = np.array([load])
+    else:
+        given["acceleration"] = np.array([load / told["armature"]])
+    torque = told["kt"] * bam.effort(told, given)[0]
+    # a motor's torque is the load and its friction: F = m·|load ± F|
+    assert torque - load == pytest.approx(way * share * load / (1 - way * share), rel=0.01)
 
 
 def test_what_is_drawn_has_the_moments_that_were_fitted(home, tmp_path):
@@ -205,6 +245,27 @@ def test_what_is_not_there_is_a_sentence(home, tmp_path, capsys):
     assert "no diagnosis" in capsys.readouterr().err
     (tmp_path / "file").write_text("")
     assert main(["export", str(home), "--to", "c", "--out", str(tmp_path / "file")]) == 2
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_disk_that_is_full_leaves_nothing_half_written(there, home, tmp_path, monkeypatch):
+    out, written = tmp_path / "out", []
+    if there:
+        export(home, "c", out)
+    before = {f.name: f.read_bytes() for f in out.iterdir()} if there else {}
+
+    def full(path, text):
+        written.append(path)
+        if len(written) > 1:
+            raise OSError(28, "No space left on device")
+        path.write_text(text)
+
+    monkeypatch.setattr(exporting, "write_text", full)
+    with pytest.raises(OSError, match="No space left"):
+        export(home, "table", out)
+    assert len(written) > 1
+    assert out.exists() == there
+    assert ({f.name: f.read_bytes() for f in out.iterdir()} if there else {}) == before
 
 
 def test_a_name_from_a_file_becomes_no_code(home, tmp_path):

@@ -1,6 +1,6 @@
 """Plays logs in an exported file of BAM, by the equations of its paper.
 
-    J·a = τ_m + τ_e + τ_f,    τ_f = -sign(v)·(base + load·|τ_e - τ_m| + stribeck) - viscous·v
+    J·a = τ_m + τ_e + τ_f,    τ_f = -sign(v)·(base + stribeck + |k_e·τ_e - k_m·τ_m|) - viscous·v
 (Duclusaud, Passault, Padois, Ly, Extended friction models for servo actuators, 2024, eq. 4 to 9;
 while it slides.)  BAM itself is not needed.
 
@@ -28,8 +28,9 @@ def effort(told, given):
     needed = told["armature"] * a - external + told["friction_viscous"] * v
     torque = needed.copy()
     for _ in range(PASSES):
-        by_load = told.get("load_friction_base", 0.0) * np.abs(external - torque)
-        torque = needed + np.sign(v) * (sliding + by_load)
+        by_load = told.get("load_friction_external", 0.0) * external
+        by_load = by_load - told.get("load_friction_motor", 0.0) * torque
+        torque = needed + np.sign(v) * (sliding + np.abs(by_load))
     if told["actuator"].startswith("mx"):  # commanded in volts
         return told["R"] * torque / told["kt"] + told["kt"] * v
     return torque / told["kt"]
@@ -43,7 +44,8 @@ def main():
     parser.add_argument("result", type=Path, help="an .npz: what was played")
     asked = parser.parse_args()
     given = dict(np.load(asked.given))
-    (file,) = asked.folder.glob("*_m?.json")
+    about = json.loads(str(given.pop("about")))
+    (file,) = asked.folder.glob(f"{about['name']}_m?.json")
     told = json.loads(file.read_text(encoding="utf-8"))
     np.savez(asked.result, effort=effort(told, given), framed=given["effort"])
 

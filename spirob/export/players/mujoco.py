@@ -101,6 +101,21 @@ class Played:
             return 1
         return max(1, int(np.ceil(dt / self.step - 1e-6)))
 
+    def read(self, values, dt, lag):
+        """What the model's own log shows of these efforts, with its lag or its latency alone."""
+        model, data = self.model, self.data
+        sensor, reading = data.sensor("effort"), model.actuator("reading")
+        filtered = float(reading.dynprm[0])
+        model.opt.timestep, reading.dynprm[0] = dt, filtered if lag else 0.0
+        mujoco.mj_resetData(model, data)
+        found = []
+        for value in values:
+            data.ctrl[reading.id] = value
+            mujoco.mj_step(model, data)
+            found.append(data.actuator_force[reading.id] if lag else sensor.data[0])
+        reading.dynprm[0] = filtered
+        return found
+
     def advance(self, motion, effort, dt):
         """Let memory and further joints go on to the next row."""
         parts = self.parts(dt)
@@ -140,6 +155,11 @@ def play(played, about, given):
             guess = played.effort(motion, guess)
             effort[row] = guess + given["beside"][row] / played.gain()
             played.advance(motion, guess, dt)
+    if "effort" in [played.model.sensor(k).name for k in range(played.model.nsensor)]:
+        for k, dt in enumerate(given["steps"]):
+            rows = slice(given["starts"][k], given["starts"][k + 1])
+            effort[rows] = played.read(effort[rows], dt, True)
+            framed[rows] = played.read(given["effort"][rows], dt, False)
     if played.module:
         state = played.module.State()
         for k, dt in enumerate(given["steps"]):

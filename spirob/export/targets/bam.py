@@ -6,16 +6,28 @@ from typing import TYPE_CHECKING, Any
 from spirob.errors import ExportError
 
 if TYPE_CHECKING:
+    from spirob.export.arm import CorrectedArm
     from spirob.export.corrected import Corrected
 
-HOLDS = "viscous, dry and Stribeck friction (M1, M2), and friction by the load (M3, M4)"
-LACKS = "whatever is no friction, an arm, an axis that slides; the file states what that costs"
+HOLDS = (
+    "viscous, dry and Stribeck friction (M1, M2), and friction by the load (M5); of an arm each "
+    "motor by itself"
+)
+LACKS = "whatever is no friction, an axis that slides; the file states what that costs"
 LOSSY = True
 PLAYER = "bam"
-KINDS = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}
+FAST = 1.0  # rad/s: BAM divides by a Stribeck speed, also where there is no such friction
 # actuators of BAM that are commanded in the unit of the effort
 ACTUATORS = {"A": "erob80_100", "V": "mx106"}
 HELD = ("coulomb_friction", "stribeck_friction", "load_dependent_friction")
+
+
+def arm(model: "CorrectedArm") -> dict[str, str]:
+    """The same of an arm: each motor as a servo in rotor coordinates."""
+    from spirob.export.arm_motors import motor_of
+    from spirob.robot import MOTORS
+
+    return {name: text for motor in MOTORS for name, text in files(motor_of(model, motor)).items()}
 
 
 def files(model: "Corrected") -> dict[str, str]:
@@ -29,6 +41,8 @@ def files(model: "Corrected") -> dict[str, str]:
     outside = [e for e in model.effects if e.name not in HELD]
     told["of"] = model.sentence
     told["leaves_out"] = {e.name: left_out(model, e) for e in outside}
+    if model.numbers["stiffness"]:
+        told["leaves_out"]["stiffness"] = "BAM has no spring: give it to your body"
     name = f"{c_name(model.name)}_{told['model']}.json"
     return {name: json.dumps(told, indent=2, ensure_ascii=False) + "\n"}
 
@@ -36,18 +50,20 @@ def files(model: "Corrected") -> dict[str, str]:
 def parameters(model: "Corrected") -> dict[str, Any]:
     """The numbers under BAM's names.
 
-    BAM's friction by the load follows |τ_external - τ_motor|, which is twice a load that is held
-    and once one that is accelerated; here it is taken for the latter.
+    Friction by the load is M5's, |k_e·τ_external - k_m·τ_motor|, with k_m alone: a motor's torque
+    is the load, held or accelerated, and the friction itself.  That is wrong by the share m of the
+    load that is lost, 1/(1 - m) while driving and 1/(1 + m) while driven; M3 and M4 count a held
+    load twice.  An M6 is an M5 with squares of the load, which no law here has.
     """
     by_name = {e.name: e.values for e in model.effects if e.name in HELD}
     coulomb = by_name.get("coulomb_friction", {})
     stribeck, load = by_name.get("stribeck_friction"), by_name.get("load_dependent_friction")
     numbers = model.numbers
     told: dict[str, Any] = {
-        "model": KINDS[stribeck is not None, load is not None],
+        "model": "m5" if load else "m2" if stribeck else "m1",
         "actuator": ACTUATORS.get(model.effort, ACTUATORS["A"]),
         **_motor(model),
-        "armature": numbers["inertia"],
+        "armature": numbers["inertia"] + model.own_inertia,
         "q_offset": 0.0,
         "command_delay": max(0.0, numbers["delay"]),
         "friction_base": coulomb.get("coulomb_torque", 0.0),
@@ -59,9 +75,10 @@ def parameters(model: "Corrected") -> dict[str, Any]:
         told["dtheta_stribeck"] = stribeck["stribeck_ratio"] * model.rest_speed
         told["alpha"] = 2.0
     if load is not None:
-        told["load_friction_base"] = load["loss_ratio"]
-        if stribeck is not None:
-            told["load_friction_stribeck"] = 0.0
+        told = {"friction_stribeck": 0.0, "dtheta_stribeck": FAST, "alpha": 2.0} | told
+        told["load_friction_motor"] = load["loss_ratio"]
+        for other in ("external", "motor_stribeck", "external_stribeck"):
+            told[f"load_friction_{other}"] = 0.0
     return told
 
 

@@ -6,6 +6,8 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from spirob.errors import ExportError
 
 if TYPE_CHECKING:
@@ -68,6 +70,7 @@ def files(model: "Corrected") -> dict[str, str]:
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm; numbers whose correlation is not known count as independent."""
+    from spirob.export.arm_covariance import correlation_of
     from spirob.export.code import c_name
     from spirob.export.corrected import Fitted
 
@@ -83,11 +86,11 @@ def arm(model: "CorrectedArm") -> dict[str, str]:
         None,
     )
     widths = [(high - low) / WIDTH for low, high in fitted.intervals]
-    known = {**model.correlation, **{(n, n): 1.0 for n in names}}
-    covariance = tuple(
-        tuple(known.get((a, b), 0.0) * i * j for b, j in zip(names, widths, strict=True))
-        for a, i in zip(names, widths, strict=True)
-    )
+    together = correlation_of(model, names)
+    if together is None:
+        known = {**model.correlation, **{(n, n): 1.0 for n in names}}
+        together = np.array([[known.get((a, b), 0.0) for b in names] for a in names])
+    covariance = tuple(map(tuple, (together * np.outer(widths, widths)).tolist()))
     fitted = replace(fitted, covariance=covariance)
     name = c_name(model.name)
     return _tables(fitted, DRAW.format(name=name, lines=ARM.format(name=name)))

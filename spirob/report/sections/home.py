@@ -19,7 +19,7 @@ TARGETS = (  # target, for whom, what it holds, whether of an arm too
         True,
     ),
     ("c", "a drive or a controller", "the feed-forward and the friction terms, in C99", True),
-    ("bam", "BAM", "friction of a servo, models M1 to M4", False),
+    ("bam", "BAM", "friction of a servo, models M1, M2 and M5", True),
     (
         "table",
         "a paper, or randomisation",
