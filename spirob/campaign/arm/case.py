@@ -25,7 +25,7 @@ from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.restarts import to_the_end
-from spirob.diagnosis.rungs import Ladder, Rung, Settings
+from spirob.diagnosis.rungs import Ladder, Rung, Settings, floored
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
@@ -120,6 +120,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     hidden, problems, base = drawn(
         case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
     )
+    settings, _ = floored(base.base, problems, settings)
     search = climb(problems, FITTED, library, {}, settings, known=base)
     best = oracle(problems, search, _counterparts(case), settings)
     searches = {False: search}
@@ -173,6 +174,7 @@ def _outcome(
             "validate": explained(last, complete(problems["validate"], settings.floor)),
             "heldout": foretold(last, problems["heldout"], settings),
         },
+        "floor": settings.floor,
         "heldout": {
             "base": search.rungs[0].scores["heldout"].rmse / size,
             "named": (last.rungs[-1] if named else search.rungs[0]).scores["heldout"].rmse / size,
