@@ -1,6 +1,6 @@
 """Stage `diagnose`: which effect is missing; add it, refit, and watch the error."""
 
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,8 @@ from pipeline.switches import laws, switches
 from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
-from spirob.diagnosis.ladder import begun, climb
-from spirob.diagnosis.rungs import Ladder, Rules, Settings, floored
+from spirob.diagnosis.ladder import climb
+from spirob.diagnosis.rungs import Ladder, Rules, Settings, floor_at
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
@@ -36,10 +36,16 @@ def stage(root: Path) -> None:
     settings = settings_of(config)
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]
-    alone = begun(residuals, names, identified["changes"], settings)
-    settings, floor = floored(alone.base, residuals, settings)
-    tell(f"floor: {floor.reason}")
-    search = climb(residuals, names, candidates, {}, settings, tell, known=alone)
+    search = climb(
+        residuals,
+        names,
+        candidates,
+        identified["changes"],
+        settings,
+        tell,
+        measure=lambda found: floor_at(found, residuals, settings.scale),
+    )
+    settings = search.settings(settings)
     verdict = judge(search, residuals, settings)
     base = search.rungs[0].fit
     train, effort = residuals["train"], residuals["train"].effort
@@ -47,7 +53,6 @@ def stage(root: Path) -> None:
     question = asked(search, verdict, residuals, settings)
     noise, further = noise_floor(train), question.decide or question.prove
     written = document(search, verdict, where, noise, residuals, further)
-    written["floor"] = asdict(floor)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)
     write_json(root / OUT / "question.json", question.as_dict())

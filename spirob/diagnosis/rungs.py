@@ -54,7 +54,7 @@ class Rules:
 class Settings(Rules):
     """The rules, and what a caller chooses.
 
-    floor      what builds of the machine differ by, as `floored` measures it: the smallest effect
+    floor      what builds of the machine differ by, as `floor_at` measures it: the smallest effect
                that counts, √(MSE before - MSE after) over the RMS effort; with an error no larger
                beside the sensor's noise a model counts as complete
     scale      of the robust loss, in the unit of the effort
@@ -101,7 +101,9 @@ class Rung:
 class Ladder:
     """Everything that the search saw; rounds[k] are the finalists of round k, best first.
 
-    base  the fitted parameters alone, as they were when the search began
+    base   the fitted parameters alone, as they were when the search began
+    floor  what builds of the machine differ by, where that was measured: of the machine with what
+           was added, or of the one without any effect
     """
 
     base: Rung
@@ -109,27 +111,21 @@ class Ladder:
     rounds: list[list[Confirmed]] = field(default_factory=list)
     screened: list[list[Screened]] = field(default_factory=list)
     vague: list[str] = field(default_factory=list)
+    floor: Floor | None = None
+
+    def settings(self, given: Settings) -> Settings:
+        """The settings by which it is judged."""
+        return replace(given, floor=self.floor.share) if self.floor else given
 
 
-def floored(
-    base: Rung, residuals: Mapping[str, Residual], settings: Settings
-) -> tuple[Settings, Floor]:
-    """The floor of a machine of this design, measured where its numbers were fitted without any
-    effect, and the settings with it.
+def floor_at(found: Fit, residuals: Mapping[str, Residual], scale: float) -> Floor:
+    """The floor of a machine of our own design where these numbers were fitted.
 
-    Lengths, mounts, drums, gears and the common place of the holes are none of its builds: what
-    they change, the fitted numbers take up.
+    scale  of the robust loss.  Lengths, mounts, drums, gears and the common place of the holes are
+    none of its builds: what they change, the fitted numbers take up.
     """
-    found = base.fit
-    floor = floor_of(
-        residuals["train"],
-        residuals["validate"],
-        found.changes,
-        list(found.estimates),
-        settings.scale,
-        {},
-    )
-    return replace(settings, floor=floor.share), floor
+    train, validate = residuals["train"], residuals["validate"]
+    return floor_of(train, validate, found.changes, list(found.estimates), scale, {})
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:

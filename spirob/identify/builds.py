@@ -10,9 +10,10 @@ what the very same fit leaves of such a machine with nothing hidden in it.  Noth
 measured takes part, so an effect does not raise the floor under itself.
 
 The mean square of e_b is a sum of squares over the few ways in which scatter shows, so its draws
-are taken as those of a multiple of χ² with as many degrees of freedom as their spread tells,
+are taken as those of a multiple of χ² with as many degrees of freedom as their spread tells, and
+one more build beside n drawn ones leaves no more than
 
-    m = mean e_b²,    ν = 2 m²/var e_b²,    share² = m χ²_ν(LEVEL)/ν
+    m = mean e_b²,    ν = 2 m²/var e_b²,    share² = m F_{ν, nν}(LEVEL)
 
 (Satterthwaite, Biometrics Bulletin 2, 1946), which is steadier than the largest of them.
 """
@@ -21,7 +22,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import f
 
 from spirob.errors import SimulationError
 from spirob.identify.descent import linear_step, slopes_ahead
@@ -119,7 +120,7 @@ def most_of(squares: Sequence[float]) -> float:
         return float(np.sum(squares[:1]))
     mean, spread = float(np.mean(squares)), float(np.var(squares, ddof=1))
     freedom = 2.0 * mean**2 / spread
-    return mean * float(chi2.ppf(LEVEL, freedom)) / freedom
+    return mean * float(f.ppf(LEVEL, freedom, freedom * len(squares)))
 
 
 def _drawn(
