@@ -95,7 +95,7 @@ def floor_sentence(diagnosis: dict[str, Any]) -> str:
     floor = diagnosis.get("floor")
     if not floor:
         return ""
-    return f"The least that counts as an effect is {floor['share']:.2%}: {floor['reason']}"
+    return f"The least that counts as an effect is {percent(floor['share'])}: {floor['reason']}"
 
 
 def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: str) -> str:
