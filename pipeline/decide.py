@@ -6,7 +6,7 @@ be played, or what was played tells nothing of those in question, the diagnosis 
 
 import shutil
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,8 @@ def stage(root: Path) -> None:
     if any(_played(root, one) for one in question.wanted):
         model = plant(config, list(dict.fromkeys(e for m in question.models for e in m.effects)))
         own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
-        answer = answered(question, own, lambda one: _played(root, one), settings_of(config))
+        settings = replace(settings_of(config), floor=before["floor"]["share"])
+        answer = answered(question, own, lambda one: _played(root, one), settings)
         write_json(root / OUT / "diagnosis.json", _told(answer, before, own))
         _model(root, answer, before["verdict"], own)
         if answer.search:
@@ -64,7 +65,7 @@ def _told(answer: Answer, before: Mapping[str, Any], own: Mapping[str, Residual]
         where = {key: before[key] for key in KEYS if key in before}
         floor = noise_floor(own["train"])
         found = document(answer.search, answer.verdict, where, floor, own)
-        found["vague"] = before["vague"]
+        found |= {key: before[key] for key in ("vague", "floor")}
     else:
         found = restated(before, answer.verdict, answer.aside)
     if answer.experiment:

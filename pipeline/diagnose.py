@@ -13,7 +13,7 @@ from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.rungs import Ladder, Rules, Settings
+from spirob.diagnosis.rungs import Ladder, Rules, Settings, floor_at
 from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
@@ -36,14 +36,23 @@ def stage(root: Path) -> None:
     settings = settings_of(config)
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]
-    search = climb(residuals, names, candidates, identified["changes"], settings, tell)
+    search = climb(
+        residuals,
+        names,
+        candidates,
+        identified["changes"],
+        settings,
+        tell,
+        measure=lambda found: floor_at(found, residuals, settings.scale),
+    )
+    settings = search.settings(settings)
     verdict = judge(search, residuals, settings)
     base = search.rungs[0].fit
     train, effort = residuals["train"], residuals["train"].effort
     where = survey(train, base.changes, base.residual[train.rows])
     question = asked(search, verdict, residuals, settings)
-    floor, further = noise_floor(train), question.decide or question.prove
-    written = document(search, verdict, where, floor, residuals, further)
+    noise, further = noise_floor(train), question.decide or question.prove
+    written = document(search, verdict, where, noise, residuals, further)
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)
     write_json(root / OUT / "question.json", question.as_dict())

@@ -1,6 +1,7 @@
 """The diagnosis as plain data, for the report, the metrics and other programs."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -105,6 +106,7 @@ def document(
         "noise_floor": noise_floor,
         **where,
         "vague": search.vague,
+        **({"floor": asdict(search.floor)} if search.floor else {}),
         "unit": effort.unit,
     }
 

@@ -33,6 +33,7 @@ from spirob.diagnosis.weighing import (
     with_probability,
 )
 from spirob.effects import Effect
+from spirob.identify.builds import RESOLUTION, Floor
 from spirob.identify.fit import STEPS, Fit, fit, fit_identifiable
 from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.residual import near
@@ -41,6 +42,7 @@ from spirob.progress import Steps
 
 MOST = 6  # rounds, if backward steps take out what was added
 PAIRED = 3  # candidates of which pairs are tried
+Measure = Callable[[Fit], Floor]
 POOR = 0.25  # of a rung's squared error, if a fit from elsewhere leaves less: another valley
 
 
@@ -48,7 +50,8 @@ POOR = 0.25  # of a rung's squared error, if a fit from elsewhere leaves less: a
 class Rounds:
     """The rounds of one search; `ladder.climb` says what the fields are.
 
-    afresh  the candidates were ranked in a poor valley once, and are ranked anew
+    settings  with the floor of the machine as it stands
+    afresh    the candidates were ranked in a poor valley once, and are ranked anew
     """
 
     residuals: Mapping[str, Problem]
@@ -57,6 +60,7 @@ class Rounds:
     settings: Settings
     progress: Callable[[str], None]
     known: Ladder | None
+    measure: Measure | None = None
     afresh: bool = False
 
     def goes_on(self, search: Ladder) -> bool:
@@ -68,8 +72,10 @@ class Rounds:
         done = rms(rung.errors) < complete(validate, settings.floor)
         if not self._absent(rung) or (rung.effects and done):
             return False
+        # with an effect the floor may be as low as the model's resolution
+        least = RESOLUTION if self.measure else settings.floor
         error = rung.scores["validate"].rmse
-        return settings.always or error >= settings.floor * effort_rms(validate)
+        return settings.always or error >= least * effort_rms(validate)
 
     def add(self, search: Ladder) -> bool:
         """One round: the best candidate becomes a rung; False where none helps."""
@@ -77,6 +83,8 @@ class Rounds:
         # a round stays near its rung; what it ends with is scored, and finished, on the trials
         close = {**self.residuals, "train": near(self.residuals["train"], rung.fit.changes)}
         ranked, tried = self._finalists(search, close)
+        alone = search.floor
+        self._floor(search, tried)
         passed = self._passing(tried, search)
         if not passed:
             joint = self._pairs(ranked, rung, close)
@@ -88,7 +96,7 @@ class Rounds:
             search.rungs[-1] = rung = again
             passed = self._passing(passed, search)
             if (poor or not passed) and not self.afresh:
-                self.afresh = True
+                self.afresh, search.floor = True, alone
                 return True
         ended = [to_the_end(c, self.residuals, settings, progress) for c in leading(passed)]
         leaders = [c for c in ended if periodic(c, self.residuals["train"])]
@@ -99,7 +107,20 @@ class Rounds:
         search.rounds.append(with_probability(tried, rung, close["train"], settings))
         if leaders:
             self._grow(search, leaders, close)
+        else:
+            search.floor = alone
         return bool(leaders)
+
+    def _floor(self, search: Ladder, tried: Sequence[Confirmed]) -> None:
+        """The floor of the machine that has the best candidate, where that is the lower one.
+
+        Without an effect that is there the fitted numbers make up for it.  They may stand where
+        builds differ by far more than those of the machine itself.
+        """
+        if self.measure and search.floor and tried and not search.rungs[-1].effects:
+            best = min(tried, key=lambda c: float(c.errors.mean()))
+            search.floor = min(search.floor, self.measure(best.fit), key=lambda f: f.share)
+            self.settings = search.settings(self.settings)
 
     def _absent(self, rung: Rung) -> list[type[Effect]]:
         return [c for c in self.candidates if c not in rung.effects]
@@ -185,6 +206,7 @@ def climb(
     settings: Settings,
     progress: Callable[[str], None] = lambda text: None,
     known: Ladder | None = None,
+    measure: Measure | None = None,
 ) -> Ladder:
     """Search for missing effects; residuals by role share one plant that holds all candidates.
 
@@ -194,13 +216,18 @@ def climb(
     known  an earlier search of the same trials, begun or among more candidates: its fit of the
            parameters alone, its first screening and what it fitted there are taken over, less who
            does not take part now
+    measure  the floor of a machine with such a fit; None: that of the settings stands
     """
     candidates = _in_question(candidates, names, progress)
     # a line for each round's screening, finalist and leader, and for what is questioned after it
     progress = Steps(progress, 1 + settings.rounds * (settings.finalists + LEADERS + 2))
     search = _known(known) if known else begun(residuals, names, start, settings)
     progress(f"parameters only: {line(search.rungs[0].scores, residuals['validate'].effort)}")
-    rounds = Rounds(residuals, names, candidates, settings, progress, known)
+    if measure:
+        search.floor = measure(search.rungs[0].fit)
+        progress(f"floor: {search.floor.reason}")
+    settings = search.settings(settings)
+    rounds = Rounds(residuals, names, candidates, settings, progress, known, measure)
     while rounds.goes_on(search) and rounds.add(search):
         pass
     return search

@@ -1,7 +1,7 @@
 """The steps of the ladder: what was fitted, and how well each does on every role of trials."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 import numpy as np
@@ -11,8 +11,10 @@ from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.screen import Screened
 from spirob.effects import Effect
 from spirob.effects.effect import differences
+from spirob.identify.builds import RESOLUTION, Floor, floor_of
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Effort, Problem
+from spirob.identify.residual import Residual
 from spirob.score import Score, score
 
 ROLES = ("train", "validate", "heldout")
@@ -24,8 +26,6 @@ class Rules:
 
     finalists    candidates confirmed in full simulation in the first round; one less in each after
     rounds       effects added at most
-    floor        smallest effect that counts: √(MSE before - MSE after) over the RMS effort; with an
-                 error no larger beside the sensor's noise a model counts as complete
     further      least size of a second effect, relative to the first: a law of the library is never
                  quite that of the machine, and what is left of its form is no effect of its own
     confidence   an effect is named when no rival wins more than the rest of the resampled errors
@@ -40,7 +40,6 @@ class Rules:
 
     finalists: Annotated[int, Field(ge=1, le=100)] = 6
     rounds: Annotated[int, Field(ge=0, le=10)] = 2
-    floor: Annotated[float, Field(gt=0, lt=1)] = 0.003
     further: Annotated[float, Field(ge=0, le=1)] = 0.25
     confidence: Annotated[float, Field(gt=0.5, le=1)] = 0.9
     explained: Annotated[float, Field(ge=0, le=1)] = 0.9
@@ -55,12 +54,16 @@ class Rules:
 class Settings(Rules):
     """The rules, and what a caller chooses.
 
+    floor      what builds of the machine differ by, as `floor_at` measures it: the smallest effect
+               that counts, √(MSE before - MSE after) over the RMS effort; with an error no larger
+               beside the sensor's noise a model counts as complete
     scale      of the robust loss, in the unit of the effort
     intervals  exact ones for the numbers of each rung; a trial of many robots does without
     always     look for effects, for a report to show, even where the whole error is below the
                floor and so none can count; a trial of many robots does without
     """
 
+    floor: float = RESOLUTION
     scale: float = 0.05
     intervals: bool = True
     always: bool = True
@@ -98,7 +101,9 @@ class Rung:
 class Ladder:
     """Everything that the search saw; rounds[k] are the finalists of round k, best first.
 
-    base  the fitted parameters alone, as they were when the search began
+    base   the fitted parameters alone, as they were when the search began
+    floor  what builds of the machine differ by, where that was measured: of the machine with what
+           was added, or of the one without any effect
     """
 
     base: Rung
@@ -106,6 +111,21 @@ class Ladder:
     rounds: list[list[Confirmed]] = field(default_factory=list)
     screened: list[list[Screened]] = field(default_factory=list)
     vague: list[str] = field(default_factory=list)
+    floor: Floor | None = None
+
+    def settings(self, given: Settings) -> Settings:
+        """The settings by which it is judged."""
+        return replace(given, floor=self.floor.share) if self.floor else given
+
+
+def floor_at(found: Fit, residuals: Mapping[str, Residual], scale: float) -> Floor:
+    """The floor of a machine of our own design where these numbers were fitted.
+
+    scale  of the robust loss.  Lengths, mounts, drums, gears and the common place of the holes are
+    none of its builds: what they change, the fitted numbers take up.
+    """
+    train, validate = residuals["train"], residuals["validate"]
+    return floor_of(train, validate, found.changes, list(found.estimates), scale, {})
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:

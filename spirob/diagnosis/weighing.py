@@ -14,7 +14,6 @@ import numpy as np
 from spirob.diagnosis.evidence import (
     beaten,
     block_errors,
-    complete,
     foreseen,
     improvement,
     win_rates,
@@ -26,7 +25,6 @@ from spirob.identify.problem import Problem, effort_rms
 LEADERS = 2  # candidates fitted until they settle, with their shapes too
 SLOWEST = 1.01  # times the lowest order that a wave may have: no more than that
 SURELY = 0.95  # of draws in which a model with more numbers has to do better than a simpler one
-NEARLY = 0.7  # of the least size, of an effect without which a model is incomplete, and not with it
 LESSER = 0.5  # of the least size, of an effect beside another
 REACH = 4.0  # times the least mean square: who missed more is fitted no further
 
@@ -54,8 +52,6 @@ def counts(
     validate, train = residuals["validate"], residuals["train"]
     if least is None:
         least = settings.floor * effort_rms(validate)
-        if rms(found.errors) <= complete(validate, settings.floor) < rms(below.errors):
-            least *= NEARLY
     if _size(below.errors, found.errors) < least:
         return False
     before, after = (_all_errors(r.errors, r.fit, train) for r in (below, found))

@@ -8,12 +8,21 @@ model about the machine at hand, and played in its own trials,
 J being the slopes by the fitted numbers.  What e_b leaves of the trials that no fit has seen is
 what the very same fit leaves of such a machine with nothing hidden in it.  Nothing that was
 measured takes part, so an effect does not raise the floor under itself.
+
+The mean square of e_b is a sum of squares over the few ways in which scatter shows, so its draws
+are taken as those of a multiple of χ² with as many degrees of freedom as their spread tells, and
+one more build beside n drawn ones leaves no more than
+
+    m = mean e_b²,    ν = 2 m²/var e_b²,    share² = m F_{ν, nν}(LEVEL)
+
+(Satterthwaite, Biometrics Bulletin 2, 1946), which is steadier than the largest of them.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import f
 
 from spirob.errors import SimulationError
 from spirob.identify.descent import linear_step, slopes_ahead
@@ -24,7 +33,10 @@ from spirob.identify.scaling import Scaling
 
 SCATTER = 0.05  # of printed flexures, one deviation: stiffness goes with the cube of the thickness
 FARTHEST = 2.0  # deviations
-DRAWS = 19  # builds: one in twenty leaves more than all of them
+HOLE = 3e-4  # m, either way, of each hole over the size of its unit: skew and shrinkage of a print
+DRAWS = 19  # builds
+LEVEL = 0.975  # of builds leave less than the floor
+RESOLUTION = 0.003  # of the effort: to which the model itself is right, cut into hinges and steps
 SURE = 1.96  # deviations
 
 # By how much a build may differ, at 95 %, and why
@@ -42,7 +54,8 @@ TOLERANCES = {
 class Floor:
     """What builds of a machine differ by.
 
-    share   RMS error that all but one in twenty of them leave at most, over that of the effort
+    share   RMS error that all but one in forty of them leave at most, over that of the effort; at
+            least `RESOLUTION`
     reason  a sentence
     """
 
@@ -54,6 +67,11 @@ def hinges(rng: np.random.Generator, units: int) -> np.ndarray:
     """Stiffness of each hinge of a build, over the drawing's, (units,)."""
     drawn = rng.standard_normal(units)
     return np.asarray(1.0 + SCATTER * np.clip(drawn, -FARTHEST, FARTHEST))
+
+
+def holes(rng: np.random.Generator, units: int) -> np.ndarray:
+    """How far the holes of a build lie from their places, as `Plant.scattered` takes it."""
+    return np.asarray(rng.uniform(-HOLE, HOLE, (2, units + 1, 2)))
 
 
 def floor_of(
@@ -80,9 +98,10 @@ def floor_of(
     slopes = slopes_ahead(both, scaling, u, held, at, STEPS[-1])
     low, high = scaling.around(u)
     anchor, _ = anchor_of(train, scaling).rows(u)
-    rng, left = np.random.default_rng(0), []
+    rng, left, units = np.random.default_rng(0), [], both.plant.rig.units
     for _ in range(DRAWS):
-        build = replace(both, plant=both.plant.scattered(hinges(rng, both.plant.rig.units)))
+        factors, off = hinges(rng, units), holes(rng, units)
+        build = replace(both, plant=both.plant.scattered(factors, off))
         try:
             apart = build({**numbers, **_drawn(rng, widths, values, both)}) - at
         except SimulationError:
@@ -90,9 +109,18 @@ def floor_of(
         room, still = (low - u, high - u), (anchor, np.zeros(len(names)))
         step = linear_step(apart[:fitted], slopes[:fitted], room, scale, still)
         missed = (apart + slopes @ step)[fitted:]
-        left.append(float(np.sqrt(np.mean(missed[unseen.rows] ** 2))))
-    share = max(left, default=0.0) / effort_rms(unseen)
-    return Floor(share, _reason(share, len(left), widths))
+        left.append(float(np.mean(missed[unseen.rows] ** 2)))
+    share = np.sqrt(most_of(left)) / effort_rms(unseen)
+    return Floor(max(share, RESOLUTION), _reason(share, len(left), widths))
+
+
+def most_of(squares: Sequence[float]) -> float:
+    """What a share of LEVEL stays below of that of which these mean squares were drawn."""
+    if len(set(squares)) < 2:
+        return float(np.sum(squares[:1]))
+    mean, spread = float(np.mean(squares)), float(np.var(squares, ddof=1))
+    freedom = 2.0 * mean**2 / spread
+    return mean * float(f.ppf(LEVEL, freedom, freedom * len(squares)))
 
 
 def _drawn(
@@ -108,7 +136,9 @@ def _drawn(
 
 def _reason(share: float, builds: int, widths: Mapping[str, float]) -> str:
     also = f", and {', '.join(widths)} by what is not known of them" if widths else ""
+    grain = f"; the model itself is right to {RESOLUTION:.1%}, which is more"
     return (
-        f"{builds} builds of this machine, drawn with hinges that differ by {SCATTER:.0%}{also}, "
-        f"leave up to {share:.1%} of the effort in trials that no fit has seen."
+        f"{builds} builds of this machine, drawn with hinges that differ by {SCATTER:.0%} and "
+        f"holes that lie off by up to {1e3 * HOLE:.1f} mm{also}, leave up to {share:.2%} of the "
+        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}."
     )

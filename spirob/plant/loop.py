@@ -148,10 +148,19 @@ def begin(p, s, arm, moved):
         if s.cycle == 0.0:
             s.radius[m] = own(p.winch.radius, p.winch.radius_difference, m)
     columns = arm.guides
-    for i in range(columns.shape[1]):
-        arm.rest[i], _ = guide_length(
-            1.0, 0.0, 1.0, columns[0, i], columns[1, i], columns[2, i], columns[3, i], columns[4, i]
-        )
+    for m in range(2):
+        first = 5 * m
+        for i in range(columns.shape[1]):
+            arm.rest[m, i], _ = guide_length(
+                1.0,
+                0.0,
+                1.0,
+                columns[first, i],
+                columns[first + 1, i],
+                columns[first + 2, i],
+                columns[first + 3, i],
+                columns[first + 4, i],
+            )
     pose(s, arm, moved)
 
 

@@ -31,6 +31,7 @@ class Plant:
     table     its numbers by name;  layout  how the compiled loop `run` has them
     settings  the controller's numbers;  begun  what effects remember at first
     scatter   factors of the hinges' stiffness, as bytes; none where there are none
+    off       how far each hole lies from its place, `scattered`; None where none does
     """
 
     def __init__(self, rig: Rig, effects: Sequence[type[Effect]] = (), substeps: int = SUBSTEPS):
@@ -47,6 +48,7 @@ class Plant:
         self.begun = np.array([e.state[s] for e, s in memory_rows(self.effects)])
         self.settings = self._controller()
         self.scatter: bytes = b""
+        self.off: np.ndarray | None = None
 
     def coarse(self) -> "Plant":
         """The same machine in one step a cycle: half the price, 0.3 % of the current away."""
@@ -54,10 +56,15 @@ class Plant:
         found.substeps = 1
         return found
 
-    def scattered(self, factors: np.ndarray) -> "Plant":
-        """The same machine, stiffness and damping of each hinge so many times as large, (N,)."""
+    def scattered(self, factors: np.ndarray, off: np.ndarray | None = None) -> "Plant":
+        """The same machine, stiffness and damping of each hinge so many times as large, (N,).
+
+        off  how far the holes lie from their places, along the arm and outwards, over the size of
+             their unit [m], (2, N + 1, 2): of the left side, then the right; the mount's first
+        """
         found = copy.copy(self)
         found.scatter = np.asarray(factors, dtype=float).tobytes()
+        found.off = off
         return found
 
     def within(self, about: Mapping[str, Parameter]) -> "Plant":

@@ -123,8 +123,16 @@ def arm_kind(hinges: int) -> np.dtype:
             ("stiffness", "f8", (hinges,)),  # [N·m/rad]
             ("units", "f8", (hinges + 1, 2)),  # mass [kg] and length [m]; the mass at the tip last
             ("hinge_weight", "f8", (hinges, 2)),  # torque by direction of gravity [N·m]
-            ("guides", "f8", (5, hinges)),  # rows of `tendon.guides`, turned
-            ("rest", "f8", (hinges,)),  # length of a tendon at each hinge of the straight arm [m]
+            (
+                "guides",
+                "f8",
+                (10, hinges),
+            ),  # rows of `tendon.guides`, turned, of the left tendon first
+            (
+                "rest",
+                "f8",
+                (2, hinges),
+            ),  # length of each tendon at the hinges of the straight arm [m]
             ("lengths", "f8", (3, hinges)),  # scratch of `tendon.pose_tendons`
             ("lever", "f8", (2, hinges)),  # J: shortening of each tendon per hinge angle [m/rad]
             ("pull", "f8", (2, hinges + MORE)),  # J times the local tension ratio [m/rad]

@@ -24,7 +24,7 @@ from spirob.plant.records import (
     made,
 )
 from spirob.plant.rest import Torque, rest_pose
-from spirob.plant.tendon import guides, shortenings, with_holes
+from spirob.plant.tendon import guides, scattered, shortenings, with_holes
 from spirob.robot import CYCLE_NS, Scene, Weights
 
 if TYPE_CHECKING:
@@ -62,7 +62,9 @@ class Session:
         tip_mass = plant.tip_mass(p)
         self._model = plant.compiled(p, scene, self._step, tip_mass)
         bends = float(p[plant.table.position("arm.bends_per_hinge")])
-        self._guides = guides(with_holes(plant.geometry, plant.holes(p)), bends)
+        run = with_holes(plant.geometry, plant.holes(p))
+        sides = [run, run] if plant.off is None else [scattered(run, off) for off in plant.off]
+        self._guides = [guides(side, bends) for side in sides]
         self._describe(scene, bends, tip_mass)
         self._data = mujoco.MjData(self._model)
         launch(self._data, scene, hinges)
@@ -89,7 +91,7 @@ class Session:
         arm.stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[:hinges, 0]
         arm.units[:, 0] = np.append(model.body_mass[1 : hinges + 1], tip_mass)
         arm.units[:hinges, 1] = plant.geometry.unit_length
-        arm.guides = self._guides.T
+        arm.guides = np.hstack(self._guides).T
 
     def _moves(self) -> Moved:
         model, data = self._model, self._data
@@ -119,7 +121,7 @@ class Session:
         units, stiffness = self.arm.units, self.arm.stiffness
         pose = _pose(bare, units.tobytes(), stiffness.tobytes(), torques)
         self._data.qpos[:hinges] = pose
-        self.state.displacement = self.state.shortening = shortenings(pose, self._guides)
+        self.state.displacement = self.state.shortening = shortenings(pose, *self._guides)
 
     def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
         """Say where in a turn the rotors stand at the start [rad]."""

@@ -93,7 +93,8 @@ def guide_length(side, sine, cosine, product, gap_squared, sine_open, cosine_ope
 def pose_tendons(qpos, qvel, columns, rest, arm, shortening, shortening_rate, work):
     """Both tendons, left then right, in this pose of the arm.
 
-    columns     (5, N) rows of `guides`, turned;  rest  lengths in the straight arm [m], (N,)
+    columns     (10, N) rows of `guides`, turned, of the left tendon, then of the right one
+    rest        lengths in the straight arm [m], (2, N)
     arm         (2, N) filled with the shortening per hinge angle [m/rad]
     shortening  (2,) filled [m];  shortening_rate  (2,) filled [m/s];  work  (3, N) is scratch
     """
@@ -103,19 +104,20 @@ def pose_tendons(qpos, qvel, columns, rest, arm, shortening, shortening_rate, wo
         sine[i], cosine[i] = half_angle(qpos[i], columns[4, i])
     for m in range(2):
         side = 1.0 - 2.0 * m
+        first = 5 * m
         # apart from the sums, so that the compiler takes four hinges at a time
         for i in range(hinges):
             length, lever = guide_length(
                 side,
                 sine[i],
                 cosine[i],
-                columns[0, i],
-                columns[1, i],
-                columns[2, i],
-                columns[3, i],
-                columns[4, i],
+                columns[first, i],
+                columns[first + 1, i],
+                columns[first + 2, i],
+                columns[first + 3, i],
+                columns[first + 4, i],
             )
-            shorter[i] = rest[i] - length
+            shorter[i] = rest[m, i] - length
             arm[m, i] = side * lever
         total, slide = 0.0, 0.0
         for i in range(hinges):
@@ -139,14 +141,14 @@ def guides(geometry: SpiralArm, bends: float = 1.0) -> np.ndarray:
     return np.column_stack(columns)
 
 
-def shortenings(angles: np.ndarray, columns: np.ndarray) -> np.ndarray:
+def shortenings(angles: np.ndarray, *columns: np.ndarray) -> np.ndarray:
     """By how much both tendons are shorter than on the straight arm, left then right [m], (2,).
 
-    angles  of the hinges [rad], (N,);  columns  of `guides`
+    angles  of the hinges [rad], (N,);  columns  of `guides`: of both sides, or of one each
     """
     found = np.zeros(2)
     for k, side in enumerate((1.0, -1.0)):
-        for angle, row in zip(angles, columns, strict=True):
+        for angle, row in zip(angles, columns[min(k, len(columns) - 1)], strict=True):
             straight, _ = guide_length(side, 0.0, 1.0, *row)
             found[k] += straight - guide_length(side, *half_angle(angle, row[4]), *row)[0]
     return found
@@ -168,6 +170,20 @@ def with_holes(geometry: SpiralArm, holes: Holes) -> SpiralArm:
         geometry,
         guide_before=_moved(before, along, np.append(slope[0], slope[:-1]), holes.height),
         guide_after=_moved(after, moved, slope, holes.height),
+    )
+
+
+def scattered(geometry: SpiralArm, off: np.ndarray) -> SpiralArm:
+    """The arm with the holes of one side elsewhere, both mouths of each together.
+
+    off  along the arm and outwards, over the size of the unit [m], (N + 1, 2): the mount's hole,
+         then those of the units
+    """
+    moved = np.append(geometry.scale[0], geometry.scale)[:, None] * off
+    return replace(
+        geometry,
+        guide_before=geometry.guide_before + moved[:-1],
+        guide_after=geometry.guide_after + moved[1:],
     )
 
 

@@ -181,10 +181,10 @@ def test_what_the_pipeline_runs_is_what_the_trial_scores():
 def test_the_trial_of_the_pipeline_follows_its_rules(tmp_path, monkeypatch):
     import pipeline.trial as stage
 
-    rules = ["diagnose.floor=0.004", "identify.scale=0.07"]
+    rules = ["diagnose.further=0.3", "identify.scale=0.07"]
     config = validated(composed(ROOT, rules), "conf")
     given = {}
     monkeypatch.setattr(stage, "public_config", lambda root: config)
     monkeypatch.setattr(stage, "play", lambda *called: given.update(settings=called[3]) or [])
     stage.stage(tmp_path)
-    assert given["settings"] == Settings(floor=0.004, scale=0.07, intervals=False, always=False)
+    assert given["settings"] == Settings(further=0.3, scale=0.07, intervals=False, always=False)

@@ -1,14 +1,17 @@
 """The search names the effect that made the data, and nothing where nothing is missing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.rungs import ROLES, Settings
+from spirob.diagnosis.rungs import ROLES, Settings, floor_at
 from spirob.diagnosis.verdict import judge
 from spirob.effects import find_effects
+from spirob.identify.builds import Floor, hinges, holes
 from tests.identify.known import NOISE, residual, spirob
 
 NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness"]
@@ -65,3 +68,40 @@ def test_the_noise_floor_is_the_sensors():
     data = residual(spirob(), OTHERS)
     passed = np.std(data.filter(np.random.default_rng(1).standard_normal(20_000)))
     assert noise_floor(data) == pytest.approx(NOISE * passed, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("alone", "with_it", "said"),
+    [(0.5, 0.004, "named"), (0.004, 0.5, "named"), (0.5, 0.5, "nothing_missing")],
+)
+def test_an_effect_has_to_beat_the_lower_of_both_floors(alone, with_it, said):
+    """Of the machine without it and of the one that has it; without a name the first stands."""
+    plant = spirob(find_effects(CANDIDATES))
+    true = {**OTHERS, "current_offset.offset": 0.06}
+    residuals = {role: residual(plant, true, role) for role in ROLES}
+
+    def measure(found):
+        there = any(n.split(".")[0] in CANDIDATES for n in found.estimates)
+        return Floor(with_it if there else alone, "so it was measured.")
+
+    search = climb(residuals, NAMES, find_effects(CANDIDATES), {}, SETTINGS, measure=measure)
+    settings = search.settings(SETTINGS)
+    assert settings.floor == (min(alone, with_it) if said == "named" else alone)
+    verdict = judge(search, residuals, settings)
+    assert verdict.kind == said
+    written = document(search, verdict, {}, noise_floor(residuals["train"]), residuals)
+    assert written["floor"] == {"share": settings.floor, "reason": "so it was measured."}
+
+
+def test_a_typical_build_lacks_nothing_and_gets_no_name():
+    """Its hinges and holes are off, and it leaves more than the model's own resolution."""
+    plant, rng = spirob(find_effects(CANDIDATES)), np.random.default_rng(11)
+    built = plant.scattered(hinges(rng, 24), holes(rng, 24))
+    found = {role: residual(built, OTHERS, role) for role in ROLES}
+    residuals = {role: replace(of, plant=plant) for role, of in found.items()}
+
+    def measure(found):
+        return floor_at(found, residuals, SETTINGS.scale)
+
+    search = climb(residuals, NAMES, find_effects(CANDIDATES), {}, SETTINGS, measure=measure)
+    assert judge(search, residuals, search.settings(SETTINGS)).kind == "nothing_missing"

@@ -1,10 +1,13 @@
 """What a model explains of each log's current, and logs that it does not explain."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from spirob.errors import DataError
-from spirob.identify.plausibility import explained, refuse_senseless
+from spirob.identify.plausibility import SENSE, explained, refuse_senseless
+from spirob.score import score
 from tests.identify.known import residual, spirob
 
 
@@ -36,3 +39,18 @@ def test_the_worst_log_is_named(logs):
     missed[logs.edges[1] :] = 3.0  # A
     with pytest.raises(DataError, match="least in train_1"):
         refuse_senseless(logs, missed)
+
+
+def test_logs_that_differ_in_level_alone_are_not_explained_by_their_levels(logs):
+    """Of all currents together half is explained, of those of each log nothing."""
+    measured, missed = logs.measured(), np.zeros(logs.edges[-1])
+    apart = replace(logs, trials=[replace(logs.trials[0], current=logs.trials[0].current + 2.0)])
+    apart = replace(apart, trials=[*apart.trials, logs.trials[1]])
+    measured = apart.measured()
+    for low, high in zip(apart.edges[:-1], apart.edges[1:], strict=True):
+        rows = np.flatnonzero(apart.rows[low:high]) + low
+        missed[rows] = measured[rows].mean() - measured[rows]
+    rows = apart.rows
+    assert score(measured[rows], measured[rows] + missed[rows]).r2 > SENSE
+    with pytest.raises(DataError, match="explains 0% of the current"):
+        refuse_senseless(apart, missed)

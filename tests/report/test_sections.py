@@ -71,6 +71,14 @@ def test_the_verdict_tells_what_a_name_was_worth_on_a_trial_of_its_own(data, hol
     assert ("93 %" if holds else "for 0 %") in shown
 
 
+def test_the_verdict_says_what_counts_as_an_effect_and_why(data):
+    floor = {"share": 0.0072, "reason": "19 builds leave up to 0.72 % of the effort."}
+    shown = text("verdict", replace(data, diagnosis={**data.diagnosis, "floor": floor}))
+    assert "The least that counts as an effect is 0.7 %: 19 builds leave" in shown
+    unmeasured = {k: v for k, v in data.diagnosis.items() if k != "floor"}
+    assert "counts as an effect is" not in text("verdict", replace(data, diagnosis=unmeasured))
+
+
 @BY_NAME
 def test_sections_render_with_and_without_optional_files(name, data, sparse):
     assert text(name, data)

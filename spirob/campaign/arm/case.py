@@ -25,11 +25,13 @@ from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.restarts import to_the_end
-from spirob.diagnosis.rungs import Ladder, Rung, Settings
+from spirob.diagnosis.rungs import Ladder, Rung, Settings, floor_at
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import explained, foretold, judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import TYPICAL
+from spirob.identify.builds import Floor
+from spirob.identify.fit import Fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, Problem, effort_rms
 from spirob.identify.residual import Residual, near
@@ -120,12 +122,16 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     hidden, problems, base = drawn(
         case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
     )
-    search = climb(problems, FITTED, library, {}, settings, known=base)
+
+    def floor(found: Fit) -> Floor:
+        return floor_at(found, problems, settings.scale)
+
+    search = climb(problems, FITTED, library, {}, settings, known=base, measure=floor)
     best = oracle(problems, search, _counterparts(case), settings)
     searches = {False: search}
     if case.without:
         kept = [e for e in library if e.name() not in _right_names(case)]
-        searches[True] = climb(problems, FITTED, kept, {}, settings, known=search)
+        searches[True] = climb(problems, FITTED, kept, {}, settings, known=search, measure=floor)
     about = {
         "kind": case.kind,
         "seed": case.seed,
@@ -139,7 +145,11 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         return recorded(hidden, case.robot, experiment.trials)
 
     return [
-        {**about, "without": without, **_outcome(found, problems, play, best, settings)}
+        {
+            **about,
+            "without": without,
+            **_outcome(found, problems, play, best, found.settings(settings)),
+        }
         for without, found in searches.items()
     ]
 
@@ -173,6 +183,7 @@ def _outcome(
             "validate": explained(last, complete(problems["validate"], settings.floor)),
             "heldout": foretold(last, problems["heldout"], settings),
         },
+        "floor": settings.floor,
         "heldout": {
             "base": search.rungs[0].scores["heldout"].rmse / size,
             "named": (last.rungs[-1] if named else search.rungs[0]).scores["heldout"].rmse / size,

@@ -3,8 +3,9 @@
 The strength is drawn so that knowing the effect would bring the held-out error to a ratio between
 two of what it is without, from √(f² + (v s)²) to f: f is left with nothing hidden, and v is what
 the effect leaves at strength 1 after all numbers of the model are fitted.  The ratios are 0.3 and
-0.35 where nothing else is asked.  From 0.53 on an effect carries less than 0.3 % of the current,
-and diagnosis calls nothing an effect that carries less.
+0.35 where nothing else is asked.  From 0.53 on an effect of a robot as designed carries less than
+0.3 % of the current, the model's own resolution, and diagnosis calls nothing an effect that carries
+less.
 """
 
 import math

@@ -86,19 +86,15 @@ class Ground:
         )
 
     def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
-        """What builds differ by on the rows that count, or how wrong the model's hinges are.
+        """What builds differ by on the rows that count.
 
         told  by the logs of a build, at 95 %
         """
         kept, rules = arm.residuals, self.settings
         widths = {n: told.get(n, w) for n, w in TOLERANCES.items() if n in self.free}
-        found = floor_of(
+        return floor_of(
             kept["train"], kept["validate"], arm.numbers, arm.names, rules.scale, widths
         )
-        if found.share >= rules.floor:
-            return found
-        grain = f"the model itself, cut into hinges, is right to {rules.floor:.1%}, which is more."
-        return Floor(rules.floor, f"{found.reason.removesuffix('.')}; {grain}")
 
     def on_its_rows(self, numbers: dict[str, float], names: list[str]) -> Arm:
         """The arm with these numbers, without what its builds leave open."""

@@ -5,7 +5,7 @@ from typing import Any
 from spirob.report.data import ReportData
 from spirob.report.ladder import ladder_plot
 from spirob.report.sections.section import Section
-from spirob.report.sections.verdict import gain_sentence, kind
+from spirob.report.sections.verdict import floor_sentence, gain_sentence, kind
 
 
 class RigVerdict(Section):
@@ -24,6 +24,7 @@ class RigVerdict(Section):
             "sentence": diagnosis["sentence"],
             "explanation": diagnosis["explanation"],
             "gain": gain_sentence(rungs, noise_floor, unit),
+            "floor": floor_sentence(diagnosis),
             "ladder": ladder_plot(rungs, noise_floor, unit),
             "repairs": diagnosis["repairs"],
         }

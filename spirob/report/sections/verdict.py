@@ -40,6 +40,7 @@ class Verdict(Section):
             "proof": proof_sentence(diagnosis),
             "explained": explained_sentence(rungs, unit),
             "gain": gain_sentence(rungs, noise_floor, unit),
+            "floor": floor_sentence(diagnosis),
             "ladder": ladder_plot(rungs, noise_floor, unit),
             "arm": None
             if data.motion is None
@@ -94,6 +95,14 @@ def proof_sentence(diagnosis: dict[str, Any]) -> str:
         f"Put to the proof with '{proof['experiment']}', a trial of its own: it accounts for "
         f"{percent(max(proof['share'], 0.0))} of the squared error there; {told}."
     )
+
+
+def floor_sentence(diagnosis: dict[str, Any]) -> str:
+    """What counts as an effect, and why; empty where no floor was measured."""
+    floor = diagnosis.get("floor")
+    if not floor:
+        return ""
+    return f"The least that counts as an effect is {percent(floor['share'])}: {floor['reason']}"
 
 
 def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: str) -> str:
