@@ -15,8 +15,9 @@ from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.flexible import share
 from spirob.effects import Effect
 from spirob.identify.problem import Effort
-from spirob.machine.candidates import equivalents
+from spirob.machine.candidates import equivalents, is_dry
 from spirob.machine.certainty import figures, kin, probability
+from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
@@ -199,13 +200,17 @@ class Judgement:
 
 
 def weigh(search: Search, found: Found, rest: Ceiling) -> dict[str, Weighed]:
-    """Each chosen effect by name; `rest` is the ceiling over the chosen model."""
+    """Each chosen effect by name; `rest` is the ceiling over the chosen model.
+
+    A law of dry friction whose level has visibly another shape over the speed is surely not it.
+    """
+    bent = is_bent(search, found.chosen)
     weighed = {}
     for effect in found.chosen.effects:
         exchanged = found.rivals[effect.name()]
         same, rivals = equivalents(found.chosen, exchanged, search.worth.least)
         shown = figures(search, found, rest, effect)
-        own = probability(shown)
+        own = 0.0 if bent and is_dry(effect) else probability(shown)
         weighed[effect.name()] = Weighed(own, own, same, rivals, shown)
     if likely(weighed):
         return weighed
@@ -220,7 +225,8 @@ def _with_kin(
     weighed: Mapping[str, Weighed],
 ) -> Weighed:
     """An effect that is too unlikely alone, with its kin where one of them is likely."""
-    one, others = weighed[effect.name()], kin(search, found.chosen, effect)
+    one = weighed[effect.name()]
+    others = kin(search, found.chosen, effect) if one.probability else []
     together = probability(figures(search, found, rest, effect, others)) if others else 0.0
     if together < LIKELY:
         return one
