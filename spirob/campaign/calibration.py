@@ -29,7 +29,8 @@ Line = Mapping[str, Any]
 def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Figures (n, 6), whether the name is right (n,) and simulator (n,) of all chosen effects.
 
-    A name that says a part of what is hidden is neither right nor wrong, and left out.
+    A name that says a part of what is hidden is neither right nor wrong, and left out; so is one
+    that is withheld whatever its figures are.
     """
     rows, right, simulators = [], [], []
     for line in lines:
@@ -38,7 +39,8 @@ def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         for chosen in line["features"]["evidence"] if line["features"] else ():
             names = {chosen["name"], *chosen["equivalents"]}
             hit = bool(names & (must | set(truth["besides"])))
-            if hit or not names & set(truth["near"]):
+            told = chosen.get("probability") != 0.0
+            if told and (hit or not names & set(truth["near"])):
                 rows.append([chosen["figures"][name] for name in FIGURES])
                 right.append(hit)
                 simulators.append(line["simulator"])

@@ -13,8 +13,9 @@ from spirob.campaign.case import Case, drawn
 from spirob.campaign.scoring import outcome
 from spirob.errors import SpirobError
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.recording import prepare
+from spirob.machine.recording import Recording, prepare
 from spirob.machine.rig import RigFile
+from spirob.machine.selection import filtered_alike
 
 CLOSE = 1.1  # times the error of the chosen model: candidates within it are near rivals
 
@@ -176,5 +177,10 @@ def _diagnosed(
     for name, text in files.items():
         (folder / name).write_text(text)
     rig = RigFile.model_validate(plain)
-    read = [prepare(f"log_{k}", columns, rig) for k, columns in enumerate(logs)]
-    return diagnose_recordings(rig, folder, read[:-1], read[-1:], without=lacking).document
+
+    def read(k: int, cutoff: float | None) -> Recording:
+        return prepare(f"log_{k}", logs[k], rig, cutoff=cutoff)
+
+    last = len(logs) - 1
+    train, test = filtered_alike(read, range(last), [last])
+    return diagnose_recordings(rig, folder, train, test, without=lacking).document

@@ -1,8 +1,9 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -14,6 +15,7 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import as_usual, is_told, partnered
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
+from spirob.machine.certainty import Ended
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.beyond import beyond
 from spirob.machine.criteria import Criteria
@@ -42,7 +44,10 @@ from spirob.machine.switches import switches
 
 @dataclass(frozen=True)
 class _Ready:
-    """A rig and its logs, ready to be searched; `said` is what was repaired or left out."""
+    """A rig and its logs, ready to be searched; `said` is what was repaired or left out.
+
+    without   effects that are no candidates;  progress  is told each step
+    """
 
     rig: RigFile
     body: RigidBody | None
@@ -55,6 +60,12 @@ class _Ready:
     rest_speed: float
     said: list[str]
     without: Collection[str] = ()
+    settings: Criteria = field(default_factory=Criteria)
+    progress: Callable[[str], None] = lambda text: None
+
+    def told(self, **changes: Any) -> "_Ready":
+        """The same with more told of the rig."""
+        return replace(self, rig=self.rig.model_copy(update=changes))
 
 
 @dataclass(frozen=True)
@@ -88,23 +99,23 @@ def diagnose_recordings(
     """
     if not train:
         raise ConfigError("a diagnosis needs at least one training log")
-    settings = settings or Criteria()
     held = chosen(files(rig.effects, folder)) if own is None else own
     ready = _ready(rig, folder, train, test, held, without)
+    ready = replace(ready, settings=settings or Criteria(), progress=progress)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
-        done = _searched(_placed(ready, settings, progress), settings, progress)
+        done = _searched(_placed(ready))
         if not is_told(rig):
-            done = _once_more(done, settings, progress)
+            done = _once_more(done)
         for kind in KINDS:
             if may_differ(kind, rig, done.search, done.chosen):
                 kinds = (*(done.ready.rig.per_log or ()), kind)
-                told = replace(done.ready, rig=done.ready.rig.model_copy(update={"per_log": kinds}))
+                told = done.ready.told(per_log=kinds)
                 said = f"The logs differ by a number of their own, {kind}: fitted for each."
-                done = _better(done, _searched(told, settings, progress), said)
+                done = _better(done, _searched(told), said)
         if may_sit_at_load(rig, done.search, done.chosen):
             told = _at_load(done.ready, held)
-            search, gate = _search(told, settings, progress)
+            search, gate = _search(told)
             if fits_at_load(search, done.chosen):
                 found = search.run()
                 if done.search.worth.halves(done.chosen, found.chosen):
@@ -114,8 +125,8 @@ def diagnose_recordings(
             progress(f"once more, with {', '.join(free)} set free of its bounds")
             told = replace(done.ready, rig=released(done.ready.rig, free))
             if not is_told(rig):  # it was placed within these bounds
-                told = _placed(_without_delay(told), settings, progress)
-            done = replace(_searched(told, settings, progress), ready=done.ready)
+                told = _placed(_without_delay(told))
+            done = replace(_searched(told), ready=done.ready)
         return _finish(done)
 
 
@@ -125,54 +136,49 @@ def base_model(
     """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
     ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
     with threadpool_limits(1):
-        ready = _placed(ready, Criteria(), lambda text: None)
-        search, _ = _search(ready, Criteria(), lambda text: None)
+        ready = _placed(ready)
+        search, _ = _search(ready)
         return search, search.models.fitted((), {})
 
 
 def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
     """The same logs, read as those of a sensor at the load."""
     assert ready.rig.position is not None
-    position = ready.rig.position.model_copy(update={"side": "load"})
-    rig = ready.rig.model_copy(update={"position": position})
+    told = ready.told(position=ready.rig.position.model_copy(update={"side": "load"}))
     own, possible, excluded = _library(
-        rig, ready.body, ready.train, held, ready.sizes, ready.without
+        told.rig, told.body, told.train, held, told.sizes, told.without
     )
-    return replace(ready, rig=rig, own=own, possible=possible, excluded=excluded)
+    return replace(told, own=own, possible=possible, excluded=excluded)
 
 
-def _searched(ready: _Ready, settings: Criteria, progress: Callable[[str], None]) -> "_Searched":
-    search, gate = _search(ready, settings, progress)
+def _searched(ready: _Ready) -> _Searched:
+    search, gate = _search(ready)
     return _Searched(ready, search, gate, search.run())
 
 
-def _placed(ready: _Ready, settings: Criteria, progress: Callable[[str], None]) -> _Ready:
+def _placed(ready: _Ready) -> _Ready:
     """With a delay between effort and motion to fit, where the description tells nothing of it."""
     if is_told(ready.rig):
         return ready
-    still = ready.rig.model_copy(update={"known": {**ready.rig.known, "delay": 0.0}})
-    search, _ = _search(replace(ready, rig=still), settings, progress)
-    progress("effort and motion are laid over one another")
+    search, _ = _search(ready.told(known={**ready.rig.known, "delay": 0.0}))
+    ready.progress("effort and motion are laid over one another")
     return _about(ready, _place(search, search.models.fitted((), {})))
 
 
 def _without_delay(ready: _Ready) -> _Ready:
     fit = {name: bounds for name, bounds in ready.rig.fit.items() if name != "delay"}
-    return replace(ready, rig=ready.rig.model_copy(update={"fit": fit}))
+    return ready.told(fit=fit)
 
 
 def _about(ready: _Ready, delay: Bounded) -> _Ready:
-    fit = {**ready.rig.fit, "delay": delay}
-    return replace(ready, rig=ready.rig.model_copy(update={"fit": fit}))
+    return ready.told(fit={**ready.rig.fit, "delay": delay})
 
 
 def _place(search: Search, model: Model) -> Bounded:
     return place(search.train, model, search.models.folds, search.absent(model))
 
 
-def _once_more(
-    done: "_Searched", settings: Criteria, progress: Callable[[str], None]
-) -> "_Searched":
+def _once_more(done: _Searched) -> _Searched:
     """The search about another delay, where something that counts is left and that explains more.
 
     Others are tried where the delay ended at a bound, and the usual one where none was possible: a
@@ -187,13 +193,15 @@ def _once_more(
     if none.low < fitted.low or fitted.high < none.high:
         others.append(none)
     for delay in others:
-        progress(f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion")
-        other = _searched(_about(done.ready, delay), settings, progress)
+        done.ready.progress(
+            f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion"
+        )
+        other = _searched(_about(done.ready, delay))
         done = other if done.search.worth.matters(done.chosen, other.chosen) else done
     return done
 
 
-def _better(done: "_Searched", wider: "_Searched", said: str) -> "_Searched":
+def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:
     """What was searched with more told of the rig, where that explains more by what counts."""
     if not done.search.worth.matters(done.chosen, wider.chosen):
         return done
@@ -244,9 +252,7 @@ def _library(
     return own, possible, excluded
 
 
-def _search(
-    ready: _Ready, settings: Criteria, progress: Callable[[str], None]
-) -> tuple[Search, Identifiability]:
+def _search(ready: _Ready) -> tuple[Search, Identifiability]:
     """The search over a rig's logs, and what they can say about its numbers."""
     rig = with_payload(ready.rig, ready.sizes)
     fit, held = partnered(rig, ready.train), partnered(rig, ready.test)
@@ -267,7 +273,7 @@ def _search(
     if gate.silent:
         raise ConfigError(f"fit: {gate.sentence}")
     absent = [e for e in ready.possible if e not in ready.own]
-    return Search(train, heldout, names, absent, settings, progress), gate
+    return Search(train, heldout, names, absent, ready.settings, ready.progress), gate
 
 
 def _finish(done: _Searched) -> Diagnosis:
@@ -276,7 +282,7 @@ def _finish(done: _Searched) -> Diagnosis:
     rest = _ceiling(search, found.chosen)
     while (lesser := search.without_imitations(found, rest.share)) is not None:
         found, rest = lesser, _ceiling(search, lesser.chosen)
-    weighed = weigh(search, found, rest)
+    weighed = weigh(Ended(search, found, rest))
     if 0 < len(kept := likely(weighed)) < len(weighed):
         found = search.narrowed(found, kept)
         rest = _ceiling(search, found.chosen)
@@ -286,7 +292,7 @@ def _finish(done: _Searched) -> Diagnosis:
         search.progress(f"what follows from the motion beside {label(bare.effects)}")
         low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
     warnings = doubts(search, found, rest)
-    judgement = judge(search, found, low, rest, warnings, weighed)
+    judgement = judge(Ended(search, found, rest), low, warnings, weighed)
     law = None if warnings else _law(search, found, rest, judgement.kind)
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
     notes += beyond(problems, ready.own, chosen.fit.changes)

@@ -8,6 +8,7 @@ cases that they were fitted to (`spirob.campaign.calibration`).
 
 import json
 from collections.abc import Collection
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -32,6 +33,15 @@ FIGURES = (
 MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less makes most of it
 TINY = 1e-300
 MOST = 10.0  # of a logarithm: what is larger says no more
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A search, what it found, and what still follows from the motion beside the chosen model."""
+
+    search: Search
+    found: Found
+    rest: Ceiling
 
 
 def probability(figures: dict[str, float]) -> float:
@@ -60,13 +70,7 @@ def kin(search: Search, chosen: Model, effect: type[Effect]) -> list[str]:
     return sorted(found, key=lambda name: found[name])
 
 
-def figures(
-    search: Search,
-    found: Found,
-    rest: Ceiling,
-    effect: type[Effect],
-    same: Collection[str] = (),
-) -> dict[str, float]:
+def figures(ended: Ended, effect: type[Effect], same: Collection[str] = ()) -> dict[str, float]:
     """What the search shows of one chosen effect; logarithms are natural, errors squared.
 
     same  names that count as this effect, too: the figures are then of all of them
@@ -79,6 +83,7 @@ def figures(
     place          0 for the effect that takes most, then 1, 2, ...
     late           ln(1 + |delay| over the usual one)
     """
+    search, found, rest = ended.search, ended.found, ended.rest
     chosen, bare = found.chosen, found.rungs[0]
     without = search.models.tried[chosen.names - {effect.name()}]
     fall = without.mean_square - chosen.mean_square

@@ -5,8 +5,9 @@
 m is what the fitted numbers, dry friction, a weight and one effect of the library ask for on the
 measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into
 friction and friction into a spring, so it is told apart from what is missing only beside what may
-be missing, and by bounds: an inertia or a friction below zero is none.  Shifting the effort changes
-no column, so all delays cost little more than one.
+be missing, and by bounds: an inertia or a friction below zero is none.  A law that holds a time or
+a memory is late by itself, and no judge of it.  Shifting the effort changes no column, so all
+delays cost little more than one.
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.alignment import FARTHEST, as_usual, usual
+from spirob.machine.alignment import FARTHEST, SIGNS, as_usual, usual
 from spirob.machine.flexible import RIDGE, step
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import DELAY, Model
@@ -59,10 +60,10 @@ class _Law:
 def place(
     problem: InverseProblem, model: Model, folds: np.ndarray, effects: Sequence[type[Effect]]
 ) -> Bounded:
-    """Seconds by which the effort trails the motion, bounds as far about as any log may be off.
+    """Seconds by which the effort trails the motion, bounds as far about as the logs leave open.
 
-    It is a usual one where no delay leaves hardly more than the best one, or where a usual one does
-    and all that do are further apart than usual ones: then nothing tells it.
+    Bounds hold all delays that leave hardly more than the best one.  The usual ones are among them
+    unless all of those are farther; the best one at the end of what is looked at is none.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
@@ -76,11 +77,14 @@ def place(
     residuals = (model.fit.residual + problem.measured())[rows, None] - efforts
     laws = _laws(problem, model, folds, rows, residuals, effects)
     left = np.sum(residuals**2, axis=0) - _falls(laws)
-    best, low, high = (float(delays[k]) for k in valley(left, np.abs(delays) <= most))
-    touches, flat = low <= most and high >= -most, high - low > 2.0 * most
-    if low <= 0.0 <= high or (touches and flat):
-        return Bounded(nominal=float(np.clip(best, -most, most)), low=-most, high=most)
-    nominal, low, high = (round(x, GRAIN) for x in (best, low - most, high + most))
+    best, first, last = valley(left, np.abs(delays) <= most)
+    nominal, low, high, near = (
+        round(float(x), GRAIN) for x in (delays[best], delays[first], delays[last], most)
+    )
+    ends, usual_too = {0, len(delays) - 1}, low <= near and high >= -near
+    if best in ends or (usual_too and {first, last} & ends):
+        return as_usual(period)
+    low, high = (min(low, -near), max(high, near)) if usual_too else (low - near, high + near)
     return Bounded(nominal=nominal, low=low, high=high)
 
 
@@ -128,8 +132,9 @@ def _laws(
     high = np.hstack([screening.room[1][own], free])
     made = [_Law(base.T @ base, base.T @ residuals, low, high)]
     signals = {name: values[rows] for name, values in screening.signals.items()}
+    momentary = [e for e in effects if not e.state and e.port not in SIGNS]
     looks = residuals[:, :: max(1, residuals.shape[1] // LOOKS)].T
-    for effect in effects:
+    for effect in momentary:
         about = {f: problem.table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
         waves = any(counts_periods(effect, f) for f in about if f not in effect.neutral)
         known: dict[tuple[object, ...], np.ndarray] = {}

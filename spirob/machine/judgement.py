@@ -15,8 +15,9 @@ from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.flexible import share
 from spirob.effects import Effect
 from spirob.identify.problem import Effort
-from spirob.machine.candidates import equivalents
-from spirob.machine.certainty import figures, kin, probability
+from spirob.machine.candidates import equivalents, is_dry
+from spirob.machine.certainty import Ended, figures, kin, probability
+from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
@@ -198,30 +199,29 @@ class Judgement:
     next_experiment: str
 
 
-def weigh(search: Search, found: Found, rest: Ceiling) -> dict[str, Weighed]:
-    """Each chosen effect by name; `rest` is the ceiling over the chosen model."""
+def weigh(ended: Ended) -> dict[str, Weighed]:
+    """Each chosen effect by name.
+
+    A law of dry friction whose level has visibly another shape over the speed is surely not it.
+    """
+    search, found = ended.search, ended.found
+    bent = is_bent(search, found.chosen)
     weighed = {}
     for effect in found.chosen.effects:
         exchanged = found.rivals[effect.name()]
         same, rivals = equivalents(found.chosen, exchanged, search.worth.least)
-        shown = figures(search, found, rest, effect)
-        own = probability(shown)
+        shown = figures(ended, effect)
+        own = 0.0 if bent and is_dry(effect) else probability(shown)
         weighed[effect.name()] = Weighed(own, own, same, rivals, shown)
     if likely(weighed):
         return weighed
-    return {e.name(): _with_kin(search, found, rest, e, weighed) for e in found.chosen.effects}
+    return {e.name(): _with_kin(ended, e, weighed[e.name()]) for e in found.chosen.effects}
 
 
-def _with_kin(
-    search: Search,
-    found: Found,
-    rest: Ceiling,
-    effect: type[Effect],
-    weighed: Mapping[str, Weighed],
-) -> Weighed:
+def _with_kin(ended: Ended, effect: type[Effect], one: Weighed) -> Weighed:
     """An effect that is too unlikely alone, with its kin where one of them is likely."""
-    one, others = weighed[effect.name()], kin(search, found.chosen, effect)
-    together = probability(figures(search, found, rest, effect, others)) if others else 0.0
+    others = kin(ended.search, ended.found.chosen, effect) if one.probability else []
+    together = probability(figures(ended, effect, others)) if others else 0.0
     if together < LIKELY:
         return one
     rivals = [*others, *(name for name in one.rivals if name not in others)]
@@ -234,23 +234,19 @@ def likely(weighed: Mapping[str, Weighed]) -> list[str]:
 
 
 def judge(
-    search: Search,
-    found: Found,
-    bare: Ceiling,
-    rest: Ceiling,
-    warnings: list[str],
-    weighed: dict[str, Weighed],
+    ended: Ended, bare: Ceiling, warnings: list[str], weighed: dict[str, Weighed]
 ) -> Judgement:
-    """Judge a search; `bare` and `rest` are the ceilings over the bare and the chosen model.
+    """Judge a search; `bare` is the ceiling over the bare model.
 
     warnings  reasons not to trust a name: a number at its bound, an effort that ignores the motion
     """
+    search, found = ended.search, ended.found
     chosen = found.chosen
     own = {e.name(): weighed[e.name()] for e in chosen.effects}
     same = {name: one.equivalents for name, one in own.items()}
     rivals = {name: one.rivals for name, one in own.items()}
     kind = _kind(search, found, bare, own, bool(warnings))
-    words = Words(search, found.rungs[0], chosen, bare, rest, search.train.effort)
+    words = Words(search, found.rungs[0], chosen, bare, ended.rest, search.train.effort)
     sentence, explanation = words.say(kind, same, rivals, warnings)
     if found.vetoed:
         explanation += (

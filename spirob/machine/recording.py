@@ -32,6 +32,7 @@ from spirob.machine.rig import Column, RigFile
 from spirob.units import UNITS
 
 FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample
+GRID = 20.0  # samples in a period of the cutoff: more say no more of what is compared
 CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
 LEAST = 8  # rows of a piece that are compared, and periods of the filter in a log
 FEWEST = 20  # rows of a trial that are compared
@@ -141,6 +142,7 @@ def prepare(
     cutoff = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, said)
     positions = [grid["position"] for grid in grids]
     checks.a_motion(name, rig.motion.column, positions, BELOW * cutoff, period)
+    period, grids = _as_fine(period, grids, GRID * cutoff)
     every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
     lost: Counter[str] = Counter()
     pieces = [_piece(grid, rig, period, cutoff, lost) for grid in grids]
@@ -152,13 +154,24 @@ def _no_finer(
     name: str, period: float, grids: list[dict[str, np.ndarray]], rig: RigFile, said: list[str]
 ) -> tuple[float, list[dict[str, np.ndarray]]]:
     """Grids of at most about a kilohertz, or of twenty samples in a period of a fast filter."""
-    finest = max(FINEST, 20.0 * (rig.filter.cutoff or 0.0))
-    count = int(1.0 / (period * finest) + 0.1)  # clocks differ by less between trials
+    finest = max(FINEST, GRID * (rig.filter.cutoff or 0.0))
+    coarser, means = _as_fine(period, grids, finest)
+    if coarser > period:
+        count = round(coarser / period)
+        said.append(f"{name}: means of {count} samples in a row were used, {1 / coarser:.4g} Hz.")
+    return coarser, means
+
+
+def _as_fine(
+    period: float, grids: list[dict[str, np.ndarray]], rate: float
+) -> tuple[float, list[dict[str, np.ndarray]]]:
+    """The grids and their sample period, by means of so many samples that at least `rate` is left.
+
+    rate  Hz
+    """
+    count = int(1.0 / (period * rate) + 0.1)  # clocks differ by less between trials
     if count < 2:
         return period, grids
-    said.append(
-        f"{name}: means of {count} samples in a row were used, {1 / (count * period):.4g} Hz."
-    )
     return count * period, [{n: averaged(v, count) for n, v in g.items()} for g in grids]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.machine import judgement
-from spirob.machine.certainty import FIGURES, LEARNED, kin, probability
+from spirob.machine.certainty import FIGURES, LEARNED, Ended, kin, probability
 from spirob.machine.judgement import LIKELY, likely, weigh
 
 NAMES = ("coulomb_friction", "presliding_friction", "cogging")
@@ -66,16 +66,29 @@ def test_a_name_that_is_unlikely_alone_may_be_likely_with_its_kin(
     monkeypatch, alone, whole, rivals
 ):
     """It is then one of several, between which nothing is decided."""
-    monkeypatch.setattr(judgement, "figures", lambda *a: {"same": len(a[4]) if a[4:] else 0})
+    monkeypatch.setattr(judgement, "figures", lambda *a: {"same": len(a[2]) if a[2:] else 0})
     monkeypatch.setattr(judgement, "probability", lambda f: whole if f["same"] else alone)
+    monkeypatch.setattr(judgement, "is_bent", lambda *a: False)
     search, chosen = searched(0.1, 0.9)
     search.worth = SimpleNamespace(least=0.01)
     found = SimpleNamespace(chosen=chosen, rivals={"coulomb_friction": []})
-    weighed = weigh(search, found, None)
+    weighed = weigh(Ended(search, found, None))
     one = weighed["coulomb_friction"]
     assert one.probability == alone
     assert one.rivals == rivals
     assert bool(likely(weighed)) == (max(one.together, alone) >= LIKELY)
+
+
+def test_dry_friction_of_another_shape_is_withheld_with_its_kin(monkeypatch):
+    monkeypatch.setattr(judgement, "figures", lambda *a: {})
+    monkeypatch.setattr(judgement, "probability", lambda f: 0.99)
+    monkeypatch.setattr(judgement, "is_bent", lambda *a: True)
+    search, chosen = searched(0.1, 0.9)
+    search.worth = SimpleNamespace(least=0.01)
+    found = SimpleNamespace(chosen=chosen, rivals={"coulomb_friction": []})
+    weighed = weigh(Ended(search, found, None))
+    assert weighed["coulomb_friction"].probability == 0.0
+    assert likely(weighed) == []
 
 
 def test_more_of_what_speaks_for_a_name_makes_it_likelier():
