@@ -19,6 +19,7 @@ from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import block_covariance
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.greedy import compose
+from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.law import Law, law_of
 from spirob.machine.composed.words import formula, told
 from spirob.machine.composed.writing import written
@@ -71,13 +72,13 @@ def composed(search: Search, found: Found, base: Model) -> Composed | None:
     It has to explain what no set of effects explains: not the model alone, and not the one that the
     search chose, likely or not.
     """
-    drafted = compose(search, base)
+    drafted = compose(ground_of(search, list(base.fit.estimates), base.fit.changes))
     if drafted is None:
         return None
     drafts, draft = drafted
     law = law_of(draft, drafts.ranges, search.train.sizes.torque)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
-        beside = _Beside(search, base, drafts.point.changes, found.offers[0].effect, Path(folder))
+        beside = _Beside(search, base, drafts.ground.changes, found.offers[0].effect, Path(folder))
         one = _pruned(beside, law)
         for other in (base, found.chosen):
             if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
