@@ -1,7 +1,7 @@
 """From what the arm's model leaves in the motor currents to a law that was played in full.
 
-As for a rig (`composing`); what a law is worth the whole coupled model says, by the questions of the
-arm's own search.
+As for a rig (`composing`); what a law is worth the whole coupled model says, by the questions of
+the arm's own search.
 """
 
 import tempfile
@@ -271,7 +271,7 @@ def _nearest(one: _Fitted) -> tuple[type[Effect], float]:
     side = one.ground.train
     span = np.linalg.qr(side.slopes / (np.linalg.norm(side.slopes, axis=0) + 1e-300))[0]
     ranges, signals = one.ground.ranges, side.track.signals
-    seen: dict[str, np.ndarray | float] = {
+    seen = {
         ranges.position: signals["place"],
         "motor.speed": signals["speed"],
         "motor.load_torque": signals["load"],
