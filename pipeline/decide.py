@@ -1,7 +1,8 @@
 """Stage `decide`: judge again with the trials that were asked for; the diagnosis that stands.
 
-Names that do not hold under a softer pull are taken away.  Where nothing was asked, nothing could
-be played, or what was played tells nothing of those in question, the diagnosis stands as it is.
+Names that do not hold under a softer pull are taken away; where something is missing that has no
+name, a law is composed.  Where nothing was asked, nothing could be played, or what was played tells
+nothing of those in question, the diagnosis stands as it is.
 """
 
 import shutil
@@ -10,6 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from pipeline.composed import composed
 from pipeline.diagnose import model_of, settings_of
 from pipeline.model import plant, residual
 from pipeline.overlay import motion, overlay
@@ -41,16 +43,21 @@ def stage(root: Path) -> None:
     question = Question.from_dict(asked)
     shutil.copytree(root / SEARCH, root / OUT, dirs_exist_ok=True)
     lay_beside(root, config, OUT)
+    told = before
     if any(_played(root, one) for one in question.wanted):
         model = plant(config, list(dict.fromkeys(e for m in question.models for e in m.effects)))
         own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
         answer = answered(question, own, lambda one: _played(root, one), settings_of(config))
-        write_json(root / OUT / "diagnosis.json", _told(answer, before, own))
+        told = _told(answer, before, own)
         _model(root, answer, before["verdict"], own, config)
         if answer.search:
             found = metrics(answer.search, answer.verdict, own["train"].effort)
         elif answer.verdict.kind != found["verdict"]:
             found |= {"verdict": answer.verdict.kind, **NAMELESS}
+    if told["verdict"] == "unknown":
+        changes = read_json(root / OUT / "model.json", "diagnose")["changes"]
+        told = {**told, "composed": composed(root, config, OUT, told, changes)}
+    write_json(root / OUT / "diagnosis.json", told)
     write_json(root / "reports/metrics/diagnose.json", found)
 
 

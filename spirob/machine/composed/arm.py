@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from spirob.diagnosis.rungs import Rung, Settings, rung_of
 from spirob.diagnosis.weighing import LESSER, counts
@@ -21,7 +22,7 @@ from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import Scaling
-from spirob.machine.composed.arm_ground import PLACES, arm_ground
+from spirob.machine.composed.arm_ground import PLACES, arm_ground, turn_of
 from spirob.machine.composed.composing import SURE, Composed, document_of, free_name
 from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import Ground
@@ -66,24 +67,27 @@ class _Fitted:
 
 def composed_for_arm(
     residuals: Mapping[str, Residual],
-    base: Fit,
+    names: Sequence[str],
+    changes: Mapping[str, float],
     last: Errors,
     settings: Settings,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Composed | None:
-    """The law of what `base` leaves; None where none is needed, or the file does not hold.
+    """The law of what a model leaves; None where none is needed, or the file does not hold.
 
-    residuals  by role, of a plant that may hold more effects than the model of `base`
+    residuals  by role, of a plant that may hold more effects than the model
+    names      of its fitted numbers;  changes  all that are not those of the table
     last       errors of the best that the search found, likely or not: a law explains more
     """
-    names = list(base.estimates)
-    bare = {role: _lean(problem, base.changes, []) for role, problem in residuals.items()}
-    ends = [_drafted(bare, names, base.changes, p, settings, progress) for p in PLACES]
+    bare = {role: _lean(problem, changes, []) for role, problem in residuals.items()}
+    changes = {n: v for n, v in changes.items() if n in bare["train"].table.index}
+    ends = [_drafted(bare, names, changes, p, settings, progress) for p in PLACES]
     drafted = [one for one in ends if one is not None]
     if not drafted:
         return None
     ground, law, _ = min(drafted, key=lambda one: one[2])
-    below = rung_of("fitted parameters", [], fit_again(bare, names, base, settings), bare)
+    # fitted as far as with a law: what only that gains is the law's
+    below = rung_of("fitted parameters", [], _fit(bare, names, changes, settings), bare)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         progress(f"the arm plays a law of {law.terms} terms")
         whole = _fitted(ground, law, bare, names, settings, Path(folder))
@@ -93,14 +97,15 @@ def composed_for_arm(
         return _told(one, below)
 
 
-def fit_again(
-    residuals: Mapping[str, Residual], names: Sequence[str], base: Fit, settings: Settings
+def _fit(
+    residuals: Mapping[str, Residual],
+    names: Sequence[str],
+    start: Mapping[str, float],
+    settings: Settings,
 ) -> Fit:
-    """The model without a law, fitted as far as with one: what only that gains is the law's."""
-    train = near(residuals["train"], base.changes)
-    known = {n: v for n, v in base.changes.items() if n in train.table.index}
+    train = near(residuals["train"], start)
     return fit(
-        train, names, known, settings.scale, settings.iterations, steps=STEPS[-1:], exact=False
+        train, names, start, settings.scale, settings.iterations, steps=STEPS[-1:], exact=False
     )
 
 
@@ -133,13 +138,12 @@ def _drafted(
 ) -> tuple[Ground, Law, float] | None:
     """The law of this place, and the mean square that it leaves of the folds left out."""
     train = bare["train"]
-    known = {n: v for n, v in changes.items() if n in train.table.index}
-    ground = arm_ground(train, bare["validate"], names, known, place, settings, progress)
+    ground = arm_ground(train, bare["validate"], names, changes, place, settings, progress)
     drafted = compose(ground)
     if drafted is None:
         return None
     table = train.table
-    constant = table.vector(known)[table.position("motor.torque_constant")]
+    constant = table.vector(changes)[table.position("motor.torque_constant")]
     law = law_of(drafted[1], ground.ranges, float(constant) * effort_rms(train))
     return ground, law, drafted[1].mean_square
 
@@ -171,10 +175,7 @@ def _rung(
     start: Mapping[str, float],
     settings: Settings,
 ) -> Rung:
-    train = near(residuals["train"], start)
-    found = fit(
-        train, names, start, settings.scale, settings.iterations, steps=STEPS[-1:], exact=False
-    )
+    found = _fit(residuals, names, start, settings)
     return rung_of(f"+ {effect.name()}", [effect], found, residuals)
 
 
@@ -249,13 +250,22 @@ def _told(one: _Fitted, below: Rung) -> Composed:
         _Units(one.ground.ranges.unit),
     )
     title, nearest = told(law, units), _nearest(one)
-    changes, heldout = one.rung.fit.changes, one.residuals["heldout"]
-    rows = laws(heldout, [one.effect], changes, "m")
-    rows["band"] = _band(one)
+    rows = _drawn(one)
     share = 1.0 - (_heldout(one.rung) / _heldout(below)) ** 2
     rmse = {"train": one.rung.scores["train"].rmse, "test": _heldout(one.rung)}
     document = document_of(law, one.effect.name(), title, units, one.own, share, rmse, nearest)
     return Composed(document, written(law, title, nearest[0], one.own), rows)
+
+
+def _drawn(one: _Fitted) -> pd.DataFrame:
+    """Rows of held-out samples, over the place of the law: a length, or the angle of the motor."""
+    heldout, ranges = one.residuals["heldout"], one.ground.ranges
+    rows = laws(heldout, [one.effect], one.rung.fit.changes, ranges.unit)
+    if ranges.unit == "rad":
+        rows["position"] = np.concatenate([p.angle for p in heldout.stretches()])  # type: ignore[misc]
+        rows["velocity"] *= turn_of(heldout)
+    rows["band"] = _band(one)
+    return rows
 
 
 def _rivals() -> list[type[Effect]]:

@@ -53,9 +53,14 @@ class _Motors:
 
         mean, apart = number("winch.efficiency"), number("winch.efficiency_difference")
         efficiency = np.array([own(mean, apart, m) for m in range(len(MOTORS))])
-        winch = problem.plant.rig.winch
         constant = number("motor.torque_constant")
-        return cls(1.0 / (efficiency * constant), winch.gear_ratio / winch.radius)
+        return cls(1.0 / (efficiency * constant), turn_of(problem))
+
+
+def turn_of(problem: Residual) -> float:
+    """Of a rotor over the wound-in length [rad/m]."""
+    winch = problem.plant.rig.winch
+    return winch.gear_ratio / winch.radius
 
 
 def arm_ground(
