@@ -91,7 +91,7 @@ def composed_for_arm(
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         progress(f"the arm plays a law of {law.terms} terms")
         whole = _fitted(ground, law, bare, names, settings, Path(folder))
-        one = _pruned(whole, bare, names, settings, Path(folder))
+        one = _pruned(whole, below, bare, names, settings, Path(folder))
         if not _holds(one.rung, below, last, one.residuals, settings):
             return None
         return _told(one, below)
@@ -105,7 +105,7 @@ def _fit(
 ) -> Fit:
     train = near(residuals["train"], start)
     return fit(
-        train, names, start, settings.scale, settings.iterations, steps=STEPS[-1:], exact=False
+        train, names, start, settings.scale, settings.patience, steps=STEPS[-1:], exact=False
     )
 
 
@@ -181,14 +181,16 @@ def _rung(
 
 def _pruned(
     whole: _Fitted,
+    below: Rung,
     bare: Mapping[str, Residual],
     names: Sequence[str],
     settings: Settings,
     folder: Path,
 ) -> _Fitted:
-    """The law without terms that do not matter beside the others."""
+    """The law without terms that do not matter beside the others, as effects beside another."""
     rung, kept = whole.rung, list(range(whole.law.terms))
-    least = LESSER * settings.floor * effort_rms(bare["validate"])
+    size = float(np.sqrt(max(0.0, below.errors.mean() - rung.errors.mean())))
+    least = max(LESSER * settings.floor * effort_rms(bare["validate"]), settings.further * size)
     while len(kept) > 1:
         lesser = {k: _only(whole, [j for j in kept if j != k], names, rung, settings) for k in kept}
         weak = [

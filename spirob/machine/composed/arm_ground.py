@@ -81,7 +81,9 @@ def arm_ground(
     """
     scaling = Scaling(train.table, list(names))
     fixed = {name: value for name, value in changes.items() if name not in set(names)}
-    at = scaling.scaled(changes)
+    table = train.table
+    whole = dict(zip(table.names, table.vector(changes).tolist(), strict=True))
+    at = scaling.scaled(whole)
     sides = []
     for problem in (train, other):
         value = problem(changes)
