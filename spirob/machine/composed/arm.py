@@ -50,12 +50,16 @@ class _Units:
 
 @dataclass(frozen=True)
 class _Fitted:
-    """A law as the file that it is, fitted in the coupled model; `ground` taught it."""
+    """A law as the file that it is, fitted in the coupled model; `ground` taught it.
+
+    start  numbers of both, as they were composed
+    """
 
     ground: Ground
     law: Law
     effect: type[Effect]
     residuals: dict[str, Residual]
+    start: dict[str, float]
     rung: Rung
 
     @property
@@ -165,17 +169,20 @@ def _fitted(
     residuals = {role: _lean(p, ground.changes, [effect]) for role, p in bare.items()}
     start = ground.changes | law.changes(name)
     both = [*names, *(f"{name}.{f}" for f in effect.fitted())]
-    return _Fitted(ground, law, effect, residuals, _rung(effect, residuals, both, start, settings))
+    rung = _rung(effect, residuals, both, [start], settings)
+    return _Fitted(ground, law, effect, residuals, start, rung)
 
 
 def _rung(
     effect: type[Effect],
     residuals: Mapping[str, Residual],
     names: Sequence[str],
-    start: Mapping[str, float],
+    starts: Sequence[Mapping[str, float]],
     settings: Settings,
 ) -> Rung:
-    found = _fit(residuals, names, start, settings)
+    """The model with the law, from where its fit ends lowest."""
+    fits = [_fit(residuals, names, start, settings) for start in starts]
+    found = min(fits, key=lambda one: one.cost)
     return rung_of(f"+ {effect.name()}", [effect], found, residuals)
 
 
@@ -217,12 +224,18 @@ def _pruned(
 def _only(
     whole: _Fitted, kept: Sequence[int], names: Sequence[str], rung: Rung, settings: Settings
 ) -> Rung:
-    """The model with some terms of the law alone."""
+    """The model with some terms of the law alone.
+
+    A fit with the others may have ended where none leads on: it begins there, and as composed.
+    """
     name, law = whole.effect.name(), whole.law
     own = [f"{name}.{f}" for k in kept for f in law.fields(k)]
     silent = {f"{name}.amplitude_{k + 1}" for k in range(law.terms) if k not in kept}
-    start = {n: v for n, v in rung.fit.changes.items() if n not in silent}
-    return _rung(whole.effect, whole.residuals, [*names, *own], start, settings)
+    starts = [
+        {n: v for n, v in start.items() if n not in silent}
+        for start in (rung.fit.changes, whole.start)
+    ]
+    return _rung(whole.effect, whole.residuals, [*names, *own], starts, settings)
 
 
 def _holds(
