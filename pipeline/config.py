@@ -16,6 +16,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.checks import about, check, hidden_of
+from pipeline.own_effects import with_copies
 from pipeline.schema import validated
 from pipeline.stage import HIDDEN, PUBLIC, entry, read_yaml
 from spirob.errors import ConfigError, SpirobError
@@ -102,7 +103,7 @@ def write(root: Path, plain: Any, source: str) -> None:
     with about(source):
         check(config)
         hidden = hidden_of(config)
-    public = config.public()
+    public = with_copies(root, config.public())
     write_text(root / HIDDEN, yaml.safe_dump(hidden, sort_keys=False))
     write_text(root / PUBLIC, yaml.safe_dump(public, sort_keys=False, allow_unicode=True))
 

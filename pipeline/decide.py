@@ -1,7 +1,8 @@
 """Stage `decide`: judge again with the trials that were asked for; the diagnosis that stands.
 
-Names that do not hold under a softer pull are taken away.  Where nothing was asked, nothing could
-be played, or what was played tells nothing of those in question, the diagnosis stands as it is.
+Names that do not hold under a softer pull are taken away; where something is missing that has no
+name, a law is composed.  Where nothing was asked, nothing could be played, or what was played tells
+nothing of those in question, the diagnosis stands as it is.
 """
 
 import shutil
@@ -10,9 +11,12 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.composed import composed
 from pipeline.diagnose import model_of, settings_of
 from pipeline.model import plant, residual
 from pipeline.overlay import motion, overlay
+from pipeline.own_effects import given, lay_beside
+from pipeline.schema import Config
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
 from spirob.diagnosis.document import document, metrics, restated
@@ -33,19 +37,28 @@ def stage(root: Path) -> None:
     config = public_config(root)
     before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
     found = read_json(root / SEARCH / "metrics.json", "diagnose")
-    question = Question.from_dict(read_json(root / SEARCH / "question.json", "diagnose"))
+    asked = read_json(root / SEARCH / "question.json", "diagnose")
+    for model in asked["models"]:
+        model["effects"] = given(config, model["effects"])
+    question = Question.from_dict(asked)
     shutil.copytree(root / SEARCH, root / OUT, dirs_exist_ok=True)
+    lay_beside(root, config, OUT)
+    told = before
     if any(_played(root, one) for one in question.wanted):
         model = plant(config, list(dict.fromkeys(e for m in question.models for e in m.effects)))
         own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
         settings = replace(settings_of(config), floor=before["floor"]["share"])
         answer = answered(question, own, lambda one: _played(root, one), settings)
-        write_json(root / OUT / "diagnosis.json", _told(answer, before, own))
-        _model(root, answer, before["verdict"], own)
+        told = _told(answer, before, own)
+        _model(root, answer, before["verdict"], own, config)
         if answer.search:
             found = metrics(answer.search, answer.verdict, own["train"].effort)
         elif answer.verdict.kind != found["verdict"]:
             found |= {"verdict": answer.verdict.kind, **NAMELESS}
+    if told["verdict"] == "unknown":
+        changes = read_json(root / OUT / "model.json", "diagnose")["changes"]
+        told = {**told, "composed": composed(root, config, OUT, told, changes)}
+    write_json(root / OUT / "diagnosis.json", told)
     write_json(root / "reports/metrics/diagnose.json", found)
 
 
@@ -81,14 +94,16 @@ def _told(answer: Answer, before: Mapping[str, Any], own: Mapping[str, Residual]
     return found
 
 
-def _model(root: Path, answer: Answer, before: str, own: Mapping[str, Residual]) -> None:
+def _model(
+    root: Path, answer: Answer, before: str, own: Mapping[str, Residual], config: Config
+) -> None:
     """The model that stands, and what it does in the trials, beside the one without any effect."""
     if not answer.search and answer.verdict.kind == before:
         return
     base = dict(answer.models[0].changes)
-    stands: dict[str, Any] = {"effects": [], "changes": base}
+    stands: dict[str, Any] = {"effects": config.plant.effects, "changes": base}
     if answer.search:
-        stands = model_of(answer.search, answer.verdict)
+        stands = model_of(answer.search, answer.verdict, config)
         if answer.verdict.kind == "named":
             laws(root / OUT, own, answer.search, True)
     write_json(root / OUT / "model.json", stands)

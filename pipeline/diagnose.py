@@ -6,6 +6,7 @@ from typing import Any
 
 from pipeline.model import fitted_names, plant, residual
 from pipeline.overlay import motion, overlay
+from pipeline.own_effects import given
 from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
@@ -56,7 +57,7 @@ def stage(root: Path) -> None:
     last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
     write_json(root / OUT / "diagnosis.json", written)
     write_json(root / OUT / "question.json", question.as_dict())
-    write_json(root / OUT / "model.json", model_of(search, verdict))
+    write_json(root / OUT / "model.json", model_of(search, verdict, config))
     write_json(root / OUT / "metrics.json", metrics(search, verdict, effort))
     overlay(root / OUT, residuals, base.changes, last)
     motion(root / OUT, residuals, last)
@@ -71,11 +72,12 @@ def settings_of(config: Config) -> Settings:
     return Settings(scale=config.identify.scale, **own)
 
 
-def model_of(search: Ladder, verdict: Verdict) -> dict[str, Any]:
-    """The model that stands: with what was named, or the fitted one without."""
+def model_of(search: Ladder, verdict: Verdict, config: Config) -> dict[str, Any]:
+    """The model that stands: its own effects with what was named, or without."""
     last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
     changes = {name: float(value) for name, value in last.fit.changes.items()}
-    return {"effects": [e.name() for e in last.effects], "changes": changes}
+    added = given(config, [e.name() for e in last.effects])
+    return {"effects": [*config.plant.effects, *added], "changes": changes}
 
 
 if __name__ == "__main__":

@@ -27,7 +27,8 @@ def start(config: Config) -> dict[str, float]:
 
 def fitted_names(config: Config) -> list[str]:
     """Parameters to fit: the configured ones and those of the model's own effects."""
-    return [*config.identify.parameters, *start(config)]
+    own = find_effects(config.plant.effects)
+    return [*config.identify.parameters, *(f"{e.name()}.{f}" for e in own for f in e.fitted())]
 
 
 def measurements(root: Path, config: Config, role: str) -> list[Measurement]:

@@ -25,10 +25,9 @@ from spirob.campaign.case import Case, drawn
 from spirob.campaign.scoring import OUTSIDE
 from spirob.campaign.simulators import SIMULATORS
 from spirob.machine.axis import base_model
-from spirob.machine.composed import composed
+from spirob.machine.composed import composed, ground
 from spirob.machine.composed.draft import Drafts
-from spirob.machine.composed.track import Ranges, Track
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.composed.track import Ranges
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 
@@ -65,18 +64,15 @@ class Side:
 
 def sides(drafts: Drafts) -> tuple[Side, Side]:
     """What is left and the motion, of the training and of the held-out logs."""
-    point, problems = drafts.point, (drafts.search.train, drafts.search.heldout)
-    left, slopes = (point.residual, point.heldout), (point.jacobian, point.slopes)
-    motions = [_motion(p, point.changes, drafts.ranges) for p in problems]
-    train, held = (Side(*one) for one in zip(left, slopes, motions, strict=True))
+    both = drafts.ground.train, drafts.ground.heldout
+    train, held = (Side(s.residual, s.slopes, _motion(s, drafts.ranges)) for s in both)
     return train, held
 
 
-def _motion(problem: InverseProblem, changes: dict[str, float], ranges: Ranges) -> np.ndarray:
-    track = Track.of(problem, changes)
-    values = track.values(ranges)
+def _motion(side: ground.Side, ranges: Ranges) -> np.ndarray:
+    values = side.track.values(ranges)
     named = ("away", "line", "way", "pull", "late")
-    return np.column_stack([problem.thinned(np.asarray(values[n])) for n in named])
+    return np.column_stack([side.thinned(np.asarray(values[n])) for n in named])
 
 
 def by_sindy(train: Side, held: Side) -> tuple[float, int]:
@@ -145,7 +141,7 @@ def compared(case: Case) -> dict[str, Any]:
         search, bare = base_model(rig, folder, read[:-1], read[-1:])
         found = search.run()
         law = composed(search, found, found.rungs[0])
-        drafts = Drafts(search, list(bare.fit.estimates), bare.fit.changes)
+        drafts = Drafts(ground.ground_of(search, list(bare.fit.estimates), bare.fit.changes))
     train, held = sides(drafts)
     size = float(np.sqrt(np.mean(search.heldout.measured() ** 2)))
     said = float(np.sqrt(found.chosen.heldout_square))

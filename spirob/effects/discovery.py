@@ -46,23 +46,33 @@ def find_effects(names: list[str]) -> list[type[Effect]]:
 
 
 def load_file(path: Path) -> dict[str, type[Effect]]:
-    """The effects defined in a user's own Python file.
+    """The effects defined in a user's own Python file; the same classes while it stays as it is.
 
     Raises EffectError when the file is absent, does not run, declares wrongly or holds no effect.
     """
+    try:
+        return _loaded(path.resolve(), path.read_bytes())
+    except OSError:
+        raise EffectError(f"effect file '{path}' cannot be read") from None
+    except EffectError as wrong:
+        raise EffectError(f"effect file '{path}'{wrong}") from wrong
+
+
+@cache
+def _loaded(path: Path, content: bytes) -> dict[str, type[Effect]]:
+    """The effects of a file with this content; raises EffectError with what is wrong with it."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    if spec is None or spec.loader is None or not path.is_file():
-        raise EffectError(f"effect file '{path}' cannot be read")
+    if spec is None or spec.loader is None:
+        raise EffectError(" cannot be read")
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
     except SpirobError as wrong:
-        raise EffectError(f"effect file '{path}': {wrong}") from wrong
+        raise EffectError(f": {wrong}") from wrong
     except (Exception, SystemExit) as wrong:  # whatever a user's file does becomes a sentence
-        raise EffectError(f"effect file '{path}' fails: {type(wrong).__name__}: {wrong}") from wrong
-    found = _effects_in(module)
-    if not found:
-        raise EffectError(f"effect file '{path}' defines no effect")
+        raise EffectError(f" fails: {type(wrong).__name__}: {wrong}") from wrong
+    if not (found := _effects_in(module)):
+        raise EffectError(" defines no effect")
     return found
 
 

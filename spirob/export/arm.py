@@ -102,7 +102,7 @@ def _arm(
 ) -> CorrectedArm:
     known = all_effects()
     names = list(map(str, told["effects"]))
-    if strange := [name for name in names if name not in known]:
+    if strange := [Path(name).stem for name in names if name not in known]:
         raise ExportError(
             f"effect '{strange[0]}' is none of the library; an arm takes home only those, so put "
             "its file there"

@@ -81,6 +81,12 @@ SOURCES = {
         ("effect", "trial", "role", "motor", "time", "with_current", "without_current"),
         "no candidate was fitted, so there is no law to draw",
     ),
+    "composed": Source(
+        "data/diagnosis/composed.parquet",
+        "decide",
+        ("effect", "position", "velocity", "time", "effort", "shown", "law", "band", "axis"),
+        "no law was composed",
+    ),
     "posture": Source(
         "data/truth/posture",
         "collect",

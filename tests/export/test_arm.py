@@ -183,7 +183,7 @@ def test_what_a_pipeline_leaves_is_read(tmp_path):
     assert correlation == pytest.approx(np.array([[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]))
     with pytest.raises(ExportError, match=r"deep\.parquet"):
         model.trials()
-    told["effects"] = ["my_own"]
+    told["effects"] = ["data/config/effects/0123/my_own.py"]  # a path, as of any file
     (data / "diagnosis/model.json").write_text(json.dumps(told))
     with pytest.raises(ExportError, match="'my_own' is none of the library"):
         corrected_arm(document, data / "diagnosis")

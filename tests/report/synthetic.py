@@ -51,6 +51,7 @@ def _optional(root: Path, rng: np.random.Generator, overlay: pd.DataFrame) -> No
     _table(root, "data/diagnosis/motion.parquet", _motion())
     _table(root, "data/diagnosis/combinations.parquet", _combinations(overlay))
     _table(root, "data/diagnosis/laws.parquet", _laws(overlay))
+    _table(root, "data/diagnosis/composed.parquet", composed())
     _json(root, "reports/metrics/trial_full.json", TRIAL)
     _table(root, "data/truth/posture/hysteresis_left.parquet", _posture())
     _table(root, "data/features/predictions.parquet", _predictions(rng))
@@ -162,6 +163,14 @@ def _laws(overlay: pd.DataFrame) -> pd.DataFrame:
     for name, side in (("with", "named"), ("without", "base")):
         rows[f"{name}_current"] = overlay[f"{side}_current"]
     return rows
+
+
+def composed() -> pd.DataFrame:
+    """A law of the place over what is left."""
+    x = np.linspace(0.0, 0.05, 50)
+    columns = {"effect": "law", "axis": "m", "position": x, "velocity": 0.01, "time": x}
+    columns |= {"effort": 0.5, "shown": 0.02 * np.sin(100.0 * x), "law": 0.02, "band": 0.002}
+    return pd.DataFrame(columns)
 
 
 def _posture() -> pd.DataFrame:

@@ -27,6 +27,7 @@ def text(name, data):
 def test_sections_stand_in_the_order_of_the_page():
     assert list(SECTIONS) == [
         "verdict",
+        "composed",
         "switches",
         "comparison",
         "failure",

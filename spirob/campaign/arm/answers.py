@@ -31,6 +31,7 @@ ANSWERS: dict[str, tuple[str, ...]] = {
     "stiffness_hardening": ("stiffness_hardening",),
     "tendon_creep": ("creep",),
     "tendon_stretch": ("stretch", "gear_compliance"),
+    "tight_spot": (),  # no name of the library is right
     "tip_payload": ("tip_payload",),
     "torque_ripple": ("torque_ripple",),
     "winding_heating": ("winding_heating",),

@@ -35,6 +35,7 @@ from spirob.identify.fit import Fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, Problem, effort_rms
 from spirob.identify.residual import Residual, near
+from spirob.machine.composed.arm import composed_for_arm
 from spirob.plant import Plant, Rig
 
 ENOUGH = 0.6  # of the base's error: with less the fit did not fail
@@ -179,6 +180,7 @@ def _outcome(
         "probability": float(verdict.probability),
         "first": list(dict.fromkeys([*_first(last), *_first(search)])),
         "proof": None if answer.proof is None else asdict(answer.proof),
+        "composed": _composed(search, problems, settings) if verdict.kind == "unknown" else None,
         "accounted": {
             "validate": explained(last, complete(problems["validate"], settings.floor)),
             "heldout": foretold(last, problems["heldout"], settings),
@@ -190,6 +192,19 @@ def _outcome(
             "oracle": best / size,
         },
     }
+
+
+def _composed(
+    search: Ladder, problems: Mapping[str, Residual], settings: Settings
+) -> dict[str, Any] | None:
+    """The law of what the fitted numbers leave: its terms, and the error that it leaves."""
+    base, best = search.rungs[0].fit, min(search.rungs, key=lambda r: r.scores["validate"].rmse)
+    last = {role: score.rmse for role, score in best.scores.items()}
+    law = composed_for_arm(problems, list(base.estimates), base.changes, last, settings)
+    if law is None:
+        return None
+    error = law.document["rmse"]["test"] / effort_rms(problems["heldout"])
+    return {"terms": law.document["terms"], "heldout": error}
 
 
 def _right_names(case: Case) -> set[str]:

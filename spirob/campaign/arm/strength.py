@@ -53,6 +53,7 @@ VISIBLE = {
     "rotor_friction": 5.48,
     "tendon_creep": 11.9,
     "tendon_stretch": 10.2,
+    "tight_spot": 1.9,
     "tip_payload": 1.29,
     "torque_ripple": 8.49,
     "winding_heating": 4.11,

@@ -18,9 +18,11 @@ Friction of the rotor and of the gear behind it: bristles, grease and a fan.
 A bristle bends over an angle δ and slides at a level that falls with speed (Stribeck) and grows
 with the torque that the gear carries,
 
-    τ_f = [T_c + T_x exp(-(ω/ω_s)²) + (c + c_b (1 - z sgn τ_g)/2) |τ_g|/G] z      ż = (ω - |ω| z)/δ
+    τ_f = [T_c + T_x exp(-(ω/ω_s)²) + (c + c_b (1 - z sgn τ_g)/2) |τ_g|/G + T_s S(Θ)] z
+    ż = (ω - |ω| z)/δ        S = exp(-2 (sin((Θ - Θ_s)/2)/w_s)²)
 
-c is lost whichever way the gear turns, c_b only while the load drives it (z against τ_g).  Viscous:
+S is a tight spot in the turn of the winch.  c is lost whichever way the gear turns, c_b only while
+the load drives it (z against τ_g).  Viscous:
 
     τ_v = [b_m + b_±/(1 + |ω|/ω_t) + D |ω|^(n-1)] ω
 
@@ -88,6 +90,9 @@ NUMBERS = {
     "stribeck_speed": (),  # ω_s [rad/s]
     "gear_loss": (SIDES,),  # c [-]
     "back_loss": (SIDES,),  # c_b [-]
+    "tight": (SIDES,),  # T_s, in the middle of a tight spot of the winch's turn [N·m]
+    "tight_angle": (SIDES,),  # Θ_s, where it is [rad]
+    "tight_width": (),  # w_s, its half width [rad]
     "bristle_angle": (),  # δ, of the rotor [rad]
     "rotor_damping": (SIDES,),  # b_m [N·m·s/rad]
     "grease": (SIDES, 2),  # b_±: winding in, paying out [N·m·s/rad]
@@ -173,6 +178,9 @@ def friction_level(p, s, m):
     if p.back_loss[m] > 0.0:
         side = 1.0 if s.gear_torque[m] >= 0.0 else -1.0
         level += p.back_loss[m] * load * 0.5 * (1.0 - side * s.bristle[m])
+    if p.tight[m] > 0.0:
+        away = np.sin(0.5 * (s.winch_angle[m] - p.tight_angle[m])) / p.tight_width
+        level += p.tight[m] * np.exp(-2.0 * away * away)
     return level
 
 

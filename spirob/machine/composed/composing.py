@@ -6,7 +6,7 @@ every effect has to pass.
 """
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,12 @@ import pandas as pd
 
 from spirob.effects import Effect, load_file
 from spirob.identify.descent import slopes_ahead
-from spirob.identify.intervals import block_covariance
+from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.greedy import compose
+from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.law import Law, law_of
-from spirob.machine.composed.words import formula, told
+from spirob.machine.composed.words import Units, formula, told
 from spirob.machine.composed.writing import written
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP, Model, Models
@@ -71,13 +72,13 @@ def composed(search: Search, found: Found, base: Model) -> Composed | None:
     It has to explain what no set of effects explains: not the model alone, and not the one that the
     search chose, likely or not.
     """
-    drafted = compose(search, base)
+    drafted = compose(ground_of(search, list(base.fit.estimates), base.fit.changes))
     if drafted is None:
         return None
     drafts, draft = drafted
     law = law_of(draft, drafts.ranges, search.train.sizes.torque)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
-        beside = _Beside(search, base, drafts.point.changes, found.offers[0].effect, Path(folder))
+        beside = _Beside(search, base, drafts.ground.changes, found.offers[0].effect, Path(folder))
         one = _pruned(beside, law)
         for other in (base, found.chosen):
             if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
@@ -139,34 +140,58 @@ def _told(search: Search, found: Found, base: Model, one: _Fitted) -> Composed:
     share = 1.0 - model.heldout_square / base.heldout_square
     rows = laws(problems[1], [one.effect], model.fit.changes, sizes.axis_unit)
     rows["band"] = _band(problems, model, one.name)
-    document = {
-        "file": f"{one.name}.py",
+    rmse = {"train": float(np.sqrt(np.mean(model.fit.residual**2)))}
+    rmse["test"] = float(np.sqrt(model.heldout_square))
+    document = document_of(law, one.name, title, sizes, own, share, rmse, (nearest, alike))
+    return Composed(document, written(law, title, nearest, own), rows)
+
+
+def document_of(
+    law: Law,
+    name: str,
+    title: str,
+    units: Units,
+    own: Mapping[str, Estimate],
+    share: float,
+    rmse: Mapping[str, float],
+    nearest: tuple[type[Effect], float],
+) -> dict[str, Any]:
+    """What `diagnosis.json` holds of a law.
+
+    title    what shape it has;  own  its fitted numbers by field
+    share    of the squared error held out that it takes;  rmse  that it leaves, by role
+    nearest  effect of the library that resembles it most, and the share of the law that it makes
+    """
+    rival, alike = nearest
+    return {
+        "file": f"{name}.py",
         "sentence": (
             f"A law of this shape takes {share:.0%} of the squared error that is left, held out: "
-            f"{title}. Nearest of the library: {nearest.title} ({alike:.0%} of the law)."
+            f"{title}. Nearest of the library: {rival.title} ({alike:.0%} of the law)."
         ),
         "shape": title,
-        "formula": formula(law, sizes),
+        "formula": formula(law, units),
         "terms": [" × ".join(part.term.kinds) for part in law.parts],
         "numbers": {
             field: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
             for field, e in own.items()
         },
         "share": share,
-        "rmse": {
-            "train": float(np.sqrt(np.mean(model.fit.residual**2))),
-            "test": float(np.sqrt(model.heldout_square)),
-        },
+        "rmse": dict(rmse),
         "dissipative": law.brakes,
-        "nearest": {"name": nearest.name(), "title": nearest.title, "share": alike},
+        "nearest": {"name": rival.name(), "title": rival.title, "share": alike},
         "range": {a: list(ends) for a, ends in law.ranges.taught().items() if a in law.reads()},
     }
-    return Composed(document, written(law, title, nearest, own), rows)
 
 
 def _name(search: Search) -> str:
     """A name that no effect of the model has."""
-    taken, k = {e.name() for e in search.train.effects}, 1
+    return free_name({e.name() for e in search.train.effects})
+
+
+def free_name(taken: set[str]) -> str:
+    """The name of a new law beside these effects."""
+    k = 1
     while (name := NAME if k == 1 else f"{NAME}_{k}") in taken:
         k += 1
     return name

@@ -4,23 +4,17 @@ Each fold is predicted from the others and the held-out trials from all, as ever
 (`flexible`); a draft is judged by the same questions as an effect (`criteria`).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from spirob.diagnosis.evidence import block_errors
-from spirob.identify.descent import slopes_ahead
-from spirob.identify.scaling import Scaling
+from spirob.machine.composed.ground import Ground, Side
 from spirob.machine.composed.term import Term
-from spirob.machine.composed.track import Ranges, Track, ranges_of
 from spirob.machine.flexible import error, left_out_linear, products, step
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import STEP
-from spirob.machine.search import Search
 
-TINY = 1e-9  # of a coordinate: room that a bound leaves at least
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
 
 LARGE = 1.5  # times the residual: a term that is larger is mostly cancelled by another
@@ -56,85 +50,35 @@ class Draft:
         return sum(term.richness for term in self.terms)
 
 
-@dataclass(frozen=True)
-class Point:
-    """Numbers of the fitted model, without the law, and what follows to first order.
-
-    residual, heldout  (N,) and (M,);  jacobian, slopes  of them by the coordinates of the numbers
-    low, high          how far each coordinate may move
-    """
-
-    changes: dict[str, float]
-    residual: np.ndarray
-    jacobian: np.ndarray
-    heldout: np.ndarray
-    slopes: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-
-
-def point_of(search: Search, names: Sequence[str], changes: Mapping[str, float]) -> Point:
-    """The point of these changes, of which the named numbers are fitted."""
-    scaling = Scaling(search.train.table, list(names))
-    fixed = {name: value for name, value in changes.items() if name not in set(names)}
-    at = np.clip(scaling.scaled(changes), scaling.low, scaling.high)
-    inside = {**fixed, **scaling.physical(at)}
-
-    def along(problem: InverseProblem) -> tuple[np.ndarray, np.ndarray]:
-        value = problem(inside)
-        return value, slopes_ahead(problem, scaling, at, fixed, value, STEP)
-
-    low, high = np.minimum(scaling.low - at, -TINY), np.maximum(scaling.high - at, TINY)
-    return Point(inside, *along(search.train), *along(search.heldout), low, high)
-
-
 class Drafts:
-    """All drafts beside a model at a point, and the columns of their terms.
+    """All drafts beside a model, and the columns of their terms."""
 
-    ranges  that teach the law, where they are known already
-    """
-
-    def __init__(
-        self,
-        search: Search,
-        names: Sequence[str],
-        changes: Mapping[str, float],
-        ranges: Ranges | None = None,
-    ):
-        self.search, self.names = search, list(names)
-        self.point = point_of(search, names, changes)
-        self.track = Track.of(search.train, self.point.changes)
-        self._held = Track.of(search.heldout, self.point.changes)
-        self.ranges = ranges or ranges_of(self.track, search.train)
-        self.folds = search.models.folds
-        slopes = self.point.jacobian
+    def __init__(self, ground: Ground):
+        self.ground, self.ranges, self.folds = ground, ground.ranges, ground.folds
+        slopes = ground.train.slopes
         self._span = np.linalg.qr(slopes / (np.linalg.norm(slopes, axis=0) + 1e-300))[0]
         self._columns: dict[Term, np.ndarray] = {}
 
     def moved(self, draft: Draft) -> "Drafts":
         """The same at the numbers that a draft asks for beside itself."""
-        scaling = Scaling(self.search.train.table, self.names)
-        at = scaling.scaled(self.point.changes) + draft.moved
-        fixed = {n: v for n, v in self.point.changes.items() if n not in set(self.names)}
-        asked = scaling.physical(np.clip(at, scaling.low, scaling.high))
-        return Drafts(self.search, self.names, {**fixed, **asked}, self.ranges)
+        return Drafts(self.ground.moved(draft.moved))
 
     def made(self, terms: Sequence[Term]) -> Draft:
         """The draft of these terms."""
-        base, residual = self.point.jacobian, self.point.residual
+        own, other = self.ground.train, self.ground.heldout
+        base, residual = own.slopes, own.residual
         columns = [self.columns(term) for term in terms]
         whole = np.hstack([base, *columns])
         bounds = self.bounds(whole.shape[1])
         left = left_out_linear(whole, residual, self.folds, *bounds)
         moved = step(products(whole, residual, self.folds), *bounds)
-        held = [self._shown(self.search.heldout, self._held, term) for term in terms]
-        after = self.point.heldout + np.hstack([self.point.slopes, *held]) @ moved
+        held = [self._shown(other, term) for term in terms]
+        after = other.residual + np.hstack([other.slopes, *held]) @ moved
         ends = np.cumsum([base.shape[1], *(c.shape[1] for c in columns)])
         factors = [moved[a:b] for a, b in pairwise(ends)]
-        train = self.search.train
-        errors = block_errors(left, train.edges, train.block)
-        own = moved[: base.shape[1]]
-        return Draft(tuple(terms), tuple(factors), own, left, errors, after)
+        errors = block_errors(left, self.ground.edges, self.ground.block)
+        numbers = moved[: base.shape[1]]
+        return Draft(tuple(terms), tuple(factors), numbers, left, errors, after)
 
     def columns(self, term: Term) -> np.ndarray:
         """What the parts of a term make of the residual, (N, parts)."""
@@ -144,19 +88,16 @@ class Drafts:
 
     def fresh(self, term: Term) -> np.ndarray:
         """The same, of a term that is not kept."""
-        return self._shown(self.search.train, self.track, term)
+        return self._shown(self.ground.train, term)
 
-    def _shown(self, problem: InverseProblem, track: Track, term: Term) -> np.ndarray:
-        changes = self.point.changes
-        return np.column_stack(
-            [problem.shown(-values, changes) for values in term.along(track, self.ranges)]
-        )
+    def _shown(self, side: Side, term: Term) -> np.ndarray:
+        return np.column_stack([side.shown(-v) for v in term.along(side.track, self.ranges)])
 
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""
         own = self.fresh(term)
-        whole = np.hstack([self.point.jacobian, *(self.columns(t) for t in beside), own])
-        sums = products(whole, self.point.residual, self.folds)
+        whole = np.hstack([self.ground.train.slopes, *(self.columns(t) for t in beside), own])
+        sums = products(whole, self.ground.train.residual, self.folds)
         return error(sums, *self.bounds(whole.shape[1])) / len(self.folds)
 
     def balanced(self, draft: Draft) -> bool:
@@ -165,7 +106,7 @@ class Drafts:
         Such terms cancel one another, and say nothing outside of the motion that taught them.  Each
         is taken beside what the fitted numbers can make of it.
         """
-        size = np.linalg.norm(self.point.residual)
+        size = np.linalg.norm(self.ground.train.residual)
         for term, factors in zip(draft.terms, draft.factors, strict=True):
             shown = self.columns(term) @ factors
             if np.linalg.norm(shown - self._span @ (self._span.T @ shown)) > LARGE * size:
@@ -178,7 +119,7 @@ class Drafts:
 
     def bounds(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Of so many coefficients: those of the fitted numbers first, the others are free."""
-        low, high = self.point.low, self.point.high
+        low, high = self.ground.low, self.ground.high
         free = np.full(count - len(low), np.inf)
         return np.concatenate([low, -free]), np.concatenate([high, free])
 
@@ -188,7 +129,7 @@ class Offers:
 
     def __init__(self, drafts: Drafts, found: Sequence[Term]):
         self.drafts = drafts
-        base, residual = drafts.point.jacobian, drafts.point.residual
+        base, residual = drafts.ground.train.slopes, drafts.ground.train.residual
         columns = [drafts.fresh(term) for term in found]
         least = NOTHING * (float(np.sqrt(np.mean(residual**2))) + 1e-300)
         shown = [bool(np.all(np.sqrt(np.mean(c**2, axis=0)) > least)) for c in columns]
@@ -215,7 +156,7 @@ class Offers:
 
     def _with(self, further: np.ndarray) -> np.ndarray:
         """The products with further columns, (N, b), which stand before the residual."""
-        residual, folds = self.drafts.point.residual, self.drafts.folds
+        residual, folds = self.drafts.ground.train.residual, self.drafts.folds
         ends = np.flatnonzero(np.diff(folds)) + 1
         parts = zip(
             *(np.split(a, ends) for a in (self._whole, residual[:, None], further)), strict=True

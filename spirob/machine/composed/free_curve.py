@@ -9,6 +9,7 @@ turns round in its own way, which says nothing of its level.
 from spirob.machine.candidates import is_dry
 from spirob.machine.composed.draft import Draft, Drafts
 from spirob.machine.composed.grammar import WAY
+from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.term import Shape, Term
 from spirob.machine.models import Model
 from spirob.machine.search import Search
@@ -22,8 +23,8 @@ def freed(search: Search, model: Model) -> Draft:
         f"way*(0.5 + 0.5*cos(pi*Max(-1.0, Min(1.0, {float(BUMPS)!r}*share**0.5 - {float(k)!r}))))"
         for k in range(1, BUMPS + 1)
     )
-    drafts = Drafts(search, list(model.fit.estimates), model.fit.changes)
-    return drafts.made((Term((Shape(WAY, "speed", parts),)),))
+    ground = ground_of(search, list(model.fit.estimates), model.fit.changes)
+    return Drafts(ground).made((Term((Shape(WAY, "speed", parts),)),))
 
 
 def is_bent(search: Search, model: Model) -> bool:

@@ -146,7 +146,7 @@ def _loads(ranges: Ranges) -> list[Term]:
 
 
 def _memories(ranges: Ranges, placed: bool) -> list[Term]:
-    half, long = ranges.half if placed else ranges.fast, ranges.long
+    half, long = ranges.half * ranges.gear if placed else ranges.fast, ranges.long
     found = []
     for kind in ("bristle", "spring"):
         for way in WAYS:
@@ -170,7 +170,7 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
 
 def bristled(term: Term, ranges: Ranges) -> list[Term]:
     """The term with bristles of several short ways for its direction, none where it has none."""
-    half = ranges.half
+    half = ranges.half * ranges.gear
     found = [term.bristled(way * half, _reach(half)) for way in SHORT_WAYS]
     return [one for one in found if one is not None]
 

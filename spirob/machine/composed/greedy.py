@@ -8,9 +8,8 @@ from scipy.optimize import minimize
 
 from spirob.machine.composed.draft import Draft, Drafts, Offers
 from spirob.machine.composed.grammar import bristled, terms
+from spirob.machine.composed.ground import Ground
 from spirob.machine.composed.term import Term
-from spirob.machine.models import Model
-from spirob.machine.search import Search
 
 MOST = 4  # terms
 FINALISTS = 6  # of a round, whose numbers are refined
@@ -19,19 +18,20 @@ MOVES = 4  # of the fitted numbers, once a term is there
 SETTLED = 1e-3  # relative, of the mean square: a refinement ends
 
 
-def compose(search: Search, model: Model) -> tuple[Drafts, Draft] | None:
-    """The terms that a law of what this model leaves is made of, None where none is needed.
+def compose(ground: Ground) -> tuple[Drafts, Draft] | None:
+    """The terms that a law of what a model leaves is made of, None where none is needed.
 
     A term is added where it passes the questions of `worth` and the held-out trials agree; of those
     that do about as well the one of fewest numbers.  Whatever is no longer needed beside the others
     goes again.  One term at most remembers.
     """
-    drafts = Drafts(search, list(model.fit.estimates), model.fit.changes)
+    drafts = Drafts(ground)
     current = drafts.made(())
-    signals = {n: search.train.thinned(v) for n, v in drafts.track.signals.items()}
+    track = ground.train.track
+    signals = {n: ground.train.thinned(v) for n, v in track.signals.items()}
     while len(current.terms) < MOST:
-        search.progress(f"a law of {len(current.terms) + 1} terms")
-        grammar = terms(drafts.ranges, current.left, signals, drafts.track.placed)
+        ground.progress(f"a law of {len(current.terms) + 1} terms")
+        grammar = terms(drafts.ranges, current.left, signals, drafts.ground.train.track.placed)
         grown = _best(drafts, drafts.offers(grammar), current)
         if grown is None:
             break
@@ -64,7 +64,7 @@ def _moved(drafts: Drafts, draft: Draft) -> tuple[Drafts, Draft]:
 
 def _best(drafts: Drafts, offers: Offers, current: Draft) -> Draft | None:
     """The draft with one more term, None where none matters."""
-    worth = drafts.search.worth
+    worth = drafts.ground.worth
     remembers = any(term.memory for term in current.terms)
     errors = offers.errors(current.terms)
     errors[[remembers and term.memory is not None for term in offers.terms]] = np.inf
@@ -87,7 +87,7 @@ def _finalists(found: Sequence[Term], errors: np.ndarray) -> list[int]:
 def _simplest(drafts: Drafts, passed: Sequence[Draft]) -> Draft:
     """The poorest draft to which no other is clearly preferable."""
     best = min(passed, key=lambda d: d.mean_square)
-    equal = [d for d in passed if d is best or not drafts.search.worth.clearly(d, best)]
+    equal = [d for d in passed if d is best or not drafts.ground.worth.clearly(d, best)]
     return min(equal, key=lambda d: (d.richness, d.mean_square))
 
 
@@ -112,7 +112,7 @@ def _bristled(drafts: Drafts, draft: Draft) -> Draft:
             first = min(tried, key=lambda t: drafts.error(beside, t))
             turned = _refined(drafts, beside, first)
             made.append(drafts.made([*draft.terms[:k], turned, *draft.terms[k + 1 :]]))
-    worth = drafts.search.worth
+    worth = drafts.ground.worth
     better = [d for d in made if worth.clearly(draft, d) and not worth.denied(draft, d)]
     return min(better, key=lambda d: d.mean_square) if better else draft
 
@@ -125,7 +125,7 @@ def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> 
     """
     for k in range(len(draft.terms)):
         beside = drafts.made([t for j, t in enumerate(draft.terms) if j != k])
-        grammar = terms(drafts.ranges, beside.left, signals, drafts.track.placed)
+        grammar = terms(drafts.ranges, beside.left, signals, drafts.ground.train.track.placed)
         other = _best(drafts, drafts.offers(grammar), beside)
         if other is not None and other.heldout_square <= draft.heldout_square:
             draft = _simplest(drafts, [draft, other])
@@ -134,7 +134,7 @@ def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> 
 
 def _needed(drafts: Drafts, draft: Draft) -> Draft:
     """Without terms that no longer matter beside the others."""
-    worth = drafts.search.worth
+    worth = drafts.ground.worth
     while len(draft.terms) > 1:
         lesser = [drafts.made([t for t in draft.terms if t is not term]) for term in draft.terms]
         weak = [d for d in lesser if not worth.matters(d, draft) or worth.denied(d, draft)]

@@ -127,7 +127,8 @@ class Law:
             shape = self.memory[1]
             texts += [inlined(shape.followed), inlined(" ".join(MEMORIES[shape.memory].lines))]
         words = set(re.findall(r"[A-Za-z_]\w*", " ".join(texts)))
-        return {name: signal for name, signal in SIGNALS.items() if name in words}
+        signals = SIGNALS | {"place": self.ranges.position}
+        return {name: signal for name, signal in signals.items() if name in words}
 
     def changes(self, owner: str) -> dict[str, float]:
         """Its numbers by full name."""
@@ -169,7 +170,7 @@ class Law:
                 yield LawNumber(
                     f"{about.field}_{k}",
                     f"{key}_{k}",
-                    about.unit,
+                    self.ranges.unit if about.unit == "m" else about.unit,
                     about.meaning,
                     float(np.clip(value, low, high)),
                     low,
@@ -196,7 +197,8 @@ class Law:
             if name in words:
                 value = float(getattr(self.ranges, name))
                 room = self.ranges.half if name == "middle" else 0.5 * value
-                yield LawNumber(name, symbol, unit, meaning, value, value - room, value + room)
+                own = self.ranges.unit if unit == "m" else unit
+                yield LawNumber(name, symbol, own, meaning, value, value - room, value + room)
 
 
 _PHASES = (-2.0 * math.pi, 2.0 * math.pi)

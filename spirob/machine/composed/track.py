@@ -8,6 +8,7 @@ import numpy as np
 
 from spirob.machine.composed import memory
 from spirob.machine.inverse import InverseProblem
+from spirob.ports import SIGNALS as PORT_SIGNALS
 
 FUNCTIONS = {
     "Abs": np.abs,
@@ -44,6 +45,8 @@ class Ranges:
 
     middle, half  of the way;  fast  the highest speed;  heavy  the largest load;  long  the longest
     trial [s];  turn  after which the axis comes round, 0 where it does not
+    position  name of the signal that is the place;  gear  way of the axis at the speed [rad] for
+              one unit of the place
     """
 
     middle: float
@@ -53,6 +56,13 @@ class Ranges:
     long: float
     rest_speed: float
     turn: float
+    position: str = "winch.displacement"
+    gear: float = 1.0
+
+    @property
+    def unit(self) -> str:
+        """Of the place."""
+        return PORT_SIGNALS[self.position].unit
 
     def taught(self) -> dict[str, tuple[float, float]]:
         """Argument -> lowest and highest value."""

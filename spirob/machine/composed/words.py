@@ -1,8 +1,21 @@
 """A composed law in words: what shape it has."""
 
+from typing import Protocol
+
 from spirob.machine.composed.law import Law, Part
 from spirob.machine.composed.memory import MEMORIES
-from spirob.machine.scaling import Sizes
+
+
+class Units(Protocol):
+    """What the quantities of a machine are given in."""
+
+    @property
+    def torque_unit(self) -> str:
+        """Of the law itself."""
+
+    def unit(self, unit: str) -> str:
+        """For what is `unit` of a rotor whose place is in m."""
+
 
 PHRASES = {  # kind of a shape -> what is said of it
     "way": "against the motion",
@@ -78,13 +91,13 @@ FORMULAS = {  # of place x, speed v, load T and time t; v_0 is the speed of rest
 }
 
 
-def told(law: Law, sizes: Sizes) -> str:
+def told(law: Law, sizes: Units) -> str:
     """The shape of the whole law, without a full stop."""
     noun = "friction" if law.brakes else "effort"
     return f"{noun} " + ", and ".join(_phrase(part, sizes) for part in law.parts)
 
 
-def _phrase(part: Part, sizes: Sizes) -> str:
+def _phrase(part: Part, sizes: Units) -> str:
     shown = {key: _shown(key, value, sizes) for key, value in part.numbers.items()}
     phrases = [PHRASES.get(kind, CURVE) for kind in part.term.kinds]
     if part.term.memory is not None and part.term.memory.kind not in MEMORIES:
@@ -92,7 +105,7 @@ def _phrase(part: Part, sizes: Sizes) -> str:
     return " ".join(phrase.format(**shown) for phrase in phrases)
 
 
-def _shown(key: str, value: float, sizes: Sizes) -> str:
+def _shown(key: str, value: float, sizes: Units) -> str:
     if key == "p":
         return f"{value:.2g}"
     units = {"c": "m", "w": "m", "L": "m", "f": "rad/s", "s": "rad/s", "r": "rad"}
@@ -100,7 +113,7 @@ def _shown(key: str, value: float, sizes: Sizes) -> str:
     return f"{value:.3g} {unit}"
 
 
-def formula(law: Law, sizes: Sizes) -> str:
+def formula(law: Law, sizes: Units) -> str:
     """The law as a reader writes it, with its numbers."""
     terms = []
     for part in law.parts:

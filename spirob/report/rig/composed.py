@@ -27,6 +27,7 @@ class RigComposed(Section):
     order = 15
     title = "A law for what is left"
     template = "rig_composed.html.j2"
+    nothing = ABSENT
 
     @staticmethod
     def absent(context: dict[str, Any]) -> str:
@@ -35,7 +36,7 @@ class RigComposed(Section):
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.diagnosis.get("composed")
         if found is None or data.composed is None:
-            return {"law": None, "absent": ABSENT}
+            return {"law": None, "absent": self.nothing}
         rows = [
             {
                 "name": name.replace("_", " "),
@@ -45,9 +46,18 @@ class RigComposed(Section):
             }
             for name, one in found["numbers"].items()
         ]
-        figure = drawn(data.composed, over(found), data.diagnosis)
+        figure = drawn(data.composed, over(found), self.about(data))
         label = f"What is left without the law, and the law with its 95 % band, over {over(found)}"
-        return {"law": found, "numbers": rows, "plot": Plot("composed-law", label, figure)}
+        plot = Plot("composed-law", label, figure)
+        return {"law": found, "numbers": rows, "plot": plot, "how": self.how(found["file"])}
+
+    def about(self, data: ReportData) -> dict[str, Any]:
+        """What the effort is called, and its unit."""
+        return data.diagnosis
+
+    def how(self, file: str) -> list[str]:
+        """What switches the law on, as code, and the condition of it."""
+        return [f"effects: [{file}]", "in the description, beside which the file then lies,"]
 
 
 def over(found: dict[str, Any]) -> str:

@@ -1,0 +1,356 @@
+"""From what the arm's model leaves in the motor currents to a law that was played in full.
+
+As for a rig (`composing`); what a law is worth the whole coupled model says, by the questions of
+the arm's own search.
+"""
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from spirob.diagnosis.rungs import Rung, Settings, rung_of
+from spirob.diagnosis.weighing import LESSER, counts
+from spirob.effects import Effect, all_effects, load_file
+from spirob.effects.replay import contribution
+from spirob.identify.descent import slopes_ahead
+from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.intervals import Estimate, block_covariance
+from spirob.identify.problem import effort_rms
+from spirob.identify.residual import Residual, near
+from spirob.identify.scaling import Scaling
+from spirob.machine.composed.arm_ground import PLACES, arm_ground, turn_of
+from spirob.machine.composed.composing import SURE, Composed, document_of, free_name
+from spirob.machine.composed.greedy import compose
+from spirob.machine.composed.ground import Ground
+from spirob.machine.composed.law import Law, law_of
+from spirob.machine.composed.words import told
+from spirob.machine.composed.writing import written
+from spirob.machine.criteria import Criteria
+from spirob.machine.page_tables import laws
+from spirob.plant import Plant
+
+PORT = "motor.torque"
+Errors = Mapping[str, float]  # RMSE by role
+
+
+@dataclass(frozen=True)
+class _Units:
+    """The arm's: SI, the place in its own unit."""
+
+    place: str
+    torque_unit: str = "N·m"
+
+    def unit(self, unit: str) -> str:
+        return self.place if unit == "m" else unit
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """A law as the file that it is, fitted in the coupled model; `ground` taught it.
+
+    start  numbers of both, as they were composed
+    """
+
+    ground: Ground
+    law: Law
+    effect: type[Effect]
+    residuals: dict[str, Residual]
+    start: dict[str, float]
+    rung: Rung
+
+    @property
+    def own(self) -> dict[str, Estimate]:
+        """Its fitted numbers by field."""
+        numbers = self.rung.fit.estimates
+        return {n.partition(".")[2]: e for n, e in numbers.items() if _is_of(n, self.effect)}
+
+
+def composed_for_arm(
+    residuals: Mapping[str, Residual],
+    names: Sequence[str],
+    changes: Mapping[str, float],
+    last: Errors,
+    settings: Settings,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Composed | None:
+    """The law of what a model leaves; None where none is needed, or the file does not hold.
+
+    residuals  by role, of a plant that may hold more effects than the model
+    names      of its fitted numbers;  changes  all that are not those of the table
+    last       errors of the best that the search found, likely or not: a law explains more
+    """
+    bare = {role: _lean(problem, changes, []) for role, problem in residuals.items()}
+    changes = {n: v for n, v in changes.items() if n in bare["train"].table.index}
+    ends = [_drafted(bare, names, changes, p, settings, progress) for p in PLACES]
+    drafted = [one for one in ends if one is not None]
+    if not drafted:
+        return None
+    ground, law, _ = min(drafted, key=lambda one: one[2])
+    # fitted as far as with a law: what only that gains is the law's
+    below = rung_of("fitted parameters", [], _fit(bare, names, changes, settings), bare)
+    with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
+        progress(f"the arm plays a law of {law.terms} terms")
+        whole = _fitted(ground, law, bare, names, settings, Path(folder))
+        one = _pruned(whole, below, bare, names, settings, Path(folder))
+        if not _holds(one.rung, below, last, one.residuals, settings):
+            return None
+        return _told(one, below)
+
+
+def _fit(
+    residuals: Mapping[str, Residual],
+    names: Sequence[str],
+    start: Mapping[str, float],
+    settings: Settings,
+) -> Fit:
+    train = near(residuals["train"], start)
+    return fit(
+        train, names, start, settings.scale, settings.patience, steps=STEPS[-1:], exact=False
+    )
+
+
+def _lean(
+    problem: Residual, changes: Mapping[str, float], more: Sequence[type[Effect]]
+) -> Residual:
+    """The same trials with a model that holds what these numbers switch on, and `more`."""
+    old = problem.plant
+    values = dict(zip(old.table.names, old.table.vector(changes).tolist(), strict=True))
+    there = [
+        e
+        for e in old.effects
+        if any(values[f"{e.name()}.{f}"] != neutral for f, neutral in e.neutral.items())
+    ]
+    made = Plant(old.rig, [*there, *more], old.substeps)
+    about = made.table.about
+    differ = {n: a for n, a in old.table.about.items() if n in about and about[n] != a}
+    made = made.within(differ) if differ else made
+    made.scatter = old.scatter
+    return replace(problem, plant=made)
+
+
+def _drafted(
+    bare: Mapping[str, Residual],
+    names: Sequence[str],
+    changes: Mapping[str, float],
+    place: str,
+    settings: Settings,
+    progress: Callable[[str], None],
+) -> tuple[Ground, Law, float] | None:
+    """The law of this place, and the mean square that it leaves of the folds left out."""
+    train = bare["train"]
+    ground = arm_ground(train, bare["validate"], names, changes, place, settings, progress)
+    drafted = compose(ground)
+    if drafted is None:
+        return None
+    table = train.table
+    constant = table.vector(changes)[table.position("motor.torque_constant")]
+    law = law_of(drafted[1], ground.ranges, float(constant) * effort_rms(train))
+    return ground, law, drafted[1].mean_square
+
+
+def _fitted(
+    ground: Ground,
+    law: Law,
+    bare: Mapping[str, Residual],
+    names: Sequence[str],
+    settings: Settings,
+    folder: Path,
+) -> _Fitted:
+    """A law written, loaded and fitted in the coupled model."""
+    name = free_name({e.name() for e in bare["train"].plant.effects} | set(all_effects()))
+    rival = next(iter(_rivals()))
+    path = folder / f"{name}.py"
+    path.write_text(written(law, _title(law), rival), encoding="utf-8")
+    (effect,) = load_file(path).values()
+    residuals = {role: _lean(p, ground.changes, [effect]) for role, p in bare.items()}
+    start = ground.changes | law.changes(name)
+    both = [*names, *(f"{name}.{f}" for f in effect.fitted())]
+    rung = _rung(effect, residuals, both, [start], settings)
+    return _Fitted(ground, law, effect, residuals, start, rung)
+
+
+def _rung(
+    effect: type[Effect],
+    residuals: Mapping[str, Residual],
+    names: Sequence[str],
+    starts: Sequence[Mapping[str, float]],
+    settings: Settings,
+) -> Rung:
+    """The model with the law, from where its fit ends lowest."""
+    fits = [_fit(residuals, names, start, settings) for start in starts]
+    found = min(fits, key=lambda one: one.cost)
+    return rung_of(f"+ {effect.name()}", [effect], found, residuals)
+
+
+def _pruned(
+    whole: _Fitted,
+    below: Rung,
+    bare: Mapping[str, Residual],
+    names: Sequence[str],
+    settings: Settings,
+    folder: Path,
+) -> _Fitted:
+    """The law without terms that do not matter beside the others, as effects beside another."""
+    rung, kept = whole.rung, list(range(whole.law.terms))
+    size = float(np.sqrt(max(0.0, below.errors.mean() - rung.errors.mean())))
+    least = max(LESSER * settings.floor * effort_rms(bare["validate"]), settings.further * size)
+    while len(kept) > 1:
+        lesser = {k: _only(whole, [j for j in kept if j != k], names, rung, settings) for k in kept}
+        weak = [
+            k
+            for k, one in lesser.items()
+            if not counts(rung, one, whole.residuals, settings, least)
+            or _heldout(rung) >= _heldout(one)
+        ]
+        if not weak:
+            break
+        out = min(weak, key=lambda k: float(lesser[k].errors.mean()))
+        kept, rung = [k for k in kept if k != out], lesser[out]
+    if len(kept) == whole.law.terms:
+        return whole
+    name = whole.effect.name()
+    found = {
+        n.partition(".")[2]: v for n, v in rung.fit.changes.items() if n.startswith(f"{name}.")
+    }
+    ground = replace(whole.ground, changes=_without(rung.fit.changes, name))
+    (folder / "pruned").mkdir()
+    return _fitted(ground, whole.law.at(found).only(kept), bare, names, settings, folder / "pruned")
+
+
+def _only(
+    whole: _Fitted, kept: Sequence[int], names: Sequence[str], rung: Rung, settings: Settings
+) -> Rung:
+    """The model with some terms of the law alone.
+
+    A fit with the others may have ended where none leads on: it begins there, and as composed.
+    """
+    name, law = whole.effect.name(), whole.law
+    own = [f"{name}.{f}" for k in kept for f in law.fields(k)]
+    silent = {f"{name}.amplitude_{k + 1}" for k in range(law.terms) if k not in kept}
+    starts = [
+        {n: v for n, v in start.items() if n not in silent}
+        for start in (rung.fit.changes, whole.start)
+    ]
+    return _rung(whole.effect, whole.residuals, [*names, *own], starts, settings)
+
+
+def _holds(
+    rung: Rung, below: Rung, last: Errors, residuals: Mapping[str, Residual], settings: Settings
+) -> bool:
+    """Whether the law counts, beside the numbers alone and beside the best of the library.
+
+    The held-out trials must not deny it, here as everywhere.
+    """
+    if not counts(rung, below, residuals, settings):
+        return False
+    least = settings.floor * effort_rms(residuals["validate"])
+    if last["validate"] ** 2 - rung.scores["validate"].rmse ** 2 < least**2:
+        return False
+    before = min(_heldout(below), last["heldout"])
+    return _heldout(rung) ** 2 <= (1.0 - Criteria().veto) * before**2
+
+
+def _heldout(rung: Rung) -> float:
+    return float(rung.scores["heldout"].rmse)
+
+
+def _told(one: _Fitted, below: Rung) -> Composed:
+    """What a reader gets of a law."""
+    law, units = (
+        one.law.at({f: e.value for f, e in one.own.items()}),
+        _Units(one.ground.ranges.unit),
+    )
+    title, nearest = told(law, units), _nearest(one)
+    rows = _drawn(one)
+    share = 1.0 - (_heldout(one.rung) / _heldout(below)) ** 2
+    rmse = {"train": one.rung.scores["train"].rmse, "test": _heldout(one.rung)}
+    document = document_of(law, one.effect.name(), title, units, one.own, share, rmse, nearest)
+    return Composed(document, written(law, title, nearest[0], one.own), rows)
+
+
+def _drawn(one: _Fitted) -> pd.DataFrame:
+    """Rows of held-out samples, over the place of the law: a length, or the angle of the motor."""
+    heldout, ranges = one.residuals["heldout"], one.ground.ranges
+    rows = laws(heldout, [one.effect], one.rung.fit.changes, ranges.unit)
+    if ranges.unit == "rad":
+        rows["position"] = np.concatenate([p.angle for p in heldout.stretches()])  # type: ignore[misc]
+        rows["velocity"] *= turn_of(heldout)
+    rows["band"] = _band(one)
+    return rows
+
+
+def _rivals() -> list[type[Effect]]:
+    """The effects of the library that act where a law does."""
+    return [e for e in all_effects().values() if e.port == PORT]
+
+
+def _nearest(one: _Fitted) -> tuple[type[Effect], float]:
+    """The effect of the library that makes most of the law's current, and the share that it makes.
+
+    At its nominal shape, along the motion that taught the law, beside what the fitted numbers make.
+    """
+    side = one.ground.train
+    span = np.linalg.qr(side.slopes / (np.linalg.norm(side.slopes, axis=0) + 1e-300))[0]
+    ranges, signals = one.ground.ranges, side.track.signals
+    seen = {
+        ranges.position: signals["place"],
+        "motor.speed": signals["speed"],
+        "motor.load_torque": signals["load"],
+        "time": signals["time"],
+    }
+
+    def current(effect: type[Effect], numbers: Mapping[str, float]) -> np.ndarray:
+        parts = [
+            contribution(
+                effect,
+                numbers,
+                {"motor.rest_speed": ranges.rest_speed, **{n: v[a:b] for n, v in seen.items()}},
+                float(step),
+            )
+            for a, b, step in zip(
+                side.track.starts, side.track.starts[1:], side.track.steps, strict=False
+            )
+        ]
+        values = side.shown(np.concatenate(parts))
+        return np.asarray(values - span @ (span.T @ values))
+
+    own = current(one.effect, {f: e.value for f, e in one.own.items()})
+    best: tuple[type[Effect], float] = (_rivals()[0], 0.0)
+    known = {*seen, "motor.rest_speed"}
+    for effect in _rivals():
+        if set(effect.reads.values()) <= known:
+            other = current(effect, {})
+            power = float(np.dot(other, other) * np.dot(own, own))
+            alike = float(np.dot(own, other) ** 2 / power) if power > 0.0 else 0.0
+            best = max(best, (effect, alike), key=lambda pair: pair[1])
+    return best
+
+
+def _band(one: _Fitted) -> np.ndarray:
+    """Half the 95 % interval of the law's current on the held-out trials, (M,)."""
+    train, held, found = one.residuals["train"], one.residuals["heldout"], one.rung.fit
+    scaling = Scaling(held.table, list(found.estimates))
+    fixed = {n: v for n, v in found.changes.items() if n not in found.estimates}
+    at = scaling.scaled(found.changes)
+    slopes = slopes_ahead(held, scaling, at, fixed, held(found.changes), STEPS[-1])[held.rows]
+    robust = 1e3 * effort_rms(train)
+    spread = block_covariance(found.jacobian, found.residual, train.edges, robust, train.block)
+    own = [k for k, n in enumerate(found.estimates) if _is_of(n, one.effect)]
+    variance = np.einsum("ij,jk,ik->i", slopes[:, own], spread[np.ix_(own, own)], slopes[:, own])
+    return np.asarray(SURE * np.sqrt(np.maximum(variance, 0.0)))
+
+
+def _without(changes: Mapping[str, float], owner: str) -> dict[str, float]:
+    return {n: v for n, v in changes.items() if not n.startswith(f"{owner}.")}
+
+
+def _is_of(full: str, effect: type[Effect]) -> bool:
+    return full.partition(".")[0] == effect.name()
+
+
+def _title(law: Law) -> str:
+    return told(law, _Units(law.ranges.unit))
