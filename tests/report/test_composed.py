@@ -26,4 +26,4 @@ def test_a_law_is_shown_with_what_switches_it_on(data):
 
 def test_without_one_a_sentence_says_when_it_is_asked_for(data):
     page = render(data, [Composed()])
-    assert "No law was composed: it is asked for where" in page
+    assert "no law was composed: it is asked for where" in page

@@ -20,8 +20,10 @@ BY_NAME = pytest.mark.parametrize("name", SECTIONS)
 
 def text(name, data):
     section = SECTIONS[name]
-    template = builder._environment().get_template(section.template)
-    return template.render(section.get_context(data))
+    context = section.get_context(data)
+    if why := section.absent(context):
+        return why
+    return builder._environment().get_template(section.template).render(context)
 
 
 def test_sections_stand_in_the_order_of_the_page():
