@@ -101,7 +101,7 @@ def diagnose_recordings(
         raise ConfigError("a diagnosis needs at least one training log")
     held = chosen(files(rig.effects, folder)) if own is None else own
     ready = _ready(rig, folder, train, test, held, without)
-    ready = replace(ready, settings=settings or Criteria(), progress=progress)
+    ready = replace(ready, settings=settings or rig.criteria, progress=progress)
     # small matrices and trees lose more time to waiting threads than they win
     with threadpool_limits(1):
         done = _searched(_placed(ready))

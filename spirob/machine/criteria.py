@@ -7,12 +7,15 @@ the held-out trials agree?
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Annotated, Protocol
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
 from spirob.diagnosis.evidence import improvement
-from spirob.machine.models import Model
+
+if TYPE_CHECKING:
+    from spirob.machine.models import Model
 
 HALF = 0.5
 DRAWS, UNSURE = 2000, 0.025  # of blocks, and the share of draws that may deny what is sure
@@ -21,7 +24,7 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class Criteria:
-    """How the search decides: given to `spirob.diagnose` as `settings`; no description sets it.
+    """How the search decides: the key `criteria` of a description, or `settings` from Python.
 
     From which probability a name is given is `LIKELY` in `judgement`.
 
@@ -33,12 +36,13 @@ class Criteria:
     most     effects in a set
     """
 
-    floor: float = 0.01
-    share: float = 0.05
-    veto: float = 0.05
-    better: float = 0.10
-    most: int = 4
-    seed: int = 0
+    floor: Annotated[float, Field(gt=0, lt=1)] = 0.01
+    share: Annotated[float, Field(ge=0, lt=1)] = 0.05
+    veto: Annotated[float, Field(ge=0, lt=1)] = 0.05
+    better: Annotated[float, Field(ge=0, lt=1)] = 0.10
+    most: Annotated[int, Field(ge=0, le=10)] = 4
+    seed: Annotated[int, Field(ge=0)] = 0
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Judged(Protocol):
@@ -94,7 +98,7 @@ class Worth:
         draws = np.random.default_rng(seed).integers(0, len(falls), (DRAWS, len(falls)))
         return bool(np.quantile(falls[draws].mean(axis=1), UNSURE) > 0.0)
 
-    def possible(self, current: Model, error: float) -> bool:
+    def possible(self, current: "Model", error: float) -> bool:
         """Whether an addition could matter, judged by its screened error and half the floor."""
         return current.mean_square - error > (0.5 * self.least) ** 2
 
@@ -103,7 +107,7 @@ class Worth:
         least = 1.0 - (self.settings.veto if whole else 0.0)
         return after.heldout_square > least * before.heldout_square
 
-    def simplest(self, models: Sequence[Model]) -> Model:
+    def simplest(self, models: Sequence["Model"]) -> "Model":
         """The poorest model to which no other is clearly preferable.
 
         A richer model has to be better by the least size of an effect: the edges of a smooth sign
@@ -113,7 +117,7 @@ class Worth:
         equal = [m for m in models if m is best or not self._beaten(m, best)]
         return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
 
-    def _beaten(self, model: Model, best: Model) -> bool:
+    def _beaten(self, model: "Model", best: "Model") -> bool:
         if model.numbers < best.numbers:
             return self.matters(model, best)
         return self.clearly(model, best)

@@ -5,7 +5,7 @@ plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spiro
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,6 @@ from spirob.machine.rig import RigFile
 from spirob.machine.selection import each_once, filtered_alike
 
 Log = Path | str | pd.DataFrame
-PATIENCE = 3  # sets of differences of a fit of the arm: further ones gain next to nothing
 
 
 def diagnose(
@@ -47,7 +46,7 @@ def diagnose(
              else from the working folder
     train    logs to fit: files, or tables with the columns that the description names
     test     logs held out; without one the end of each training log is kept aside
-    settings how the search of a plain rig decides; our arm's has its own
+    settings how the search of a plain rig decides, in place of the description's `criteria`
     command  that repeats this, for the page
     effects  further ones that the model holds, names or files of one's own from anywhere; those
              that a description names lie beside or below it
@@ -104,12 +103,12 @@ def _arm(
     progress: Callable[[str], None],
     own: Sequence[type[Effect]],
 ) -> Diagnosis:
-    """Diagnose our arm from logs of somebody else; its search has settings of its own."""
+    """Diagnose our arm from logs of somebody else."""
     from spirob.diagnosis.rungs import Settings as ArmSettings
     from spirob.machine.arm import diagnosis as arm
     from spirob.machine.arm.diagnosis import overlay, parameters
 
-    settings = ArmSettings(intervals=False, always=False, patience=PATIENCE)
+    settings = ArmSettings(**asdict(rig.criteria), intervals=False, always=False)
     trials, said = arm.read(rig, train, test)
     stood = arm.searched(rig, trials, settings, progress, own=own, said=said)
     found = arm.written(rig, stood, said)

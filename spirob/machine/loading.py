@@ -52,7 +52,7 @@ def _first(error: ValidationError) -> str:
     wrong = error.errors()[0]
     place = ".".join(str(part) for part in wrong["loc"])
     said = wrong["msg"].removeprefix("Value error, ")
-    if wrong["type"] == "extra_forbidden":
+    if wrong["type"] in ("extra_forbidden", "unexpected_keyword_argument"):  # of a record
         said = "no such key; docs/rig_keys.md lists all"
     more = error.error_count() - 1
     return f"{place + ': ' if place else ''}{said}" + (f" (and {more} more)" if more else "")

@@ -22,6 +22,7 @@ from spirob.machine.columns import (
     MotionColumn,
     PositionColumn,
 )
+from spirob.machine.criteria import Criteria
 from spirob.units import units_of
 
 __all__ = [
@@ -194,6 +195,7 @@ class RigFile(Entry):
                 turn over the whole stroke
     effects     what the model holds already; a name that ends in .py is a file of the user's own
     dbc         file beside the description that decodes the frames of a log of a CAN bus
+    criteria    how the search decides, where that is to differ
     """
 
     name: str
@@ -215,6 +217,7 @@ class RigFile(Entry):
     gear: float | None = Field(default=None, gt=0)
     effects: Effects = []
     dbc: str | None = None
+    criteria: Criteria = Criteria()
 
     @field_validator("known", "fit")
     @classmethod

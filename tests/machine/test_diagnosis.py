@@ -57,6 +57,14 @@ def test_a_log_is_given_once_whatever_its_name(tmp_path, rig):
             diagnose(rig(), logs, [tmp_path / other], NONE)
 
 
+def test_a_description_says_how_the_search_decides(tmp_path, rig):
+    """Above the size of its friction, or with no effect at all, none is named."""
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    assert diagnose(rig(), logs[:2], logs[2:]).findings
+    for criteria in ({"floor": 0.9}, {"most": 0}):
+        assert not diagnose(rig(criteria=criteria), logs[:2], logs[2:]).findings
+
+
 def test_what_cannot_be_used_is_a_sentence_and_no_result(tmp_path, rig, capsys):
     good, out = log(tmp_path, "0.csv", 0), tmp_path / "out"
     (tmp_path / "exits.py").write_text("raise SystemExit(0)")

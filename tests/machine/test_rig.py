@@ -53,6 +53,9 @@ def test_a_description_is_read(tmp_path):
         ({"gear": 10**39}, r"gear: 1e\+39 is no size"),
         ({"gear": ".inf"}, "gear: "),
         ({"effects": ["creep", "creep"]}, "effects: 'creep' is given twice"),
+        ({"criteria": {"flor": 0.02}}, "criteria.flor: no such key"),
+        ({"criteria": {"floor": 2.0}}, "criteria.floor: "),
+        ({"criteria": {"most": -1}}, "criteria.most: "),
         ({"effects": ["creep"] * 5000}, "effects: List should have at most 100"),
     ],
 )
@@ -110,11 +113,15 @@ WHOLE = {
         known={"stiffness": 1.0},
         body={"mjcf": "a.xml", "joint": "j", "joints": {"k": {"column": "k", "unit": "rad"}}},
         rows={"minimum_speed": 0.1},
+        criteria={"floor": 0.02, "most": 3},
         gear=2.0,
         effects=["creep"],
     ),
     "arm": elsewhere.description(
-        arm={"winch": {"gear_ratio": 1.0}}, known={"motor.rotor_inertia": 4e-5}, effects=["creep"]
+        arm={"winch": {"gear_ratio": 1.0}},
+        known={"motor.rotor_inertia": 4e-5},
+        criteria={"sure": 0.8},
+        effects=["creep"],
     ),
 }
 

@@ -12,13 +12,14 @@ There is no integral.  The law takes i_measured as an error of the speed, i/K_v,
 would add it up; it then rings, and fits with numbers that make up for it left twenty times as much.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from spirob.control.law import Gains
+from spirob.diagnosis.rungs import Rules
 from spirob.given_number import Size
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
@@ -143,6 +144,14 @@ PLACELESS = {  # keys of other rigs -> why the arm has none
 }
 
 
+@dataclass(frozen=True)
+class ArmCriteria(Rules):
+    """The rules of the arm's search; a fit gains next to nothing by further sets of differences."""
+
+    patience: Annotated[int, Field(ge=1, le=1000)] = 3
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
 class ArmFile(Entry):
     """A whole description.
 
@@ -155,6 +164,7 @@ class ArmFile(Entry):
     effects      those that the model holds already
     dbc          file beside the description that decodes the frames of a CAN log
     filter, rows of what is compared
+    criteria     how the search decides, where that is to differ
     """
 
     name: str
@@ -170,6 +180,7 @@ class ArmFile(Entry):
     dbc: str | None = None
     filter: ArmFilter = ArmFilter()
     rows: ArmRows = ArmRows()
+    criteria: ArmCriteria = ArmCriteria()
 
     @model_validator(mode="before")
     @classmethod
