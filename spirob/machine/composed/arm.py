@@ -16,6 +16,7 @@ from spirob.diagnosis.rungs import Rung, Settings, rung_of
 from spirob.diagnosis.weighing import LESSER, counts
 from spirob.effects import Effect, all_effects, load_file
 from spirob.effects.replay import contribution
+from spirob.errors import SimulationError
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.intervals import Estimate, block_covariance
@@ -77,7 +78,7 @@ def composed_for_arm(
     settings: Settings,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Composed | None:
-    """The law of what a model leaves; None where none is needed, or the file does not hold.
+    """The law of what a model leaves; None where none is needed, none holds, or none can be played.
 
     residuals  by role, of a plant that may hold more effects than the model
     names      of its fitted numbers;  changes  all that are not those of the table
@@ -94,8 +95,12 @@ def composed_for_arm(
     below = rung_of("fitted parameters", [], _fit(bare, names, changes, settings), bare)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         progress(f"the arm plays a law of {law.terms} terms")
-        whole = _fitted(ground, law, bare, names, settings, Path(folder))
-        one = _pruned(whole, below, bare, names, settings, Path(folder))
+        try:
+            whole = _fitted(ground, law, bare, names, settings, Path(folder))
+            one = _pruned(whole, below, bare, names, settings, Path(folder))
+        except SimulationError as wrong:  # to first order a law may be one that throws the arm
+            progress(f"no model of the arm can hold it: {wrong}")
+            return None
         if not _holds(one.rung, below, last, one.residuals, settings):
             return None
         return _told(one, below)

@@ -7,8 +7,10 @@ from spirob.campaign.arm.recording import bends
 from spirob.diagnosis.rungs import Settings
 from spirob.effects import load_file
 from spirob.effects.check import check
+from spirob.errors import SimulationError
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
+from spirob.machine.composed import arm
 from spirob.machine.composed.arm import composed_for_arm
 from spirob.machine.composed.arm_ground import arm_ground
 from spirob.plant import Plant, Rig
@@ -133,3 +135,16 @@ def test_a_torque_shows_in_the_currents_as_the_model_shows_it(plain, tmp_path):
     assert np.mean((shown - played) ** 2) < 0.2 * np.mean(played**2)
     # the torque on the one motor alone would be half of it
     assert np.mean((0.5 * shown - played) ** 2) > 0.25 * np.mean(played**2)
+
+
+def test_a_law_that_no_arm_can_be_played_with_is_none(spot, monkeypatch):
+    def thrown(*given):
+        raise SimulationError("the model became non-finite after 0.5 s")
+
+    monkeypatch.setattr(arm, "_fitted", thrown)
+    trials, _ = spot
+    bare, said = problems(trials), []
+    assert (
+        composed_for_arm(bare, NAMES, {}, errors(bare, {}), SETTINGS, progress=said.append) is None
+    )
+    assert "non-finite" in said[-1]
