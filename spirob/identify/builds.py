@@ -81,12 +81,14 @@ def floor_of(
     names: Sequence[str],
     scale: float,
     widths: Mapping[str, float] = TOLERANCES,
+    single: bool = True,
 ) -> Floor:
     """The floor of a diagnosis that fits `names` to `train` and judges by `unseen`.
 
     numbers  where the machine stands, among them those fitted;  scale  of the robust loss
     widths   by how much other numbers of a build may differ, at 95 %; of those fitted, how far the
              fit may be off: what a step puts right does not count, hinges that snap otherwise do
+    single   whether single holes lie off their places, too
     """
     plant = train.plant.coarse()  # what builds differ by hardly depends on the steps
     both = replace(train, plant=plant, trials=[*train.trials, *unseen.trials])
@@ -100,7 +102,7 @@ def floor_of(
     anchor, _ = anchor_of(train, scaling).rows(u)
     rng, left, units = np.random.default_rng(0), [], both.plant.rig.units
     for _ in range(DRAWS):
-        factors, off = hinges(rng, units), holes(rng, units)
+        factors, off = hinges(rng, units), holes(rng, units) if single else None
         build = replace(both, plant=both.plant.scattered(factors, off))
         try:
             apart = build({**numbers, **_drawn(rng, widths, values, both)}) - at
@@ -111,7 +113,7 @@ def floor_of(
         missed = (apart + slopes @ step)[fitted:]
         left.append(float(np.mean(missed[unseen.rows] ** 2)))
     share = np.sqrt(most_of(left)) / effort_rms(unseen)
-    return Floor(max(share, RESOLUTION), _reason(share, len(left), widths))
+    return Floor(max(share, RESOLUTION), _reason(share, len(left), widths, single))
 
 
 def most_of(squares: Sequence[float]) -> float:
@@ -134,11 +136,12 @@ def _drawn(
     return {n: float(np.clip(v, about[n].low, about[n].high)) for n, v in drawn.items()}
 
 
-def _reason(share: float, builds: int, widths: Mapping[str, float]) -> str:
+def _reason(share: float, builds: int, widths: Mapping[str, float], single: bool) -> str:
+    off = f" and holes that lie off by up to {1e3 * HOLE:.1f} mm" if single else ""
     also = f", and {', '.join(widths)} by what is not known of them" if widths else ""
     grain = f"; the model itself is right to {RESOLUTION:.1%}, which is more"
     return (
-        f"{builds} builds of this machine, drawn with hinges that differ by {SCATTER:.0%} and "
-        f"holes that lie off by up to {1e3 * HOLE:.1f} mm{also}, leave up to {share:.2%} of the "
+        f"{builds} builds of this machine, drawn with hinges that differ by {SCATTER:.0%}"
+        f"{off}{also}, leave up to {share:.2%} of the "
         f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}."
     )

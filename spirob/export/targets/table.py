@@ -6,8 +6,6 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from spirob.errors import ExportError
 
 if TYPE_CHECKING:
@@ -70,6 +68,8 @@ def files(model: "Corrected") -> dict[str, str]:
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm; numbers whose correlation is not known count as independent."""
+    import numpy as np
+
     from spirob.export.arm_covariance import correlation_of
     from spirob.export.code import c_name
     from spirob.export.corrected import Fitted

@@ -86,15 +86,14 @@ class Ground:
         )
 
     def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
-        """What builds differ by on the rows that count.
+        """What builds differ by on the rows that count; where the holes lie is a part of the shape.
 
         told  by the logs of a build, at 95 %
         """
         kept, rules = arm.residuals, self.settings
         widths = {n: told.get(n, w) for n, w in TOLERANCES.items() if n in self.free}
-        return floor_of(
-            kept["train"], kept["validate"], arm.numbers, arm.names, rules.scale, widths
-        )
+        problems = kept["train"], kept["validate"]
+        return floor_of(*problems, arm.numbers, arm.names, rules.scale, widths, single=False)
 
     def on_its_rows(self, numbers: dict[str, float], names: list[str]) -> Arm:
         """The arm with these numbers, without what its builds leave open."""
