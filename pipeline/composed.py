@@ -7,23 +7,29 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.diagnose import settings_of
 from pipeline.model import plant, residual
 from pipeline.overlay import write_table
 from pipeline.schema import Config
 from pipeline.stage import read_json, tell
 from spirob.diagnosis.document import CEILING
+from spirob.diagnosis.rungs import Settings
 from spirob.logs.atomic import write_text
 from spirob.machine.composed.arm import composed_for_arm
 
+OUT = Path("data/diagnosis")
 ROLES = ("train", "validate", "heldout")
 
 
 def composed(
-    root: Path, config: Config, folder: Path, told: Mapping[str, Any], changes: Mapping[str, float]
+    root: Path,
+    config: Config,
+    settings: Settings,
+    told: Mapping[str, Any],
+    changes: Mapping[str, float],
 ) -> dict[str, Any] | None:
     """What the document says of the law, None where none holds.
 
+    settings  with the floor of the machine
     told  the diagnosis that stands;  changes  numbers of its model
     """
     model = plant(config)
@@ -31,12 +37,12 @@ def composed(
     fitted = read_json(root / "data/identified/base.json", "identify")["parameters"]
     names = [name for name in fitted if name not in told["vague"]]
     best = _least(told["ladder"])
-    law = composed_for_arm(own, names, changes, best, settings_of(config), tell)
+    law = composed_for_arm(own, names, changes, best, settings, tell)
     if law is None:
         tell("no law of a few terms takes what is left")
         return None
-    write_text(root / folder / law.document["file"], law.text)
-    write_table(root / folder / "composed.parquet", law.drawing)
+    write_text(root / OUT / law.document["file"], law.text)
+    write_table(root / OUT / "composed.parquet", law.drawing)
     tell(law.document["sentence"])
     return law.document
 

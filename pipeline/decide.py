@@ -43,11 +43,10 @@ def stage(root: Path) -> None:
     question = Question.from_dict(asked)
     shutil.copytree(root / SEARCH, root / OUT, dirs_exist_ok=True)
     lay_beside(root, config, OUT)
-    told = before
+    told, settings = before, replace(settings_of(config), floor=before["floor"]["share"])
     if any(_played(root, one) for one in question.wanted):
         model = plant(config, list(dict.fromkeys(e for m in question.models for e in m.effects)))
         own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
-        settings = replace(settings_of(config), floor=before["floor"]["share"])
         answer = answered(question, own, lambda one: _played(root, one), settings)
         told = _told(answer, before, own)
         _model(root, answer, before["verdict"], own, config)
@@ -57,7 +56,7 @@ def stage(root: Path) -> None:
             found |= {"verdict": answer.verdict.kind, **NAMELESS}
     if told["verdict"] == "unknown":
         changes = read_json(root / OUT / "model.json", "diagnose")["changes"]
-        told = {**told, "composed": composed(root, config, OUT, told, changes)}
+        told = {**told, "composed": composed(root, config, settings, told, changes)}
     write_json(root / OUT / "diagnosis.json", told)
     write_json(root / "reports/metrics/diagnose.json", found)
 

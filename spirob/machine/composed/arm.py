@@ -23,7 +23,7 @@ from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import Scaling
-from spirob.machine.composed.arm_ground import PLACES, arm_ground, turn_of
+from spirob.machine.composed.arm_ground import PLACES, arm_ground, lean, turn_of
 from spirob.machine.composed.composing import SURE, Composed, document_of, free_name
 from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import Ground
@@ -32,7 +32,6 @@ from spirob.machine.composed.words import told
 from spirob.machine.composed.writing import written
 from spirob.machine.criteria import Criteria
 from spirob.machine.page_tables import laws
-from spirob.plant import Plant
 
 PORT = "motor.torque"
 Errors = Mapping[str, float]  # RMSE by role
@@ -84,7 +83,7 @@ def composed_for_arm(
     names      of its fitted numbers;  changes  all that are not those of the table
     last       errors of the best that the search found, likely or not: a law explains more
     """
-    bare = {role: _lean(problem, changes, []) for role, problem in residuals.items()}
+    bare = {role: lean(problem, changes, []) for role, problem in residuals.items()}
     changes = {n: v for n, v in changes.items() if n in bare["train"].table.index}
     ends = [_drafted(bare, names, changes, p, settings, progress) for p in PLACES]
     drafted = [one for one in ends if one is not None]
@@ -116,25 +115,6 @@ def _fit(
     return fit(
         train, names, start, settings.scale, settings.patience, steps=STEPS[-1:], exact=False
     )
-
-
-def _lean(
-    problem: Residual, changes: Mapping[str, float], more: Sequence[type[Effect]]
-) -> Residual:
-    """The same trials with a model that holds what these numbers switch on, and `more`."""
-    old = problem.plant
-    values = dict(zip(old.table.names, old.table.vector(changes).tolist(), strict=True))
-    there = [
-        e
-        for e in old.effects
-        if any(values[f"{e.name()}.{f}"] != neutral for f, neutral in e.neutral.items())
-    ]
-    made = Plant(old.rig, [*there, *more], old.substeps)
-    about = made.table.about
-    differ = {n: a for n, a in old.table.about.items() if n in about and about[n] != a}
-    made = made.within(differ) if differ else made
-    made.scatter = old.scatter
-    return replace(problem, plant=made)
 
 
 def _drafted(
@@ -171,7 +151,7 @@ def _fitted(
     path = folder / f"{name}.py"
     path.write_text(written(law, _title(law), rival), encoding="utf-8")
     (effect,) = load_file(path).values()
-    residuals = {role: _lean(p, ground.changes, [effect]) for role, p in bare.items()}
+    residuals = {role: lean(p, ground.changes, [effect]) for role, p in bare.items()}
     start = ground.changes | law.changes(name)
     both = [*names, *(f"{name}.{f}" for f in effect.fitted())]
     rung = _rung(effect, residuals, both, [start], settings)

@@ -10,12 +10,13 @@ The law is one for both motors, each with its own motion.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from spirob.diagnosis.evidence import HALF
 from spirob.diagnosis.rungs import Settings
+from spirob.effects import Effect
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import STEPS
 from spirob.identify.measurement import Measurement
@@ -23,8 +24,9 @@ from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.ground import Ground, Side, room
-from spirob.machine.composed.track import Ranges, Track
+from spirob.machine.composed.track import Ranges, Track, ranges_of
 from spirob.machine.criteria import Criteria, Worth
+from spirob.plant import Plant
 from spirob.plant.motor import own
 from spirob.robot import MOTORS
 
@@ -61,6 +63,23 @@ def turn_of(problem: Residual) -> float:
     """Of a rotor over the wound-in length [rad/m]."""
     winch = problem.plant.rig.winch
     return winch.gear_ratio / winch.radius
+
+
+def lean(problem: Residual, changes: Mapping[str, float], more: Sequence[type[Effect]]) -> Residual:
+    """The same trials with a model that holds what these numbers switch on, and `more`."""
+    old = problem.plant
+    values = dict(zip(old.table.names, old.table.vector(changes).tolist(), strict=True))
+    there = [
+        e
+        for e in old.effects
+        if any(values[f"{e.name()}.{f}"] != neutral for f, neutral in e.neutral.items())
+    ]
+    made = Plant(old.rig, [*there, *more], old.substeps)
+    about = made.table.about
+    differ = {n: a for n, a in old.table.about.items() if n in about and about[n] != a}
+    made = made.within(differ) if differ else made
+    made.scatter = old.scatter
+    return replace(problem, plant=made)
 
 
 def arm_ground(
@@ -112,20 +131,11 @@ def arm_ground(
 
 def _ranges(side: Side, problem: Residual, changes: Mapping[str, float], position: str) -> Ranges:
     used = {name: side.thinned(values) for name, values in side.track.signals.items()}
-    low, high = float(used["place"].min()), float(used["place"].max())
     turning = position == "motor.angle"
-    table = problem.table
-    return Ranges(
-        0.5 * (low + high),
-        max(0.5 * (high - low), 1e-9),
-        float(np.abs(used["speed"]).max()) or 1.0,
-        float(np.abs(used["load"]).max()) or 1.0,
-        float(used["time"].max()) or 1.0,
-        float(table.vector(changes)[table.position("motor.rest_speed")]),
-        2.0 * np.pi if turning else 0.0,
-        position,
-        1.0 if turning else _Motors.of(problem, changes).turn,
-    )
+    rest = float(problem.table.vector(changes)[problem.table.position("motor.rest_speed")])
+    gear = 1.0 if turning else turn_of(problem)
+    whole = ranges_of(used, rest, 2.0 * np.pi if turning else 0.0)
+    return replace(whole, position=position, gear=gear)
 
 
 def _side(

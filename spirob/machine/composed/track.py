@@ -109,9 +109,8 @@ class Track:
         return memory.along(kind, followed, reach, self.starts, self.steps)
 
 
-def ranges_of(track: Track, problem: InverseProblem) -> Ranges:
-    """The ranges of the samples that are compared."""
-    used = {name: problem.thinned(values) for name, values in track.signals.items()}
+def ranges_of(used: Mapping[str, np.ndarray], rest_speed: float, turn: float) -> Ranges:
+    """The ranges of the samples that are compared; `used` are their signals by name."""
     low, high = float(used["place"].min()), float(used["place"].max())
     return Ranges(
         0.5 * (low + high),
@@ -119,6 +118,6 @@ def ranges_of(track: Track, problem: InverseProblem) -> Ranges:
         float(np.abs(used["speed"]).max()) or 1.0,
         float(np.abs(used["load"]).max()) or 1.0,
         float(used["time"].max()) or 1.0,
-        problem.rest_speed,
-        2 * np.pi if problem.sizes.axis_unit == "rad" else 0.0,
+        rest_speed,
+        turn,
     )
