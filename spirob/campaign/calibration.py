@@ -1,4 +1,4 @@
-"""How sure a name may be, learned from the campaign's cases: `spirob/machine/certainty.json`.
+"""How sure a name may be, learned from the campaign's cases: `spirob/diagnosis/certainty.json`.
 
     python -m spirob.campaign.calibration CASES.jsonl [--out certainty.json]
 
@@ -18,8 +18,8 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import StandardScaler
 
 from spirob.campaign.running import known
+from spirob.diagnosis.certainty import FIGURES
 from spirob.logs.atomic import write_text
-from spirob.machine.certainty import FIGURES
 
 STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken

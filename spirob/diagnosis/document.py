@@ -94,12 +94,13 @@ def document(
             {
                 "name": effect.name(),
                 "title": effect.title,
-                "probability": _probability(search, verdict, effect.name()),
+                "probability": verdict.evidence[effect.name()]["probability"],
                 "equivalents": list(verdict.equivalents) if k == 0 else [],
                 "parameters": _numbers(last, parameters_of(effect)),
             }
             for k, effect in enumerate(added)
         ],
+        "evidence": [{"name": name, **one} for name, one in verdict.evidence.items()],
         "candidates": [_candidate(c) for c in (search.rounds[0] if search.rounds else [])],
         "ladder": ladder,
         "left": {"share": ceiling.share},
@@ -149,19 +150,6 @@ def metrics(search: Ladder, verdict: Verdict, effort: Effort) -> dict[str, Any]:
         "after": last.as_dict(),
         "unit": effort.unit,
     }
-
-
-def _probability(search: Ladder, verdict: Verdict, name: str) -> float:
-    """The verdict's; of several effects each has its own rate of winning."""
-    if len(search.rungs[-1].effects) == 1:
-        return verdict.probability
-    rates = [
-        c.probability
-        for tried in search.rounds
-        for c in tried
-        if name in (e.name() for e in c.effects)
-    ]
-    return max(rates, default=0.0) * verdict.accounted
 
 
 def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:

@@ -17,8 +17,10 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from spirob.diagnosis.backward import exchanged, fitted_again, pruned
+from spirob.diagnosis.certainty import LIKELY
 from spirob.diagnosis.confirm import CLEARLY, confirm, finished
 from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.figures import weighed
 from spirob.diagnosis.restarts import to_the_end
 from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, label, line, rung_of
 from spirob.diagnosis.screen import Screened, amplitudes, screen
@@ -230,7 +232,18 @@ def climb(
     rounds = Rounds(residuals, names, candidates, settings, progress, known, measure)
     while rounds.goes_on(search) and rounds.add(search):
         pass
+    _without_unlikely(search, residuals, settings)
     return search
+
+
+def _without_unlikely(search: Ladder, residuals: Mapping[str, Problem], settings: Settings) -> None:
+    """Take what was added beside a first effect away again, where its name is unlikely."""
+    while len(search.rungs) > 2:
+        last, below = search.rungs[-1].effects, search.rungs[-2].effects
+        found = weighed(search, residuals, settings)
+        if all(found[e.name()].probability >= LIKELY for e in last if e not in below):
+            return
+        search.rungs.pop()
 
 
 def _in_question(

@@ -29,9 +29,6 @@ class Rules:
     further      least size of a second effect, relative to the first: a law of the library is never
                  quite that of the machine, and what is left of its form is no effect of its own
     confidence   an effect is named when no rival wins more than the rest of the resampled errors
-    explained    least share of the squared error above the floor that named effects account for;
-                 with less, something else is missing
-    sure         least probability of a name; with less the verdict is unknown
     alike        two candidates whose residuals differ by less than this share of the effect's size
                  say the same of the data, and count as one
     iterations   sets of differences in the fit of a finalist
@@ -42,8 +39,6 @@ class Rules:
     rounds: Annotated[int, Field(ge=0, le=10)] = 2
     further: Annotated[float, Field(ge=0, le=1)] = 0.25
     confidence: Annotated[float, Field(gt=0.5, le=1)] = 0.9
-    explained: Annotated[float, Field(ge=0, le=1)] = 0.9
-    sure: Annotated[float, Field(ge=0, le=1)] = 0.7
     alike: Annotated[float, Field(ge=0, le=1)] = 0.3
     iterations: Annotated[int, Field(ge=1, le=1000)] = 2
     patience: Annotated[int, Field(ge=1, le=1000)] = 6

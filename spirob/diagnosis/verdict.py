@@ -1,20 +1,25 @@
 """From the search to one of four verdicts.
 
-named            accounts for enough of the error and is sure enough
+named            every effect that was added is more likely right than wrong
 undecided        another effect that says something else wins too many of the draws
 nothing_missing  the fitted model is complete
-unknown          something is missing, and no name accounts for it or is sure enough
+unknown          something is missing, and no name for it is likely enough
+
+How likely a name is right was learned (`certainty`).  A name may stand although something is left
+beside it; how much is said.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from spirob.diagnosis.certainty import LIKELY
 from spirob.diagnosis.evidence import alike, complete, noise_floor
+from spirob.diagnosis.figures import Weighed, weighed
 from spirob.diagnosis.rungs import Confirmed, Ladder, Settings, label
 from spirob.diagnosis.weighing import counts
-from spirob.effects import Effect
 from spirob.identify.problem import Effort, Problem, effort_rms
 
 ATLAS = "The regimes that hold the error say what it depends on."
@@ -26,12 +31,12 @@ class Verdict:
     """What is missing.
 
     kind         "named", "undecided", "nothing_missing" or "unknown"
-    probability  how often the named effect wins on resampled errors, times the share of the
-                 squared error above the sensor's noise that it accounts for: a law that leaves
-                 structure behind may stand for another, which the library does not hold
+    probability  that the name is right, of several the least sure one's; 1 where nothing is
+                 missing, 0 where nothing is named
     rivals       effects that explain the data as well in another way
     equivalents  effects that say the same of these data, under another name
     accounted    share of the squared error above the sensor's noise that the named explain
+    evidence     name of each added effect, named or not -> `probability` and `figures`
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
     """
 
@@ -43,6 +48,7 @@ class Verdict:
     next_experiment: str
     equivalents: tuple[str, ...] = ()
     accounted: float = 1.0
+    evidence: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def contested(self) -> bool:
@@ -53,21 +59,24 @@ class Verdict:
 def judge(search: Ladder, residuals: Mapping[str, Problem], settings: Settings) -> Verdict:
     """Judge the first round; later rounds are further rungs of the same answer.
 
-    residuals  by role; the held-out trials can only take a name away
+    residuals  by role; the held-out trials say most of how likely a name is right
     """
+    added = weighed(search, residuals, settings)
+    evidence = {n: {"probability": w.probability, "figures": w.figures} for n, w in added.items()}
+    return replace(_judged(search, residuals, settings, added), evidence=evidence)
+
+
+def _judged(
+    search: Ladder,
+    residuals: Mapping[str, Problem],
+    settings: Settings,
+    added: Mapping[str, Weighed],
+) -> Verdict:
     base, last, validate = search.rungs[0], search.rungs[-1], residuals["validate"]
-    effort, size = validate.effort, effort_rms(validate)
-    share = base.scores["validate"].rmse / size
+    told = Told(search, settings, validate)
+    if not added or min(w.probability for w in added.values()) < LIKELY:
+        return told.nothing_or_unknown(added)
     first = search.rounds[0] if search.rounds else []
-    enough = complete(validate, settings.floor)
-    least = enough / size
-    accounted = min(explained(search, enough), foretold(search, residuals["heldout"], settings))
-    small = share <= least and accounted < settings.explained
-    if not last.effects or small:
-        return _nothing_or_unknown(share, least, settings, first, effort)
-    if accounted < settings.explained:
-        told = f"accounts for {accounted:.0%} of the squared error, too little to be its cause"
-        return _poorly_explained(share, told, last.effects, effort)
     best = _brought(search)
     alone = any(c is best for c in first)  # found in the first round
     passed = [c for c in first if c is not best and counts(c, base, residuals, settings)]
@@ -75,20 +84,13 @@ def judge(search: Ladder, residuals: Mapping[str, Problem], settings: Settings) 
     same = [c for c in passed if alike(best.missed, c.missed, size) < settings.alike]
     # what holds the found and more was left for being hardly better: it is no other explanation
     more = [c for c in passed if c not in same and set(best.effects) < set(c.effects)]
-    if alone:  # the probabilities of another round are of other contests
-        best = replace(best, probability=sum(c.probability for c in [best, *same, *more]))
     others = [c for c in passed if c not in [*same, *more]]
     rivals = [c for c in others if c.probability >= 1.0 - settings.confidence]
+    sure = min(w.probability for w in added.values())
     # a rival counts in the first round; later it stands against what was named already
     if rivals and len(last.effects) == 1 and alone:
-        return _undecided(best, rivals, share, effort)
-    whole = float(np.clip(explained(search, noise_floor(validate)), 0.0, 1.0))
-    # a complete model leaves no structure in which another law could be; how sure its name is said
-    # to be stays cut, because another may do the same
-    if (chance := best.probability * (1.0 if accounted >= 1.0 else whole)) < settings.sure:
-        told = f"is right with a probability of {chance:.0%} only"
-        return _poorly_explained(share, told, last.effects, effort)
-    return _named(search, best, whole, same, share, effort)
+        return told.undecided(best, rivals, sure)
+    return told.named(sure, same)
 
 
 def _brought(search: Ladder) -> Confirmed:
@@ -98,132 +100,141 @@ def _brought(search: Ladder) -> Confirmed:
     return max(own, key=lambda c: c.probability)
 
 
-def explained(search: Ladder, floor: float) -> float:
-    """Share of the squared validation error above the floor that the named effects account for.
-
-    floor  RMS that noise and small differences between machine and model leave
-    """
-    before, after = (float(r.errors.mean()) for r in (search.rungs[0], search.rungs[-1]))
-    return share_of(before, after, floor)
-
-
-def foretold(search: Ladder, heldout: Problem, settings: Settings) -> float:
-    """The same share on the held-out trials; all of it where the last rung is complete there.
-
-    What was chosen for the validation trials may be what imitates the missing effect on them: a
-    wave of free length passes for much, until it meets a stroke that it was not chosen for.
-    """
-    before, after = (r.scores["heldout"].rmse for r in (search.rungs[0], search.rungs[-1]))
-    enough = complete(heldout, settings.floor)
-    if after <= enough:
-        return 1.0
-    return share_of(before**2, after**2, enough)
-
-
 def share_of(before: float, after: float, floor: float) -> float:
     """Of a mean square above that of the floor [RMS], what is gone."""
     return (before - after) / max(before - floor**2, 1e-300)
 
 
-def _nothing_or_unknown(
-    share: float, least: float, settings: Settings, first: Sequence[Confirmed], effort: Effort
-) -> Verdict:
-    tried = ", ".join(e.title for c in first for e in c.effects)
-    if share <= least:
+@dataclass(frozen=True)
+class Told:
+    """Puts a verdict into sentences."""
+
+    search: Ladder
+    settings: Settings
+    validate: Problem
+
+    @property
+    def effort(self) -> Effort:
+        """What the errors are of."""
+        return self.validate.effort
+
+    @property
+    def share(self) -> float:
+        """Of the effort, what the fitted numbers alone miss on trials that they were not fitted to."""
+        return self.search.rungs[0].scores["validate"].rmse / effort_rms(self.validate)
+
+    @property
+    def least(self) -> float:
+        """The same of a complete model."""
+        return complete(self.validate, self.settings.floor) / effort_rms(self.validate)
+
+    def nothing_or_unknown(self, added: Mapping[str, Weighed]) -> Verdict:
+        """The verdict where no name is likely enough."""
+        return self._nothing(added) if self.share <= self.least else self._unknown(added)
+
+    def _nothing(self, added: Mapping[str, Weighed]) -> Verdict:
         return Verdict(
             "nothing_missing",
             1.0,
             [],
-            f"Nothing is missing: the model is within {share:.1%} of the {effort.name}.",
-            f"With fitted numbers alone the model misses {share:.1%} of the {effort.name}'s RMS on "
-            f"trials that it was not fitted to; sensor noise and the differences between two "
-            f"builds of the same machine account for up to {least:.1%}. No candidate carries "
-            f"{settings.floor:.1%} of the {effort.name} and most of what is left.",
+            f"Nothing is missing: the model is within {self.share:.1%} of the {self.effort.name}.",
+            f"With fitted numbers alone the model misses {self.share:.1%} of the "
+            f"{self.effort.name}'s RMS on trials that it was not fitted to; sensor noise and the "
+            f"differences between two builds of the same machine account for up to "
+            f"{self.least:.1%}. No candidate that carries {self.settings.floor:.1%} of the "
+            f"{self.effort.name} is likely.{_unlikely(added)}",
             "",
         )
-    return Verdict(
-        "unknown",
-        0.0,
-        [],
-        f"Something is missing that the library does not hold: {share:.1%} of the {effort.name}.",
-        f"The model misses {share:.1%} of the {effort.name}'s RMS on trials that it was not "
-        "fitted to, and no candidate explains enough of it (tried in full simulation: "
-        f"{tried or 'none'}). {ATLAS}",
-        AGAIN,
-    )
+
+    def _unknown(self, added: Mapping[str, Weighed]) -> Verdict:
+        first = self.search.rounds[0] if self.search.rounds else []
+        tried = ", ".join(e.title for c in first for e in c.effects)
+        return Verdict(
+            "unknown",
+            0.0,
+            [],
+            f"Something is missing that the library does not hold: {self.share:.1%} of the "
+            f"{self.effort.name}.",
+            f"The model misses {self.share:.1%} of the {self.effort.name}'s RMS on trials that it "
+            "was not fitted to, and no candidate explains enough of it to be likely (tried in full "
+            f"simulation: {tried or 'none'}).{_unlikely(added)} {ATLAS}",
+            AGAIN,
+        )
+
+    def named(self, sure: float, same: Sequence[Confirmed]) -> Verdict:
+        """The verdict on what was added; `same` says as much of these data."""
+        base, last = self.search.rungs[0], self.search.rungs[-1]
+        before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
+        own, alone = set(last.effects), {c.effects for c in same}
+        first = self.search.rounds[0]
+        tried = dict.fromkeys(e for c in first if c.effects not in alone for e in c.effects)
+        others = [e for e in tried if e not in own]
+        ways = (
+            e.tell_apart[o.name()] for e in last.effects for o in others if o.name() in e.tell_apart
+        )
+        experiment = next(ways, "")
+        story = " ".join(f"{e.explanation} {e.signature}" for e in last.effects)
+        effects = "the effect" if len(own) == 1 else "these effects"
+        whole = self._accounted()
+        beside = f" against {', '.join(e.title for e in others)}" if others else ""
+        return Verdict(
+            "named",
+            sure,
+            [],
+            f"Missing: {' and '.join(e.title for e in last.effects)}.",
+            f"{story} With fitted numbers alone the model misses {self.share:.1%} of the "
+            f"{self.effort.name}'s RMS; with {effects} added and all numbers refitted, the error on "
+            f"held-out trials falls from {self.effort.shown(before, after)}. It accounts for "
+            f"{whole:.0%} of the squared error above the sensor's noise, and wins "
+            f"{_brought(self.search).probability:.0%} of resampled errors{beside}.{self._left()}"
+            + (
+                f" On these data {' or '.join(map(_titles, same))} would say the same." * bool(same)
+            ),
+            f"To make sure: {experiment}." if experiment else "",
+            tuple(label(c.effects) for c in same),
+            whole,
+        )
+
+    def undecided(self, best: Confirmed, rivals: Sequence[Confirmed], sure: float) -> Verdict:
+        """The verdict where another explains it about as well."""
+        names = [e.name() for c in rivals for e in c.effects]
+        titles = " or ".join(map(_titles, [best, *rivals]))
+        known: Mapping[str, str] = {k: v for e in best.effects for k, v in e.tell_apart.items()}
+        ways = [known[n] for n in names if n in known]
+        return Verdict(
+            "undecided",
+            sure,
+            names,
+            f"Undecided: {titles}.",
+            f"The model misses {self.share:.1%} of the {self.effort.name}'s RMS. Each of these "
+            "explains it about as well on trials that it was not fitted to; these data cannot tell "
+            f"them apart.{self._left()}",
+            f"To decide: {ways[0]}." if ways else "Repeat the trials at a second load and speed.",
+        )
+
+    def _accounted(self) -> float:
+        """Share of the squared validation error above the noise that the added effects explain."""
+        before, after = (float(self.search.rungs[k].errors.mean()) for k in (0, -1))
+        return float(np.clip(share_of(before, after, noise_floor(self.validate)), 0.0, 1.0))
+
+    def _left(self) -> str:
+        """What is left beside the added effects, where it is more than a complete model leaves."""
+        left = self.search.rungs[-1].scores["validate"].rmse / effort_rms(self.validate)
+        if left <= self.least:
+            return ""
+        return (
+            f" Beside it {left:.1%} of the {self.effort.name} is left, more than the "
+            f"{self.least:.1%} that noise and builds account for: something else is missing, too, "
+            "or its law is not quite the machine's."
+        )
 
 
-def _poorly_explained(
-    share: float, told: str, effects: Sequence[type[Effect]], effort: Effort
-) -> Verdict:
-    best = " and ".join(e.title for e in effects)
-    return Verdict(
-        "unknown",
-        0.0,
-        [],
-        f"Something is missing that the library does not hold: {share:.1%} of the {effort.name}.",
-        f"The model misses {share:.1%} of the {effort.name}'s RMS on trials that it was not "
-        f"fitted to. The best explanation, {best}, {told}. {ATLAS}",
-        AGAIN,
-    )
-
-
-def _named(
-    search: Ladder,
-    best: Confirmed,
-    whole: float,
-    same: Sequence[Confirmed],
-    share: float,
-    effort: Effort,
-) -> Verdict:
-    base, last = search.rungs[0], search.rungs[-1]
-    before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
-    own = set(last.effects)
-    alone = {c.effects for c in same}
-    tried = dict.fromkeys(e for c in search.rounds[0] if c.effects not in alone for e in c.effects)
-    others = [e for e in tried if e not in own]
-    ways = (
-        e.tell_apart[o.name()] for e in last.effects for o in others if o.name() in e.tell_apart
-    )
-    experiment = next(ways, "")
-    story = " ".join(f"{e.explanation} {e.signature}" for e in last.effects)
-    added = "the effect" if len(own) == 1 else "these effects"
-    return Verdict(
-        "named",
-        best.probability * whole,
-        [],
-        f"Missing: {' and '.join(e.title for e in last.effects)}.",
-        f"{story} With fitted numbers alone the model misses "
-        f"{share:.1%} of the {effort.name}'s RMS; with {added} added and all numbers refitted, "
-        f"the error on held-out trials falls from {effort.shown(before, after)}. "
-        f"It accounts for {whole:.0%} of the squared error above the sensor's noise, and wins "
-        f"{best.probability:.0%} of resampled errors"
-        + (f" against {', '.join(e.title for e in others)}." if others else ".")
-        + (f" On these data {' or '.join(map(_titles, same))} would say the same." if same else ""),
-        f"To make sure: {experiment}." if experiment else "",
-        tuple(label(c.effects) for c in same),
-        whole,
-    )
+def _unlikely(added: Mapping[str, Weighed]) -> str:
+    if not added:
+        return ""
+    told = ", ".join(f"{n.replace('_', ' ')} ({w.probability:.0%})" for n, w in added.items())
+    return f" Too unlikely to be named, though it lowers the error: {told}."
 
 
 def _titles(found: Confirmed) -> str:
     return " and ".join(e.title for e in found.effects)
-
-
-def _undecided(
-    best: Confirmed, rivals: Sequence[Confirmed], share: float, effort: Effort
-) -> Verdict:
-    names = [e.name() for c in rivals for e in c.effects]
-    every = [best, *rivals]
-    titles = " or ".join(map(_titles, every))
-    known: Mapping[str, str] = {k: v for e in best.effects for k, v in e.tell_apart.items()}
-    ways = [known[n] for n in names if n in known]
-    return Verdict(
-        "undecided",
-        best.probability,
-        names,
-        f"Undecided: {titles}.",
-        f"The model misses {share:.1%} of the {effort.name}'s RMS. Each of these explains it about "
-        "as well on trials that it was not fitted to; these data cannot tell them apart.",
-        f"To decide: {ways[0]}." if ways else "Repeat the trials at a second load and speed.",
-    )

@@ -15,12 +15,12 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.alignment import as_usual, is_told, partnered
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
-from spirob.machine.certainty import Ended
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.beyond import beyond
 from spirob.machine.criteria import Criteria
 from spirob.machine.delays import place
 from spirob.machine.document import document, plain
+from spirob.machine.figures import Ended
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import TWICE, judge, likely, structured, weigh

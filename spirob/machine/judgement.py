@@ -11,13 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spirob.diagnosis.certainty import LIKELY, probability
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.flexible import share
 from spirob.effects import Effect
 from spirob.identify.problem import Effort
 from spirob.machine.candidates import equivalents, is_dry
-from spirob.machine.certainty import Ended, figures, kin, probability
 from spirob.machine.composed.free_curve import is_bent
+from spirob.machine.figures import Ended, figures, kin
 from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
@@ -171,7 +172,6 @@ LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak 
 # of the effort's RMS, and times the noise: three quarters of the square are then no noise
 MUCH, NOISY = 0.1, 2.0
 TWICE = 2.0  # times the least effect: what counts where nothing names it
-LIKELY = 0.5  # a name is given where it is more likely right than wrong
 
 
 @dataclass(frozen=True)

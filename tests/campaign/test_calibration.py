@@ -8,7 +8,7 @@ import pytest
 
 from spirob.campaign.calibration import calibration_error, effects, learned, left_out
 from spirob.campaign.running import known
-from spirob.machine.certainty import FIGURES, LEARNED, probability
+from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
 
 CASES = Path(__file__).parents[2] / "reports/campaign/cases.jsonl"
 

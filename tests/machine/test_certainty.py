@@ -6,9 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
 from spirob.effects import all_effects
 from spirob.machine import judgement
-from spirob.machine.certainty import FIGURES, LEARNED, Ended, kin, probability
+from spirob.machine.figures import Ended, kin
 from spirob.machine.judgement import LIKELY, likely, weigh
 
 NAMES = ("coulomb_friction", "presliding_friction", "cogging")

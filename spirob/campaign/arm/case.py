@@ -20,14 +20,13 @@ from spirob.campaign.arm.recording import recorded
 from spirob.campaign.arm.strength import RATIOS
 from spirob.campaign.arm.visibility import drawn
 from spirob.diagnosis.confirm import confirm
-from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.restarts import to_the_end
 from spirob.diagnosis.rungs import Ladder, Rung, Settings, floor_at
 from spirob.diagnosis.screen import screen
-from spirob.diagnosis.verdict import explained, foretold, judge
+from spirob.diagnosis.verdict import judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import TYPICAL
 from spirob.identify.builds import Floor
@@ -181,10 +180,7 @@ def _outcome(
         "first": list(dict.fromkeys([*_first(last), *_first(search)])),
         "proof": None if answer.proof is None else asdict(answer.proof),
         "composed": _composed(search, problems, settings) if verdict.kind == "unknown" else None,
-        "accounted": {
-            "validate": explained(last, complete(problems["validate"], settings.floor)),
-            "heldout": foretold(last, problems["heldout"], settings),
-        },
+        "evidence": {"first": dict(first.evidence), "last": dict(verdict.evidence)},
         "floor": settings.floor,
         "heldout": {
             "base": search.rungs[0].scores["heldout"].rmse / size,

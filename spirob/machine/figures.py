@@ -1,19 +1,12 @@
-"""How sure is a name?  Six figures of a search, and how often names with such figures were right.
+"""What the search on a rig shows of each chosen effect: the figures of `certainty`."""
 
-    p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
-
-x are the figures of one chosen effect; w, m, s stand in `certainty.json` beside this file, with the
-cases that they were fitted to (`spirob.campaign.calibration`).
-"""
-
-import json
 from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 
+from spirob.diagnosis.certainty import ratio, rounded, sharp
 from spirob.effects import Effect
 from spirob.machine.alignment import usual
 from spirob.machine.candidates import alike
@@ -21,18 +14,7 @@ from spirob.machine.flexible import Ceiling
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search
 
-LEARNED = json.loads(Path(__file__).with_name("certainty.json").read_text())
-FIGURES = (
-    "fall_heldout",
-    "ahead_heldout",
-    "left",
-    "sharp",
-    "place",
-    "late",
-)
 MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less makes most of it
-TINY = 1e-300
-MOST = 10.0  # of a logarithm: what is larger says no more
 
 
 @dataclass(frozen=True)
@@ -42,13 +24,6 @@ class Ended:
     search: Search
     found: Found
     rest: Ceiling
-
-
-def probability(figures: dict[str, float]) -> float:
-    """How likely a name with these figures is right, as it was in the campaign."""
-    x = np.array([figures[name] for name in FIGURES])
-    mean, scale, weights = (np.array(LEARNED[key]) for key in ("mean", "scale", "weights"))
-    return float(1.0 / (1.0 + np.exp(-(LEARNED["bias"] + weights @ ((x - mean) / scale)))))
 
 
 def kin(search: Search, chosen: Model, effect: type[Effect]) -> list[str]:
@@ -71,17 +46,9 @@ def kin(search: Search, chosen: Model, effect: type[Effect]) -> list[str]:
 
 
 def figures(ended: Ended, effect: type[Effect], same: Collection[str] = ()) -> dict[str, float]:
-    """What the search shows of one chosen effect; logarithms are natural, errors squared.
+    """What the search shows of one chosen effect.
 
     same  names that count as this effect, too: the figures are then of all of them
-
-    fall_heldout   ln of the held-out error without it over that with it
-    ahead_heldout  ln of the held-out error of the best other model over that of the chosen one;
-                   the other is no richer, without the effect, and says something else
-    left           ln of what still follows from the motion, over what this effect took
-    sharp          ln of an amplitude over half its interval's width, of the sharpest
-    place          0 for the effect that takes most, then 1, 2, ...
-    late           ln(1 + |delay| over the usual one)
     """
     search, found, rest = ended.search, ended.found, ended.rest
     chosen, bare = found.chosen, found.rungs[0]
@@ -92,14 +59,14 @@ def figures(ended: Ended, effect: type[Effect], same: Collection[str] = ()) -> d
     delay = chosen.fit.estimates.get("rig.delay")
     period = max(r.period for r in search.train.recordings)
     told = {
-        "fall_heldout": _ln(without.heldout_square, chosen.heldout_square),
-        "ahead_heldout": _ln(min(others, default=bare.heldout_square), chosen.heldout_square),
-        "left": _ln(rest.share * chosen.mean_square, fall),
-        "sharp": _sharp(chosen, effect),
+        "fall_heldout": ratio(without.heldout_square, chosen.heldout_square),
+        "ahead_heldout": ratio(min(others, default=bare.heldout_square), chosen.heldout_square),
+        "left": ratio(rest.share * chosen.mean_square, fall),
+        "sharp": sharp(chosen.fit, effect),
         "place": float(order.index(effect.name())),
         "late": float(np.log1p(abs(delay.value) / usual(period))) if delay else 0.0,
     }
-    return {name: float(f"{value:.6g}") for name, value in told.items()}
+    return rounded(told)
 
 
 def _others(search: Search, chosen: Model, names: Collection[str]) -> list[Model]:
@@ -110,16 +77,3 @@ def _others(search: Search, chosen: Model, names: Collection[str]) -> list[Model
         and len(m.effects) <= len(chosen.effects)
         and not alike(m, chosen, search.worth.least)
     ]
-
-
-def _sharp(model: Model, effect: type[Effect]) -> float:
-    """How far an amplitude is from what makes it neutral, in half widths of its interval: ln."""
-    found = []
-    for field, zero in effect.neutral.items():
-        estimate = model.fit.estimates[f"{effect.name()}.{field}"]
-        found.append(_ln(abs(estimate.value - zero), 0.5 * (estimate.high - estimate.low)))
-    return max(found, default=0.0)
-
-
-def _ln(one: float, two: float) -> float:
-    return float(np.clip(np.log(max(one, TINY) / max(two, TINY)), -MOST, MOST))
