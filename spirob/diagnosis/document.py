@@ -9,7 +9,7 @@ import numpy as np
 from spirob.diagnosis.evidence import half_seconds
 from spirob.diagnosis.flexible import Ceiling, ceiling
 from spirob.diagnosis.proposals import Proposal, told
-from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, label, parameters_of
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, label, missed_by, parameters_of
 from spirob.diagnosis.verdict import Verdict
 from spirob.identify.problem import Effort, Problem
 from spirob.score import Interval, score, score_interval
@@ -22,16 +22,10 @@ def steps(search: Ladder, problems: Mapping[str, Problem]) -> tuple[list[dict[st
 
     problems  by role: those that the rungs were scored on
     """
-    missed = [_missed(rung, problems) for rung in search.rungs]
+    missed = [missed_by(rung, problems) for rung in search.rungs]
     found = [_rung(r, m, problems) for r, m in zip(search.rungs, missed, strict=True)]
     top = ceiling(problems, missed[-1])
     return [*found, _top(top, problems)], top
-
-
-def _missed(rung: Rung, problems: Mapping[str, Problem]) -> dict[str, np.ndarray]:
-    """Model minus measurement by role, (N,) each."""
-    others = {role: problems[role](rung.fit.changes) for role in ROLES if role != "train"}
-    return {"train": rung.fit.residual, **others}
 
 
 def _rung(

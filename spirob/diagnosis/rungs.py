@@ -158,5 +158,11 @@ def scores_of(
     return scores, missed, errors
 
 
+def missed_by(rung: Rung, problems: Mapping[str, Problem]) -> dict[str, np.ndarray]:
+    """Model minus measurement by role, (N,) each."""
+    others = {role: problems[role](rung.fit.changes) for role in ROLES if role != "train"}
+    return {"train": rung.fit.residual, **others}
+
+
 def line(scores: Mapping[str, Score], effort: Effort) -> str:
     return ", ".join(f"{role} RMSE {effort.shown(s.rmse)}" for role, s in scores.items())

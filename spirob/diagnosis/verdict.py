@@ -120,7 +120,7 @@ class Told:
 
     @property
     def share(self) -> float:
-        """Of the effort, what the fitted numbers alone miss on trials that they were not fitted to."""
+        """Of the effort, what the fitted numbers alone miss on trials that no fit has seen."""
         return self.search.rungs[0].scores["validate"].rmse / effort_rms(self.validate)
 
     @property
@@ -183,13 +183,11 @@ class Told:
             [],
             f"Missing: {' and '.join(e.title for e in last.effects)}.",
             f"{story} With fitted numbers alone the model misses {self.share:.1%} of the "
-            f"{self.effort.name}'s RMS; with {effects} added and all numbers refitted, the error on "
-            f"held-out trials falls from {self.effort.shown(before, after)}. It accounts for "
+            f"{self.effort.name}'s RMS; with {effects} added and all numbers refitted, the error "
+            f"on held-out trials falls from {self.effort.shown(before, after)}. It accounts for "
             f"{whole:.0%} of the squared error above the sensor's noise, and wins "
             f"{_brought(self.search).probability:.0%} of resampled errors{beside}.{self._left()}"
-            + (
-                f" On these data {' or '.join(map(_titles, same))} would say the same." * bool(same)
-            ),
+            f"{_alike(same)}",
             f"To make sure: {experiment}." if experiment else "",
             tuple(label(c.effects) for c in same),
             whole,
@@ -234,6 +232,10 @@ def _unlikely(added: Mapping[str, Weighed]) -> str:
         return ""
     told = ", ".join(f"{n.replace('_', ' ')} ({w.probability:.0%})" for n, w in added.items())
     return f" Too unlikely to be named, though it lowers the error: {told}."
+
+
+def _alike(same: Sequence[Confirmed]) -> str:
+    return f" On these data {' or '.join(map(_titles, same))} would say the same." if same else ""
 
 
 def _titles(found: Confirmed) -> str:
