@@ -1,6 +1,6 @@
-"""How sure a name may be, learned from the campaign's cases: `spirob/diagnosis/certainty.json`.
+"""How sure a name may be, learned from cases whose truth is known: `certainty.json`.
 
-    python -m spirob.campaign.calibration CASES.jsonl [--out certainty.json]
+    python -m spirob.campaign.calibration cases.jsonl arms.jsonl [--out certainty.json]
 
 Logistic regression of "the name is right" on the figures of `certainty`, over all chosen effects of
 all cases, whatever their verdict.  It is judged on each simulator by a fit to the others.
@@ -9,7 +9,7 @@ all cases, whatever their verdict.  It is judged on each simulator by a fit to t
 import argparse
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,34 +17,56 @@ import numpy as np
 from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import StandardScaler
 
-from spirob.campaign.running import known
+from spirob.campaign.arm.answers import ANSWERS
 from spirob.diagnosis.certainty import FIGURES
 from spirob.logs.atomic import write_text
 
 STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken
+ARM = "emulated arm"
 Line = Mapping[str, Any]
+Chosen = tuple[list[float], bool, str]  # figures, whether the name is right, simulator
 
 
 def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Figures (n, 6), whether the name is right (n,) and simulator (n,) of all chosen effects.
 
+    lines  of the campaign of rigs, or results of the trial of arms
+
     A name that says a part of what is hidden is neither right nor wrong, and left out; so is one
     that is withheld whatever its figures are.
     """
-    rows, right, simulators = [], [], []
-    for line in lines:
-        truth = line["truth"]
-        must = set().union(*truth["must"]) if truth["inside"] else set()
-        for chosen in line["features"]["evidence"] if line["features"] else ():
-            names = {chosen["name"], *chosen["equivalents"]}
-            hit = bool(names & (must | set(truth["besides"])))
-            told = chosen.get("probability") != 0.0
-            if told and (hit or not names & set(truth["near"])):
-                rows.append([chosen["figures"][name] for name in FIGURES])
-                right.append(hit)
-                simulators.append(line["simulator"])
+    found = [chosen for line in lines for chosen in (_arm if "evidence" in line else _rig)(line)]
+    rows, right, simulators = zip(*found, strict=True)
     return np.array(rows), np.array(right), np.array(simulators)
+
+
+def _rig(line: Line) -> Iterator[Chosen]:
+    truth = line["truth"]
+    must = set().union(*truth["must"]) if truth["inside"] else set()
+    for chosen in line["features"]["evidence"] if line["features"] else ():
+        names = {chosen["name"], *chosen["equivalents"]}
+        hit = bool(names & (must | set(truth["besides"])))
+        told = chosen.get("probability") != 0.0
+        if told and (hit or not names & set(truth["near"])):
+            yield [chosen["figures"][name] for name in FIGURES], hit, line["simulator"]
+
+
+def _arm(line: Line) -> Iterator[Chosen]:
+    right = {name for kind in line["kind"].split("+") for name in ANSWERS[kind]}
+    for name, one in line["evidence"]["first"].items():
+        if one["probability"] > 0.0:
+            yield [one["figures"][figure] for figure in FIGURES], name in right, ARM
+
+
+def read(paths: Sequence[Path]) -> list[Line]:
+    """All lines of some files of cases."""
+    return [json.loads(line) for path in paths for line in path.read_text().splitlines()]
+
+
+def digest(paths: Sequence[Path]) -> str:
+    """Of all that they hold, one after the other."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
 def learned(rows: np.ndarray, right: np.ndarray) -> dict[str, Any]:
@@ -79,10 +101,10 @@ def calibration_error(stated: np.ndarray, right: np.ndarray) -> float:
 def main() -> None:
     """Fit, judge, write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cases", type=Path, help="lines of spirob trial --rigs")
+    parser.add_argument("cases", type=Path, nargs="+", help="lines of spirob trial")
     parser.add_argument("--out", type=Path, help="where the numbers are written")
     given = parser.parse_args()
-    lines = list(known(given.cases).values())
+    lines = read(given.cases)
     rows, right, simulators = effects(lines)
     stated = left_out(rows, right, simulators)
     sure = stated >= 0.9
@@ -93,8 +115,8 @@ def main() -> None:
     )
     if given.out:
         about = {
-            "cases": given.cases.name,
-            "sha256": hashlib.sha256(given.cases.read_bytes()).hexdigest(),
+            "cases": [path.name for path in given.cases],
+            "sha256": digest(given.cases),
             "seeds": sorted({line["seed"] for line in lines}),
             "figures": list(FIGURES),
         }

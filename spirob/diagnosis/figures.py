@@ -14,9 +14,7 @@ from spirob.effects import Effect
 from spirob.identify.problem import Problem
 
 LEAST = 0.1  # of the square that a complete model leaves
-VETO = (
-    0.05  # of the held-out error, squared: what takes no more off it is not confirmed, as of rigs
-)
+VETO = 0.05  # of the held-out square, as of rigs: what takes no more off is not confirmed
 
 
 @dataclass(frozen=True)

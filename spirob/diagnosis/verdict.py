@@ -35,7 +35,6 @@ class Verdict:
                  missing, 0 where nothing is named
     rivals       effects that explain the data as well in another way
     equivalents  effects that say the same of these data, under another name
-    accounted    share of the squared error above the sensor's noise that the named explain
     evidence     name of each added effect, named or not -> `probability` and `figures`
     sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
     """
@@ -47,7 +46,6 @@ class Verdict:
     explanation: str
     next_experiment: str
     equivalents: tuple[str, ...] = ()
-    accounted: float = 1.0
     evidence: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
@@ -190,7 +188,6 @@ class Told:
             f"{_alike(same)}",
             f"To make sure: {experiment}." if experiment else "",
             tuple(label(c.effects) for c in same),
-            whole,
         )
 
     def undecided(self, best: Confirmed, rivals: Sequence[Confirmed], sure: float) -> Verdict:
