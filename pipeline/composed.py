@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.model import plant, residual
+from pipeline.model import plant, weighed_residuals
 from pipeline.overlay import write_table
 from pipeline.schema import Config
 from pipeline.stage import read_json, tell
@@ -32,8 +32,7 @@ def composed(
     settings  with the floor of the machine
     told  the diagnosis that stands;  changes  numbers of its model
     """
-    model = plant(config)
-    own = {role: residual(root, config, model, role) for role in ROLES}
+    own = weighed_residuals(root, config, plant(config))
     fitted = read_json(root / "data/identified/base.json", "identify")["parameters"]
     names = [name for name in fitted if name not in told["vague"]]
     best = _least(told["ladder"])

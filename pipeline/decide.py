@@ -13,7 +13,7 @@ from typing import Any
 
 from pipeline.composed import composed
 from pipeline.diagnose import model_of, settings_of
-from pipeline.model import plant, residual
+from pipeline.model import plant, weighed_residuals
 from pipeline.overlay import motion, overlay
 from pipeline.own_effects import given, lay_beside
 from pipeline.schema import Config
@@ -46,7 +46,7 @@ def stage(root: Path) -> None:
     told, settings = before, replace(settings_of(config), floor=before["floor"]["share"])
     if any(_played(root, one) for one in question.wanted):
         model = plant(config, list(dict.fromkeys(e for m in question.models for e in m.effects)))
-        own = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
+        own = weighed_residuals(root, config, model)
         answer = answered(question, own, lambda one: _played(root, one), settings)
         told = _told(answer, before, own)
         _model(root, answer, before["verdict"], own, config)

@@ -4,7 +4,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from pipeline.model import fitted_names, plant, residual
+from pipeline.model import fitted_names, plant, weighed_residuals
 from pipeline.overlay import motion, overlay
 from pipeline.own_effects import given
 from pipeline.schema import Config
@@ -31,7 +31,7 @@ def stage(root: Path) -> None:
     candidates = find_effects(chosen) if chosen else list(all_effects().values())
     candidates = [c for c in candidates if c not in find_effects(config.plant.effects)]
     model = plant(config, candidates)
-    residuals = {r: residual(root, config, model, r) for r in ("train", "validate", "heldout")}
+    residuals = weighed_residuals(root, config, model)
     for role in ("validate", "heldout"):  # the stage `identify` asked it of those that are fitted
         refuse_senseless(residuals[role], residuals[role](identified["changes"]))
     settings = settings_of(config)

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.schema import Config
-from pipeline.stage import workers
+from pipeline.stage import read_json, workers
+from spirob.diagnosis.rungs import ROLES, weighed_at
 from spirob.effects import Effect, find_effects
 from spirob.errors import MissingLog
 from spirob.identify.measurement import Measurement
@@ -54,3 +55,10 @@ def residual(root: Path, config: Config, model: Plant, role: str) -> Residual:
         settings.length,
         workers(),
     )
+
+
+def weighed_residuals(root: Path, config: Config, model: Plant) -> dict[str, Residual]:
+    """All trials by role, weighted by what builds of the identified machine differ by in them."""
+    base = read_json(root / "data/identified/base.json", "identify")
+    own = {role: residual(root, config, model, role) for role in ROLES}
+    return weighed_at(base["changes"], list(base["parameters"]), own, config.identify.scale)

@@ -7,11 +7,11 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from spirob.diagnosis.evidence import block_errors
+from spirob.diagnosis.evidence import block_errors, complete
 from spirob.diagnosis.screen import Screened
 from spirob.effects import Effect
 from spirob.effects.effect import differences
-from spirob.identify.builds import RESOLUTION, Floor, floor_of
+from spirob.identify.builds import RESOLUTION, Builds, Floor, floor_of, weighed
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Effort, Problem
 from spirob.identify.residual import Residual
@@ -113,14 +113,30 @@ class Ladder:
         return replace(given, floor=self.floor.share) if self.floor else given
 
 
-def floor_at(found: Fit, residuals: Mapping[str, Residual], scale: float) -> Floor:
-    """The floor of a machine of our own design where these numbers were fitted.
+def builds_at(changes: Mapping[str, float], names: Sequence[str], scale: float) -> Builds:
+    """Builds of a machine of our own design with these numbers, of which the named are fitted.
 
     scale  of the robust loss.  Lengths, mounts, drums, gears and the common place of the holes are
     none of its builds: what they change, the fitted numbers take up.
     """
-    train, validate = residuals["train"], residuals["validate"]
-    return floor_of(train, validate, found.changes, list(found.estimates), scale, {})
+    return Builds(changes, names, scale, {})
+
+
+def floor_at(found: Fit, residuals: Mapping[str, Residual], scale: float) -> Floor:
+    """The floor of a machine of our own design where these numbers were fitted."""
+    builds = builds_at(found.changes, list(found.estimates), scale)
+    return floor_of(residuals["train"], residuals["validate"], builds)
+
+
+def weighed_at(
+    changes: Mapping[str, float],
+    names: Sequence[str],
+    residuals: Mapping[str, Residual],
+    scale: float,
+) -> dict[str, Residual]:
+    """The trials weighted by what builds of this machine differ by in them, by role."""
+    right = complete(residuals["train"], RESOLUTION)
+    return weighed(residuals, builds_at(changes, names, scale), right)
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:

@@ -1,4 +1,4 @@
-"""By how much builds of one machine differ after each is fitted: the floor of a diagnosis.
+"""By how much builds of one machine differ after each is fitted: weights and floor of a diagnosis.
 
 Nobody builds to the drawing, and a fit takes up only a part of that.  So builds are drawn in the
 model about the machine at hand, and played in its own trials,
@@ -9,6 +9,15 @@ J being the slopes by the fitted numbers.  What e_b leaves of the trials that no
 what the very same fit leaves of such a machine with nothing hidden in it.  Nothing that was
 measured takes part, so an effect does not raise the floor under itself.
 
+Where an arm is about to buckle, builds are far apart for a moment.  Such a moment tells little of a
+machine whose build is not known, so each cycle counts by its own variance,
+
+    w² ~ 1/(s² + mean_b e_b²),
+
+s being what the model is right to anyhow, as in generalised least squares with the correlations
+left out.  Weighted so, floor and error stand on what builds agree on.  Weights and floor are drawn
+apart: a floor of the builds that made the weights would be too low.
+
 The mean square of e_b is a sum of squares over the few ways in which scatter shows, so its draws
 are taken as those of a multiple of χ² with as many degrees of freedom as their spread tells, and
 one more build beside n drawn ones leaves no more than
@@ -18,8 +27,9 @@ one more build beside n drawn ones leaves no more than
 (Satterthwaite, Biometrics Bulletin 2, 1946), which is steadier than the largest of them.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import f
@@ -38,6 +48,7 @@ DRAWS = 19  # builds
 LEVEL = 0.975  # of builds leave less than the floor
 RESOLUTION = 0.003  # of the effort: to which the model itself is right, cut into hinges and steps
 SURE = 1.96  # deviations
+FLOOR, WEIGHTS = 0, 1  # seeds of the builds of either
 
 # By how much a build may differ, at 95 %, and why
 TOLERANCES = {
@@ -74,46 +85,98 @@ def holes(rng: np.random.Generator, units: int) -> np.ndarray:
     return np.asarray(rng.uniform(-HOLE, HOLE, (2, units + 1, 2)))
 
 
-def floor_of(
-    train: Residual,
-    unseen: Residual,
-    numbers: Mapping[str, float],
-    names: Sequence[str],
-    scale: float,
-    widths: Mapping[str, float] = TOLERANCES,
-    single: bool = True,
-) -> Floor:
-    """The floor of a diagnosis that fits `names` to `train` and judges by `unseen`.
+@dataclass(frozen=True)
+class Builds:
+    """The builds of a machine that are drawn about it.
 
-    numbers  where the machine stands, among them those fitted;  scale  of the robust loss
+    numbers  where the machine stands, among them those fitted;  names  of these
+    scale    of the robust loss
     widths   by how much other numbers of a build may differ, at 95 %; of those fitted, how far the
              fit may be off: what a step puts right does not count, hinges that snap otherwise do
     single   whether single holes lie off their places, too
     """
-    plant = train.plant.coarse()  # what builds differ by hardly depends on the steps
-    both = replace(train, plant=plant, trials=[*train.trials, *unseen.trials])
+
+    numbers: Mapping[str, float]
+    names: Sequence[str]
+    scale: float
+    widths: Mapping[str, float] = field(default_factory=lambda: TOLERANCES)
+    single: bool = True
+
+    def left(self, train: Residual, further: Sequence[Residual], seed: int) -> Iterator[np.ndarray]:
+        """e_b of all these trials, (N,), of each build that can be played."""
+        plant = train.plant.coarse()  # what builds differ by hardly depends on the steps
+        trials = [trial for of in (train, *further) for trial in of.trials]
+        whole, fitted = replace(train, plant=plant, trials=trials), train.edges[-1]
+        table, names, numbers = whole.table, self.names, self.numbers
+        values = dict(zip(table.names, table.vector(numbers).tolist(), strict=True))
+        scaling, at = Scaling(table, names), whole(numbers)
+        u = scaling.scaled(values)
+        held = {n: v for n, v in numbers.items() if n not in names}
+        slopes = slopes_ahead(whole, scaling, u, held, at, STEPS[-1])
+        low, high = scaling.around(u)
+        room = low - u, high - u
+        still = anchor_of(train, scaling).rows(u)[0], np.zeros(len(names))
+        rng, units = np.random.default_rng(seed), plant.rig.units
+        for _ in range(DRAWS):
+            factors, off = hinges(rng, units), holes(rng, units) if self.single else None
+            build = replace(whole, plant=plant.scattered(factors, off))
+            try:
+                apart = build({**numbers, **_drawn(rng, self.widths, values, whole)}) - at
+            except SimulationError:
+                continue  # such a build cannot be played
+            step = linear_step(apart[:fitted], slopes[:fitted], room, self.scale, still)
+            yield apart + slopes @ step
+
+
+def weighed(residuals: Mapping[str, Residual], builds: Builds, right: float) -> dict[str, Residual]:
+    """The same trials by role, each cycle weighted by how far builds are apart in it.
+
+    right  to which the model is in any case, RMS [A]
+
+    All signals of a cycle have one weight.  Of each role the mean square of weights is one, so that
+    an error stays an RMS in its unit, and noise what it is.
+    """
+    plain = {
+        role: replace(of, trials=[replace(t, weight=None) for t in of.trials])
+        for role, of in residuals.items()
+    }
+    further = [of for role, of in plain.items() if role != "train"]
+    apart = [e**2 for e in builds.left(plain["train"], further, WEIGHTS)]
+    if not apart:
+        return plain
+    square, found, first = np.mean(apart, axis=0), {}, 0
+    for role in ["train", *(role for role in plain if role != "train")]:
+        of = plain[role]
+        own = square[first : first + of.edges[-1]]
+        first += of.edges[-1]
+        parts = [own[a:b] for a, b in pairwise(of.edges)]
+        weights = [
+            (right**2 + np.sum(part.reshape(-1, len(of.cycles(t))), axis=0)) ** -0.5
+            for part, t in zip(parts, of.trials, strict=True)
+        ]
+        size = np.sqrt(np.mean(np.concatenate(weights) ** 2))
+        trials = [
+            replace(t, weight=np.interp(np.arange(len(t.current)), of.cycles(t), w / size))
+            for w, t in zip(weights, of.trials, strict=True)
+        ]
+        found[role] = replace(of, trials=trials)
+    return found
+
+
+def counting(problem: Residual) -> float:
+    """Share of the samples that a mean over the weighted ones is worth: (Σw²)²/(n Σw⁴)."""
+    square = np.concatenate([problem.weight(t) for t in problem.trials]) ** 2
+    return float(np.mean(square) ** 2 / np.mean(square**2))
+
+
+def floor_of(train: Residual, unseen: Residual, builds: Builds) -> Floor:
+    """The floor of a diagnosis that fits the numbers to `train` and judges by `unseen`."""
     fitted = train.edges[-1]
-    values = dict(zip(both.table.names, both.table.vector(numbers).tolist(), strict=True))
-    scaling, at = Scaling(both.table, names), both(numbers)
-    u = scaling.scaled(values)
-    held = {n: v for n, v in numbers.items() if n not in names}
-    slopes = slopes_ahead(both, scaling, u, held, at, STEPS[-1])
-    low, high = scaling.around(u)
-    anchor, _ = anchor_of(train, scaling).rows(u)
-    rng, left, units = np.random.default_rng(0), [], both.plant.rig.units
-    for _ in range(DRAWS):
-        factors, off = hinges(rng, units), holes(rng, units) if single else None
-        build = replace(both, plant=both.plant.scattered(factors, off))
-        try:
-            apart = build({**numbers, **_drawn(rng, widths, values, both)}) - at
-        except SimulationError:
-            continue  # such a build cannot be played
-        room, still = (low - u, high - u), (anchor, np.zeros(len(names)))
-        step = linear_step(apart[:fitted], slopes[:fitted], room, scale, still)
-        missed = (apart + slopes @ step)[fitted:]
-        left.append(float(np.mean(missed[unseen.rows] ** 2)))
+    left = [
+        float(np.mean(e[fitted:][unseen.rows] ** 2)) for e in builds.left(train, [unseen], FLOOR)
+    ]
     share = np.sqrt(most_of(left)) / effort_rms(unseen)
-    return Floor(max(share, RESOLUTION), _reason(share, len(left), widths, single))
+    return Floor(max(share, RESOLUTION), _reason(share, len(left), builds, counting(unseen)))
 
 
 def most_of(squares: Sequence[float]) -> float:
@@ -136,12 +199,15 @@ def _drawn(
     return {n: float(np.clip(v, about[n].low, about[n].high)) for n, v in drawn.items()}
 
 
-def _reason(share: float, builds: int, widths: Mapping[str, float], single: bool) -> str:
-    off = f" and holes that lie off by up to {1e3 * HOLE:.1f} mm" if single else ""
-    also = f", and {', '.join(widths)} by what is not known of them" if widths else ""
+def _reason(share: float, drawn: int, builds: Builds, counting: float) -> str:
+    off = f" and holes that lie off by up to {1e3 * HOLE:.1f} mm" if builds.single else ""
+    widths = ", ".join(builds.widths)
+    also = f", and {widths} by what is not known of them" if widths else ""
     grain = f"; the model itself is right to {RESOLUTION:.1%}, which is more"
     return (
-        f"{builds} builds of this machine, drawn with hinges that differ by {SCATTER:.0%}"
+        f"{drawn} builds of this machine, drawn with hinges that differ by {SCATTER:.0%}"
         f"{off}{also}, leave up to {share:.2%} of the "
-        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}."
+        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}. Every sample "
+        f"counts by how far builds are apart there, here and in every error: that is worth "
+        f"{counting:.0%} of the samples."
     )

@@ -21,6 +21,7 @@ class Measurement:
     first_angle  of the rotors when the trial began [rad], where the log tells
     temperature  of the windings [°C], (T, 2), where the log tells
     use          cycles that are compared, (T,); None: all.  All are played
+    weight       of what is compared in each cycle, over that of others, (T,); None: all alike
     """
 
     name: str
@@ -33,6 +34,7 @@ class Measurement:
     first_angle: tuple[float, ...] = (0.0, 0.0)
     temperature: np.ndarray | None = None
     use: np.ndarray | None = None
+    weight: np.ndarray | None = None
 
     @property
     def seconds(self) -> np.ndarray:
@@ -46,7 +48,7 @@ class Measurement:
             reference=self.schedule.reference[:end],
             reference_rate=self.schedule.reference_rate[:end],
         )
-        signals = ("current", "displacement", "velocity", "temperature", "use")
+        signals = ("current", "displacement", "velocity", "temperature", "use", "weight")
         whole = {name: getattr(self, name) for name in signals}
         cut: dict[str, Any] = {n: None if x is None else x[:end] for n, x in whole.items()}
         return replace(self, schedule=schedule, **cut)

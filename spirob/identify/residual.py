@@ -7,6 +7,8 @@ What stretches, creeps or winds up shows there more clearly than in any current.
 compared as well, for it says whether the drive gives what it is told: a dead band stays short of
 the command, a sensor that is wrong does not.
 
+Where a trial's cycles have weights, model and measurement are multiplied by them.
+
 `near` is a replay at half the price, for a search that stays near one point.  The model is played
 in steps of a whole cycle, and what that misses at one point p_0 is put right,
 
@@ -174,6 +176,11 @@ class Residual:
         trial = self.trials[index]
         return self.plant.simulate(trial.schedule, trial.scene, changes, trial.first_angle)
 
+    def weight(self, trial: Measurement) -> np.ndarray:
+        """Of each cycle of a trial that is compared."""
+        cycles = self.cycles(trial)
+        return np.ones(len(cycles)) if trial.weight is None else trial.weight[cycles]
+
     def _stretch(self, trial: Measurement, motor: int) -> Stretch:
         position, velocity, current = (
             self.thin(values[:, motor], trial)
@@ -215,7 +222,8 @@ class Residual:
         parts = [self.thin(current[:, m], trial) for m in self.driven(trial)]
         parts += [self.length * self.thin(displacement[:, m], trial) for m in self._others(trial)]
         parts += [self.thin(current[:, m], trial) for m in self._others(trial)]
-        return np.concatenate(parts) if parts else np.zeros(0)
+        weight = self.weight(trial)
+        return np.concatenate([weight * part for part in parts] or [np.zeros(0)])
 
     def _rows(self, trial: Measurement) -> np.ndarray:
         samples = len(self.cycles(trial))

@@ -5,7 +5,7 @@ import pytest
 
 from spirob.diagnosis.rungs import Settings
 from spirob.identify import builds
-from spirob.identify.builds import LEVEL, RESOLUTION, floor_of, hinges, holes, most_of
+from spirob.identify.builds import LEVEL, RESOLUTION, Builds, floor_of, hinges, holes, most_of
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
@@ -38,7 +38,7 @@ def recorded(plant, role):
 
 
 def floor(train, unseen):
-    return floor_of(train, unseen, TRUE, NAMES, SCALE, {})
+    return floor_of(train, unseen, Builds(TRUE, NAMES, SCALE, {}))
 
 
 @pytest.fixture(scope="module")

@@ -21,16 +21,16 @@ from spirob.campaign.arm.strength import RATIOS
 from spirob.campaign.arm.visibility import drawn
 from spirob.diagnosis.confirm import confirm
 from spirob.diagnosis.followup import Play, answered, asked
-from spirob.diagnosis.ladder import climb
+from spirob.diagnosis.ladder import begun, climb
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.restarts import to_the_end
-from spirob.diagnosis.rungs import Ladder, Rung, Settings, floor_at
+from spirob.diagnosis.rungs import Ladder, Rung, Settings, floor_at, weighed_at
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import judge
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import TYPICAL
 from spirob.identify.builds import Floor
-from spirob.identify.fit import Fit
+from spirob.identify.fit import STEPS, Fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, Problem, effort_rms
 from spirob.identify.residual import Residual, near
@@ -119,9 +119,12 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     settings = settings or quickly(Settings())
     library = list(all_effects().values())
     plant = Plant(Rig(), library)
-    hidden, problems, base = drawn(
+    hidden, played, first = drawn(
         case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
     )
+    alone = first.base.fit
+    problems = weighed_at(alone.changes, list(alone.estimates), played, settings.scale)
+    base = begun(problems, FITTED, alone.changes, settings, STEPS[-1:])
 
     def floor(found: Fit) -> Floor:
         return floor_at(found, problems, settings.scale)

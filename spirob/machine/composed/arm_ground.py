@@ -209,10 +209,12 @@ def _samples(trial: Measurement) -> int:
 
 
 def _passed(problem: Residual, trial: Measurement) -> np.ndarray:
-    """What the residual's filter leaves of each sample of a law, drawn straight to the next."""
+    """What the residual's filter leaves of each sample of a law, drawn straight to the next, as it
+    is weighted."""
     at, cycles = np.arange(_samples(trial)), np.arange(len(trial.current)) / EVERY
     drawn = np.array([np.interp(cycles, at, one) for one in np.eye(len(at))])
-    return np.asarray(problem.filter(drawn, trial.name)[:, problem.cycles(trial)].T)
+    passed = problem.filter(drawn, trial.name)[:, problem.cycles(trial)]
+    return np.asarray((problem.weight(trial) * passed).T)
 
 
 def _shown(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.rungs import Settings
-from spirob.identify.builds import SCATTER, TOLERANCES, floor_of, hinges, holes
+from spirob.identify.builds import SCATTER, TOLERANCES, Builds, floor_of, hinges, holes
 from spirob.identify.fit import fit
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
@@ -38,7 +38,7 @@ def gentle():
 
 def test_most_drawn_builds_leave_less_once_they_are_fitted(gentle):
     """A machine of its own, scattered otherwise than any that was drawn, and fitted in full."""
-    share = floor_of(gentle, gentle, BENDS, NAMES, SCALE, {}).share
+    share = floor_of(gentle, gentle, Builds(BENDS, NAMES, SCALE, {})).share
     rng = np.random.default_rng(7)
     below = 0
     for _ in range(4):
@@ -67,7 +67,8 @@ def test_nothing_of_what_was_measured_takes_part(gentle):
     """But how large the effort is, which weighs the data sheet in the fit."""
     turned = [replace(t, current=-t.current) for t in gentle.trials]
     one, two = (
-        floor_of(r, r, BENDS, NAMES, SCALE).share for r in (gentle, replace(gentle, trials=turned))
+        floor_of(r, r, Builds(BENDS, NAMES, SCALE)).share
+        for r in (gentle, replace(gentle, trials=turned))
     )
     assert two == pytest.approx(one, rel=1e-6)
 
@@ -75,8 +76,8 @@ def test_nothing_of_what_was_measured_takes_part(gentle):
 def test_an_arm_that_buckles_has_a_higher_floor_and_known_numbers_a_lower_one(gentle):
     point = {"arm.bends_per_hinge": 0.9}
     buckling = residual_of(1.1, point)
-    low = floor_of(gentle, gentle, BENDS, NAMES, SCALE)
-    assert floor_of(buckling, buckling, point, NAMES, SCALE).share > 3.0 * low.share
-    assert floor_of(gentle, gentle, BENDS, NAMES, SCALE, {}).share < low.share
+    low = floor_of(gentle, gentle, Builds(BENDS, NAMES, SCALE))
+    assert floor_of(buckling, buckling, Builds(point, NAMES, SCALE)).share > 3.0 * low.share
+    assert floor_of(gentle, gentle, Builds(BENDS, NAMES, SCALE, {})).share < low.share
     assert f"{SCATTER:.0%}" in low.reason
     assert all(name in low.reason for name in TOLERANCES)
