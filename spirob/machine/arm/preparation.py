@@ -138,7 +138,7 @@ def settled(
         whole = ground.weighed(found.changes, list(names))
         floor, train = ground.floor(whole, {}), whole.residuals["train"]
         if _left(train, train(found.changes)) <= complete(train, floor.share):
-            return Settled(found.changes, whole.residuals, floor, _rows_told(whole), as_drawn=True)
+            return Settled(found.changes, whole.residuals, floor, [], as_drawn=True)
     arm = ground.shaped(found)
     numbers, seen, told = _built(ground, arm)
     floor = ground.floor(replace(arm, numbers=numbers), seen)
