@@ -204,10 +204,13 @@ def _reason(share: float, drawn: int, builds: Builds, counting: float) -> str:
     widths = ", ".join(builds.widths)
     also = f", and {widths} by what is not known of them" if widths else ""
     grain = f"; the model itself is right to {RESOLUTION:.1%}, which is more"
+    worth = (
+        " Every sample counts by how far builds are apart there, here and in every error: that is "
+        f"worth {counting:.0%} of the samples."
+    )
     return (
         f"{drawn} builds of this machine, drawn with hinges that differ by {SCATTER:.0%}"
         f"{off}{also}, leave up to {share:.2%} of the "
-        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}. Every sample "
-        f"counts by how far builds are apart there, here and in every error: that is worth "
-        f"{counting:.0%} of the samples."
+        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}."
+        f"{worth if counting < 1.0 else ''}"
     )

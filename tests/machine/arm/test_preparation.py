@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.diagnosis.rungs import ROLES, Settings
-from spirob.identify.builds import counting
 from spirob.identify.fit import fit
 from spirob.identify.residual import Residual, near
 from spirob.logs.readers import Table
@@ -39,9 +38,7 @@ def settle(true):
 def test_an_arm_as_drawn_is_asked_nothing_else():
     residuals, found = settle(TRUE)
     assert found.said == []
-    for role, of in found.residuals.items():
-        assert of.unweighted() == residuals[role]
-        assert counting(of) > 0.95
+    assert found.residuals == residuals
     assert found.as_drawn
     assert not any(name.startswith("holes.") for name in found.numbers)
 
@@ -55,5 +52,4 @@ def test_holes_that_lie_elsewhere_are_found_and_said():
     assert missed < 0.8 * before
     assert found.numbers["holes.shift"] != 0.0
     assert any("not as drawn" in text for text in found.said)
-    assert sum("of the rows" in text for text in found.said) == len(ROLES)
     assert not found.as_drawn
