@@ -136,31 +136,31 @@ def weighed(residuals: Mapping[str, Residual], builds: Builds, right: float) -> 
     All signals of a cycle have one weight.  Of each role the mean square of weights is one, so that
     an error stays an RMS in its unit, and noise what it is.
     """
-    plain = {
-        role: replace(of, trials=[replace(t, weight=None) for t in of.trials])
-        for role, of in residuals.items()
-    }
-    further = [of for role, of in plain.items() if role != "train"]
-    apart = [e**2 for e in builds.left(plain["train"], further, WEIGHTS)]
+    roles = sorted(residuals, key=lambda role: role != "train")
+    plain = {role: residuals[role].unweighted() for role in roles}
+    train, *further = plain.values()
+    apart = [e**2 for e in builds.left(train, further, WEIGHTS)]
     if not apart:
         return plain
-    square, found, first = np.mean(apart, axis=0), {}, 0
-    for role in ["train", *(role for role in plain if role != "train")]:
-        of = plain[role]
-        own = square[first : first + of.edges[-1]]
-        first += of.edges[-1]
-        parts = [own[a:b] for a, b in pairwise(of.edges)]
-        weights = [
-            (right**2 + np.sum(part.reshape(-1, len(of.cycles(t))), axis=0)) ** -0.5
-            for part, t in zip(parts, of.trials, strict=True)
-        ]
-        size = np.sqrt(np.mean(np.concatenate(weights) ** 2))
-        trials = [
-            replace(t, weight=np.interp(np.arange(len(t.current)), of.cycles(t), w / size))
-            for w, t in zip(weights, of.trials, strict=True)
-        ]
-        found[role] = replace(of, trials=trials)
-    return found
+    ends = np.cumsum([of.edges[-1] for of in plain.values()])[:-1]
+    squares = zip(plain.items(), np.split(np.mean(apart, axis=0), ends), strict=True)
+    return {role: _weighted(of, square, right) for (role, of), square in squares}
+
+
+def _weighted(of: Residual, square: np.ndarray, right: float) -> Residual:
+    """With weights by the mean square in which builds are apart, (N,)."""
+    cycles = [of.cycles(t) for t in of.trials]
+    parts = [
+        square[a:b].reshape(-1, len(own))
+        for (a, b), own in zip(pairwise(of.edges), cycles, strict=True)
+    ]
+    weights = [(right**2 + part.sum(axis=0)) ** -0.5 for part in parts]
+    size = np.sqrt(np.mean(np.concatenate(weights) ** 2))
+    trials = [
+        replace(t, weight=np.interp(np.arange(len(t.current)), own, weight / size))
+        for t, own, weight in zip(of.trials, cycles, weights, strict=True)
+    ]
+    return replace(of, trials=trials)
 
 
 def counting(problem: Residual) -> float:
@@ -204,10 +204,13 @@ def _reason(share: float, drawn: int, builds: Builds, counting: float) -> str:
     widths = ", ".join(builds.widths)
     also = f", and {widths} by what is not known of them" if widths else ""
     grain = f"; the model itself is right to {RESOLUTION:.1%}, which is more"
+    worth = (
+        " Every sample counts by how far builds are apart there, here and in every error: that is "
+        f"worth {counting:.0%} of the samples."
+    )
     return (
         f"{drawn} builds of this machine, drawn with hinges that differ by {SCATTER:.0%}"
         f"{off}{also}, leave up to {share:.2%} of the "
-        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}. Every sample "
-        f"counts by how far builds are apart there, here and in every error: that is worth "
-        f"{counting:.0%} of the samples."
+        f"effort in trials that no fit has seen{grain if share < RESOLUTION else ''}."
+        f"{worth if counting < 1.0 else ''}"
     )

@@ -20,7 +20,7 @@ error between the two points.
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -180,6 +180,10 @@ class Residual:
         """Of each cycle of a trial that is compared."""
         cycles = self.cycles(trial)
         return np.ones(len(cycles)) if trial.weight is None else trial.weight[cycles]
+
+    def unweighted(self) -> "Residual":
+        """The same with all cycles of its trials counting alike."""
+        return replace(self, trials=[replace(trial, weight=None) for trial in self.trials])
 
     def _stretch(self, trial: Measurement, motor: int) -> Stretch:
         position, velocity, current = (

@@ -1,9 +1,9 @@
-"""What the search on an arm's logs stands on: the arm's shape, and how much each row counts.
+"""What the search on an arm's logs stands on: the arm's shape, and the rows that count.
 
 The usual numbers are fitted first.  Where they leave no more than a complete model does, nothing
 else is asked.  Otherwise the arm may be of another design, or buckle, and not only lack an effect:
-its shape is searched for (`shape`) and believed where that clearly pays.  Rows count by how far
-builds of this arm are apart in them (`weighed`).
+its shape is searched for (`shape`) and believed where that clearly pays, and what builds of this
+arm leave open is left out of all roles (`determined`).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,18 +13,11 @@ import numpy as np
 
 from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.rungs import Settings
-from spirob.identify.builds import (
-    SCATTER,
-    TOLERANCES,
-    Builds,
-    Floor,
-    counting,
-    floor_of,
-    weighed,
-)
+from spirob.identify.builds import SCATTER, TOLERANCES, Builds, Floor, floor_of
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.residual import Residual, near
+from spirob.machine.arm.rows import determined
 from spirob.machine.arm.shape import FREED, searched_shape
 from spirob.machine.arm.tolerated import gate
 
@@ -37,7 +30,7 @@ class Settled:
     """What a search stands on.
 
     numbers    fitted ones, and those of another shape, which the search holds
-    residuals  by role, weighted
+    residuals  by role, of the rows that count
     floor      what builds of this arm differ by
     as_drawn   nothing else had to be asked
     said       sentences about all this
@@ -52,11 +45,12 @@ class Settled:
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm as its logs show it: numbers, those fitted, and its weighted logs by role."""
+    """An arm as its logs show it: numbers, those fitted, and the rows that count, by role."""
 
     numbers: dict[str, float]
     names: list[str]
     residuals: dict[str, Residual]
+    shares: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -78,8 +72,8 @@ class Ground:
         return self.residuals["train"]
 
     @property
-    def right(self) -> float:
-        """What a model is right to where builds are not apart [A]."""
+    def limit(self) -> float:
+        """By how much builds may be apart in a row that counts [A]."""
         return complete(self.train, self.settings.floor)
 
     def fitted(
@@ -92,7 +86,7 @@ class Ground:
         )
 
     def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
-        """What builds differ by on the weighted rows; where the holes lie is a part of the shape.
+        """What builds differ by on the rows that count; where the holes lie is a part of the shape.
 
         told  by the logs of a build, at 95 %
         """
@@ -101,10 +95,13 @@ class Ground:
         builds = Builds(arm.numbers, arm.names, rules.scale, widths, single=False)
         return floor_of(kept["train"], kept["validate"], builds)
 
-    def weighed(self, numbers: dict[str, float], names: list[str]) -> Arm:
-        """The arm with these numbers, its rows by what its builds leave open."""
-        builds = Builds(numbers, names, self.settings.scale, {}, single=False)
-        return Arm(numbers, names, weighed(self.residuals, builds, self.right))
+    def on_its_rows(self, numbers: dict[str, float], names: list[str]) -> Arm:
+        """The arm with these numbers, without what its builds leave open."""
+        kept, shares = {}, {}
+        for role, residual in self.residuals.items():
+            trials, shares[role] = determined(residual, numbers, self.limit)
+            kept[role] = replace(residual, trials=trials)
+        return Arm(numbers, names, kept, shares)
 
     def shaped(self, found: Fit) -> Arm:
         """The arm with the shape that is searched for from this fit, where that pays."""
@@ -116,7 +113,7 @@ class Ground:
             shaped = self.fitted(self.train, freed, other, STEPS)
             if shaped.cost < PAYS * found.cost:
                 numbers, names = shaped.changes, freed
-        return self.weighed(numbers, names)
+        return self.on_its_rows(numbers, names)
 
 
 def settled(
@@ -127,22 +124,22 @@ def settled(
     settings: Settings,
     progress: Callable[[str], None],
 ) -> Settled:
-    """Shape and weights of the rows, with numbers fitted from where they start; the floor there.
+    """Shape and rows that count, with numbers fitted from where they start; the floor there.
 
     names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
     """
     ground = Ground(residuals, names, free, settings, progress)
     found = ground.fitted(ground.train, names, start, STEPS[:1])
-    if _left(ground.train, found.residual) <= NEARLY * ground.right:
+    if _left(ground.train, found.residual) <= NEARLY * ground.limit:
         found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
-        whole = ground.weighed(found.changes, list(names))
-        floor, train = ground.floor(whole, {}), whole.residuals["train"]
-        if _left(train, train(found.changes)) <= complete(train, floor.share):
-            return Settled(found.changes, whole.residuals, floor, _rows_told(whole), as_drawn=True)
+        whole = Arm(found.changes, list(names), dict(residuals), {})
+        floor = ground.floor(whole, {})
+        if _left(ground.train, found.residual) <= complete(ground.train, floor.share):
+            return Settled(found.changes, whole.residuals, floor, [], as_drawn=True)
     arm = ground.shaped(found)
     numbers, seen, told = _built(ground, arm)
     floor = ground.floor(replace(arm, numbers=numbers), seen)
-    said = [*_shape_told(arm, names, ground.train), *_rows_told(arm), *told]
+    said = [*_shape_told(arm, names, ground.train), *_rows_told(arm, ground), *told]
     return Settled(numbers, arm.residuals, floor, said)
 
 
@@ -166,12 +163,13 @@ def _left(of: Residual, missed: np.ndarray) -> float:
     return float(np.sqrt(np.mean(missed[of.rows] ** 2)))
 
 
-def _rows_told(arm: Arm) -> list[str]:
+def _rows_told(arm: Arm, ground: Ground) -> list[str]:
     return [
-        f"{', '.join(t.name for t in of.trials)}: rows count by how far arms of this kind, whose "
-        f"hinges differ by {SCATTER:.0%}, are apart in them; that is worth {counting(of):.0%} of "
-        "the rows."
-        for of in arm.residuals.values()
+        f"{', '.join(t.name for t in arm.residuals[role].trials)}: {share:.0%} of the rows count; "
+        f"in the others arms of this kind whose hinges differ by {SCATTER:.0%} are apart by more "
+        f"than {ground.train.effort.shown(ground.limit)}."
+        for role, share in arm.shares.items()
+        if share < 1.0
     ]
 
 

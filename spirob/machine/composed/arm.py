@@ -317,7 +317,8 @@ def _nearest(one: _Fitted) -> tuple[type[Effect], float]:
 
 def _band(one: _Fitted) -> np.ndarray:
     """Half the 95 % interval of the law's current on the held-out trials, (M,)."""
-    train, held, found = one.residuals["train"], one.residuals["heldout"], one.rung.fit
+    train, found = one.residuals["train"], one.rung.fit
+    held = one.residuals["heldout"].unweighted()
     scaling = Scaling(held.table, list(found.estimates))
     fixed = {n: v for n, v in found.changes.items() if n not in found.estimates}
     at = scaling.scaled(found.changes)
