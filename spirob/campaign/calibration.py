@@ -1,6 +1,6 @@
 """How sure a name may be, learned from the campaign's cases: `spirob/machine/certainty.json`.
 
-    python -m spirob.campaign.calibration CASES.jsonl [--out certainty.json]
+    python -m spirob.campaign.calibration CASES.jsonl ... [--out certainty.json]
 
 Logistic regression of "the name is right" on the figures of `certainty`, over all chosen effects of
 all cases, whatever their verdict.  It is judged on each simulator by a fit to the others.
@@ -24,6 +24,16 @@ from spirob.machine.certainty import FIGURES
 STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken
 Line = Mapping[str, Any]
+
+
+def played(paths: Sequence[Path]) -> list[Line]:
+    """The results of some files, one after another."""
+    return [line for path in paths for line in known(path).values()]
+
+
+def digest(paths: Sequence[Path]) -> str:
+    """SHA-256 of the files, one after another."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
 def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -79,10 +89,10 @@ def calibration_error(stated: np.ndarray, right: np.ndarray) -> float:
 def main() -> None:
     """Fit, judge, write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cases", type=Path, help="lines of spirob trial --rigs")
+    parser.add_argument("cases", type=Path, nargs="+", help="lines of spirob trial --rigs")
     parser.add_argument("--out", type=Path, help="where the numbers are written")
     given = parser.parse_args()
-    lines = list(known(given.cases).values())
+    lines = played(given.cases)
     rows, right, simulators = effects(lines)
     stated = left_out(rows, right, simulators)
     sure = stated >= 0.9
@@ -93,8 +103,8 @@ def main() -> None:
     )
     if given.out:
         about = {
-            "cases": given.cases.name,
-            "sha256": hashlib.sha256(given.cases.read_bytes()).hexdigest(),
+            "cases": [path.name for path in given.cases],
+            "sha256": digest(given.cases),
             "seeds": sorted({line["seed"] for line in lines}),
             "figures": list(FIGURES),
         }
