@@ -60,10 +60,13 @@ class Words:
     def _undecided(
         self, same: dict[str, list[str]], rivals: dict[str, list[str]]
     ) -> tuple[str, str]:
+        dry = {e.name() for e in (*self.search.candidates, *self.after.effects) if is_dry(e)}
         sets = []
         for effect in self.after.effects:
             names = [effect.name(), *same[effect.name()], *rivals[effect.name()]]
-            sets.append(" or ".join(plain(n) for n in names))
+            told = " or ".join(plain(n) for n in names)
+            only_dry = len(names) > 1 and dry.issuperset(names)
+            sets.append(f"dry friction by one of its laws ({told})" if only_dry else told)
         return (
             f"Undecided: {'; and '.join(sets)}.",
             f"Each of these explains most of the same of the {self.effort.name}; these data cannot "

@@ -10,7 +10,7 @@ from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
 from spirob.effects import all_effects
 from spirob.machine import judgement
 from spirob.machine.figures import Ended, kin
-from spirob.machine.judgement import LIKELY, likely, weigh
+from spirob.machine.judgement import LIKELY, Words, likely, weigh
 
 NAMES = ("coulomb_friction", "presliding_friction", "cogging")
 COULOMB = all_effects()["coulomb_friction"]
@@ -98,3 +98,23 @@ def test_more_of_what_speaks_for_a_name_makes_it_likelier():
         more = middle | {figure: middle[figure] + 1.0}
         assert probability(more) > probability(middle)
     assert probability(middle | {"left": middle["left"] + 1.0}) < probability(middle)
+
+
+@pytest.mark.parametrize(
+    ("rival", "said"),
+    [
+        ("presliding_friction", "dry friction by one of its laws (coulomb friction or presliding"),
+        ("load_dependent_friction", "Undecided: coulomb friction or load dependent friction."),
+    ],
+)
+def test_where_only_laws_of_dry_friction_are_in_question_dry_friction_is_said(
+    monkeypatch, rival, said
+):
+    monkeypatch.setattr(Words, "_fall", lambda words: "")
+    monkeypatch.setattr(Words, "_left", lambda words: "")
+    search = SimpleNamespace(candidates=[all_effects()[n] for n in (*NAMES, rival)])
+    after = SimpleNamespace(effects=(COULOMB,))
+    words = Words(search, None, after, None, None, SimpleNamespace(name="motor current"))
+    name = COULOMB.name()
+    sentence, _ = words.say("undecided", {name: []}, {name: [rival]}, [])
+    assert said in sentence
