@@ -9,7 +9,7 @@ from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
 
-T = np.arange(0.0, 10.0, 2e-3)
+T = np.arange(0.0, 10.0, 4e-3)
 SOFT = 0.04  # rad for 1 N·m
 LOAD, ROTOR, VISCOUS, DRY = 0.05, 0.02, 0.1, 0.3
 

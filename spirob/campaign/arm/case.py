@@ -124,8 +124,14 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
     )
 
+    floors: dict[tuple[object, ...], Floor] = {}
+
     def floor(found: Fit) -> Floor:
-        return floor_at(found, problems, settings.scale)
+        """Measured once for each fit: the search without the right names begins with the same."""
+        at = (*found.estimates, *found.changes.items())
+        if at not in floors:
+            floors[at] = floor_at(found, problems, settings.scale)
+        return floors[at]
 
     search = climb(problems, FITTED, library, {}, settings, known=base, measure=floor)
     best = oracle(problems, search, _counterparts(case), settings)
