@@ -9,7 +9,8 @@ from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
 
-T = np.arange(0.0, 10.0, 2e-3)
+T = np.arange(0.0, 10.0, 4e-3)
+OFTEN = np.arange(0.0, 10.0, 2e-3)  # a twist shows in the fourth derivative of the motion
 SOFT = 0.04  # rad for 1 N·m
 LOAD, ROTOR, VISCOUS, DRY = 0.05, 0.02, 0.1, 0.3
 
@@ -21,13 +22,13 @@ def soft_gear(seed):
     """
     rng = np.random.default_rng(seed)
     w = 2 * np.pi * np.array([0.35, 1.1, 2.3]) * rng.uniform(0.9, 1.1, 3)
-    angles, sizes = np.outer(T, w) + rng.uniform(0, 2 * np.pi, 3), np.array([1.2, 0.5, 0.3])
+    angles, sizes = np.outer(OFTEN, w) + rng.uniform(0, 2 * np.pi, 3), np.array([1.2, 0.5, 0.3])
     load, acceleration = np.sin(angles) @ sizes, -np.sin(angles) @ (sizes * w**2)
     motor = load + SOFT * LOAD * acceleration
     more = sizes * (w - SOFT * LOAD * w**3)
     v, a = np.cos(angles) @ more, -np.sin(angles) @ (more * w)
     u = LOAD * acceleration + ROTOR * a + VISCOUS * v + DRY * np.tanh(v / 0.02)
-    noise = rng.standard_normal((3, len(T)))
+    noise = rng.standard_normal((3, len(OFTEN)))
     ends = {"load": load + 2e-5 * noise[0], "motor": motor + 2e-5 * noise[1]}
     return ends, u + 5e-3 * noise[2]
 
@@ -38,7 +39,7 @@ def test_the_side_of_the_sensor_is_found_where_it_is_not_told(tmp_path, end):
     logs = []
     for seed in range(3):
         ends, u = soft_gear(2600 + seed)
-        logs.append(prepare(f"{seed}", {"t": T, "q": ends[end], "u": u}, rig))
+        logs.append(prepare(f"{seed}", {"t": OFTEN, "q": ends[end], "u": u}, rig))
     found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:])
     names = {f.name for f in found.findings}
     assert "coulomb_friction" in names

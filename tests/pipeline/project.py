@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+import yaml
+
 from spirob.cli.interruption import discard_torn
 
 SOURCE = Path(__file__).parents[2]
@@ -25,8 +27,14 @@ SHORT = [
 READMES = ("data/sweep/README.md", "data/recorded/README.md")
 # of the release, in its report; no stage makes them
 MEASURED = ("reports/metrics/trial_full.json", "reports/metrics/contacts.json")
+COMPILED = (".pyc", ".nbi", ".nbc")  # by Python, by Numba
 TRIES = 3  # of a run that DVC refuses
 DECIDING = ("identify", "compare", "diagnose", "decide")  # stages that must not know the truth
+
+
+def _unfinished(folder: str, names: list[str]) -> list[str]:
+    """What another process is writing; what is compiled comes along, it takes half a minute."""
+    return [name for name in names if "__pycache__" in folder and not name.endswith(COMPILED)]
 
 
 class Project:
@@ -34,15 +42,21 @@ class Project:
 
     def __init__(self, root: Path, overrides: list[str]):
         self.root = root
-        ignored = shutil.ignore_patterns("__pycache__")
         for folder in ("conf", "pipeline", "spirob"):
-            shutil.copytree(SOURCE / folder, root / folder, ignore=ignored)
+            shutil.copytree(SOURCE / folder, root / folder, ignore=_unfinished)
         for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", *MEASURED, *READMES):
             (root / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(SOURCE / file, root / file)
         self.override(overrides)
         self.run("git", "init", "-q")
         self.run(sys.executable, "-m", "dvc", "init", "-q")
+
+    def copied(self, root: Path, *left_out: str) -> "Project":
+        """The project as it is now, in another folder, without files of some names."""
+        shutil.copytree(self.root, root, ignore=shutil.ignore_patterns(*left_out))
+        copy = Project.__new__(Project)
+        copy.root = root
+        return copy
 
     def override(self, overrides: list[str]) -> None:
         """Write params.yaml."""
@@ -107,6 +121,17 @@ class Project:
                 return process, "".join(said)
         process.wait()
         return process, "".join(said)
+
+    def forget(self, stages: Sequence[str]) -> None:
+        """As if these stages had never been run: no results, no cache that DVC takes them from."""
+        lock = self.root / "dvc.lock"
+        held = yaml.safe_load(lock.read_text())
+        for stage in stages:
+            for out in held["stages"].pop(stage)["outs"]:
+                path = self.root / out["path"]
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        lock.write_text(yaml.safe_dump(held))
+        shutil.rmtree(self.root / ".dvc/cache/runs")
 
     def metrics(self) -> dict[str, bytes]:
         """All metrics files, byte for byte."""

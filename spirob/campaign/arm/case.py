@@ -126,8 +126,14 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     problems = weighed_at(alone.changes, list(alone.estimates), played, settings.scale)
     base = begun(problems, FITTED, alone.changes, settings, STEPS[-1:])
 
+    floors: dict[tuple[object, ...], Floor] = {}
+
     def floor(found: Fit) -> Floor:
-        return floor_at(found, problems, settings.scale)
+        """Measured once for each fit: the search without the right names begins with the same."""
+        at = (*found.estimates, *found.changes.items())
+        if at not in floors:
+            floors[at] = floor_at(found, problems, settings.scale)
+        return floors[at]
 
     search = climb(problems, FITTED, library, {}, settings, known=base, measure=floor)
     best = oracle(problems, search, _counterparts(case), settings)
