@@ -19,11 +19,11 @@ from pipeline.own_effects import given, lay_beside
 from pipeline.schema import Config
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
+from spirob.diagnosis.atlas import KEYS
 from spirob.diagnosis.document import document, metrics, restated
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import Answer, Question, answered
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.survey import KEYS
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log

@@ -10,12 +10,12 @@ from pipeline.own_effects import given
 from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
+from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.rungs import Ladder, Rules, Settings, floor_at
-from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
 from spirob.identify.plausibility import refuse_senseless

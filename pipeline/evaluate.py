@@ -12,7 +12,7 @@ import pandas as pd
 from pipeline.features import features_of
 from pipeline.stage import entry, read_json, tell, write_json
 from pipeline.train import CHOICE
-from spirob.campaign.arm.answers import right
+from spirob.campaign.arm.rates import right
 from spirob.logs.atomic import replacing
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import mean_gain, scored

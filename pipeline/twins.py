@@ -36,8 +36,7 @@ from spirob.effects import find_effects
 from spirob.errors import ConfigError
 from spirob.experiments import Play, experiment_from
 from spirob.experiments.active_contact import RAW, RIGHT, ActiveContact
-from spirob.experiments.current_error import AIM_RMSE, rmse
-from spirob.experiments.response import detected
+from spirob.experiments.response import AIM_RMSE, detected, rmse
 from spirob.identify.descent import differences
 from spirob.identify.intervals import block_covariance
 from spirob.identify.scaling import Scaling

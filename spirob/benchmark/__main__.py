@@ -5,13 +5,13 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from spirob.benchmark import diagnosis, feedforward, identification, throughput
+from spirob.benchmark import diagnosis, feedforward, identification, timing
 from spirob.benchmark.timing import TINY, Size
 
 MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
-    "coupled_tick": throughput.measure_cycles,
-    "threads": throughput.measure_threads,
-    "decoding": throughput.measure_decoding,
+    "coupled_tick": timing.measure_cycles,
+    "threads": timing.measure_threads,
+    "decoding": timing.measure_decoding,
     "identification": identification.measure,
     "screening": diagnosis.measure_screening,
     "diagnosis": diagnosis.measure,

@@ -17,7 +17,7 @@ import numpy as np
 from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import StandardScaler
 
-from spirob.campaign.arm.answers import ANSWERS
+from spirob.campaign.arm.rates import ANSWERS
 from spirob.diagnosis.certainty import FIGURES
 from spirob.logs.atomic import write_text
 

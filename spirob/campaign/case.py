@@ -23,8 +23,7 @@ from spirob.campaign.scoring import (
 )
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.hidden import Hidden, Hiding, Scale, hiding
-from spirob.campaign.simulators.motion import Machine, Motion, Plan, Simulator
-from spirob.campaign.simulators.plans import plan
+from spirob.campaign.simulators.motion import Machine, Motion, Plan, Simulator, plan
 from spirob.campaign.strength import HIGH, LOW, SEEN, share, strength
 
 FASTEST = (0.3, 2.0)  # Hz, of the motion

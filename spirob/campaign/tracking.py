@@ -25,8 +25,7 @@ import numpy as np
 from spirob.campaign.case import Case, drawn, made_of, stream
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.hidden import Hidden
-from spirob.campaign.simulators.motion import FINE, Machine, Plan
-from spirob.campaign.simulators.plans import plan
+from spirob.campaign.simulators.motion import FINE, Machine, Plan, plan
 from spirob.errors import SpirobError
 from spirob.export.code import python_text
 from spirob.export.corrected import Corrected, corrected

@@ -15,12 +15,12 @@ from scipy.optimize import least_squares
 from spirob.campaign.case import Drawn
 from spirob.campaign.recorder import AHEAD
 from spirob.campaign.simulators.bench import SPRINGS
-from spirob.campaign.simulators.laws import drive, level, memory, passive, remember
+from spirob.campaign.simulators.hidden import drive, level, memory, passive, remember
 from spirob.campaign.simulators.motion import FINE
 from spirob.errors import SpirobError
 from spirob.identify.scaling import Scaling
 from spirob.machine.axis import base_model
-from spirob.machine.composed.memory import along
+from spirob.machine.composed.track import along
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Model
 from spirob.machine.recording import prepare

@@ -1,4 +1,21 @@
-"""Ask, play, decide, prove: what a diagnosis still wants to see, and what stands once it was seen.
+"""What a diagnosis still wants to see: ask, play, decide, and put the name to the proof.
+
+A name is put to the proof: it has to hold under a softer pull than any it was found under.
+
+A law that imitates the missing one does so on the trials in which it was found.  Play of a gear
+passes for a soft tendon while both tendons pull; dry friction and saturation pass for a loss that
+grows with the load.  Where hardly anything pulls they part.  So soft pulls are played on either
+side.  The longer ones join those that are fitted, and the model with the name and the one without
+are fitted again; on the shorter ones the name has to account for most of what is missing there,
+too.  Either motor pulls in both: an effect has numbers of each, and what is asked of one has to
+have been seen of it.  A proof takes a name away or lets it stand.  Where others stand beside it, as
+rivals or because they say the same of the data, they are put to the same proof, and who does not
+hold is out: a soft tendon that passes for play leaves the name to play.
+
+Only what is softer proves: where a trial is faster, stronger or deeper than what was fitted, more
+happens than a right law says.
+
+Ask, play, decide, prove: what a diagnosis still wants to see, and what stands once it was seen.
 
 The pipeline runs this with a file between each step, the trial in one go on its robots.
 """
@@ -7,13 +24,157 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from spirob.diagnosis.contest import Contestant, decided_again, in_question, joined, proposed
-from spirob.diagnosis.proof import FOUND, Proof, proved, put_to_proof, sifted, to_prove
-from spirob.diagnosis.proposals import Proposal
+import numpy as np
+
+from spirob.diagnosis.contest import (
+    Contestant,
+    compared,
+    decided_again,
+    further_of,
+    in_question,
+    joined,
+    proposed,
+    settled,
+)
+from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposal
 from spirob.diagnosis.rungs import Ladder, Settings
-from spirob.diagnosis.verdict import Verdict, judge
+from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, judge, share_of
+from spirob.diagnosis.weighing import simplest
+from spirob.effects import Effect
 from spirob.identify.measurement import Measurement
+from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual
+
+FOUND = ("named", "undecided")  # verdicts that hold names
+
+# What may be left under a soft pull, besides the noise, over the effort: builds of a machine from
+# which nothing is missing differ by this much at most (docs/lab/search_of_the_arm.md).
+USUAL = 0.009
+
+# Share of the squared error that a name has to account for where more is left: right names account
+# for more of it, a name that imitates another for less (docs/lab/search_of_the_arm.md).
+HOLDS = 0.8
+
+# Under so soft a pull tendons go slack and taut again.  Rivals are compared by their errors in
+# ampere, among which those of so small a current would not count: it puts a name to the proof.
+SOFT = {"kind": "constant", "value": 0.15}
+LONGER: Played = ("soft pull", ((0.1, 0.0), (1.0, 0.02), (1.9, 0.005)), SOFT)
+SHORTER: Played = ("short soft pull", ((0.1, 0.0), (0.9, 0.016), (2.0, 0.003)), SOFT)
+TRIALS = (
+    *on_either_side(LONGER, ("train", "train")),
+    *on_either_side(SHORTER, ("validate", "validate")),
+)
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What a name was worth in an experiment of its own.
+
+    experiment  its name;  share  of the squared error there, above the sensor's noise and
+                the floor, that the named effects account for; 1 where no more is left than of a
+                machine from which nothing is missing
+    """
+
+    experiment: str
+    share: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether that is enough for the name to stand."""
+        return self.share >= HOLDS
+
+
+Proofs = Mapping[frozenset[type[Effect]], Proof]  # by the effects of a name
+
+
+def to_prove(search: Ladder, problem: Residual, settings: Settings) -> list[Proposal]:
+    """The experiment that puts what was found to the proof.
+
+    None where nothing was found, or where it would show less there than counts as an effect.
+    """
+    if not search.rungs[-1].effects:
+        return []
+    without, named = (r.fit.changes for r in (search.rungs[0], search.rungs[-1]))
+    found = proposal(problem, LONGER[0], TRIALS, without, named)
+    if found is None or found.share <= settings.floor:
+        return []
+    return [replace(found, proves=True)]
+
+
+def put_to_proof(
+    experiment: str,
+    models: Sequence[Contestant],
+    own: Mapping[str, Residual],
+    known: Mapping[str, Residual],
+    settings: Settings,
+) -> Proofs:
+    """What each name accounts for on a further trial.
+
+    models  without any effect, then those in question
+    own     the trials in which the effect was found;  known  the same with the further ones
+    """
+    base, tried = compared(models, known, settings)
+    further = further_of(own, known)
+    before = _rms(further, base.fit.changes)
+    usual = complete(further, max(settings.floor, USUAL))
+    floor = complete(further, settings.floor)
+    found = {}
+    for one in tried:
+        after = _rms(further, one.fit.changes)
+        share = 1.0 if after <= usual else share_of(before**2, after**2, floor)
+        found[frozenset(one.effects)] = Proof(experiment, share)
+    return found
+
+
+def sifted(
+    models: Sequence[Contestant],
+    proofs: Proofs,
+    own: Mapping[str, Residual],
+    settings: Settings,
+) -> Ladder | None:
+    """The contest among the names that hold, as a search of one round.
+
+    None where all hold, or none: then the proof tells nothing of which it is.
+    """
+    base, *names = models
+    hold = [m for m in names if proofs[frozenset(m.effects)].holds]
+    if len(hold) in (0, len(names)):
+        return None
+    rung, tried = compared([base, *hold], own, settings)
+    winner = simplest(tried, own["train"], settings).effects
+    return settled((rung, tried), tried, winner, own, settings)
+
+
+def proved(verdict: Verdict, proof: Proof) -> Verdict:
+    """The verdict that stands after the proof of what was found."""
+    if verdict.kind != "named":
+        return verdict
+    if proof.holds:
+        return replace(verdict, next_experiment="")
+    said = disproved(verdict.sentence, proof)
+    return Verdict(
+        "unknown", 0.0, [], said["sentence"], said["explanation"], said["next_experiment"]
+    )
+
+
+def disproved(sentence: str, proof: Proof) -> dict[str, str]:
+    """What is said instead of a name that did not hold; `sentence` said it."""
+    name = sentence.removeprefix("Missing: ").rstrip(".")
+    return {
+        "sentence": f"Something is missing that the library does not hold: not {name}.",
+        "explanation": (
+            f"The best explanation, {name}, did not hold on '{proof.experiment}', a trial of "
+            f"its own: it accounts for {max(proof.share, 0.0):.0%} of the squared error there. "
+            f"{ATLAS}"
+        ),
+        "next_experiment": AGAIN,
+    }
+
+
+def _rms(further: Problem, changes: Mapping[str, float]) -> float:
+    return float(np.sqrt(np.mean(further(changes)[further.rows] ** 2)))
+
 
 # Plays an experiment on the machine: its logs by role, none where it was not played to its end.
 Play = Callable[[Proposal], Mapping[str, Sequence[Measurement]]]

@@ -16,12 +16,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from spirob.diagnosis.backward import exchanged, fitted_again, pruned
+from spirob.diagnosis.backward import exchanged, fitted_again, pruned, to_the_end
 from spirob.diagnosis.certainty import LIKELY
 from spirob.diagnosis.confirm import CLEARLY, confirm, finished
 from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.figures import weighed
-from spirob.diagnosis.restarts import to_the_end
 from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, label, line, rung_of
 from spirob.diagnosis.screen import Screened, amplitudes, screen
 from spirob.diagnosis.weighing import (

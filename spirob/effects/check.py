@@ -11,7 +11,7 @@ from itertools import islice
 import numpy as np
 from scipy.optimize import least_squares
 
-from spirob.effects import sampling
+from spirob.effects import replay
 from spirob.effects.discovery import all_effects
 from spirob.effects.effect import Effect
 from spirob.effects.equation import BASE, evaluate, size
@@ -72,8 +72,8 @@ def equation(effect: type[Effect]) -> Iterator[str]:
         return
     rng = _rng(effect)
     for _ in range(20):
-        numbers = sampling.drawn(effect, rng)
-        inputs = sampling.points(effect, rng, 20)
+        numbers = replay.drawn(effect, rng)
+        inputs = replay.points(effect, rng, 20)
         got, trail = run(effect, numbers, inputs, 1e-3)
         want = evaluate(effect, effect.equation, numbers, {**inputs, **trail})
         if not np.allclose(got, want, rtol=EXACT, atol=1e-12 * (1.0 + np.abs(want).max())):
@@ -88,8 +88,8 @@ def evolution(effect: type[Effect]) -> Iterator[str]:
     rng = _rng(effect)
     for state, law in effect.evolution.items():
         for _ in range(20):
-            numbers = sampling.typical(effect, rng)
-            inputs = sampling.motion(effect, rng, 50, 1e-3)
+            numbers = replay.typical(effect, rng)
+            inputs = replay.motion(effect, rng, 50, 1e-3)
             _, trail = run(effect, numbers, inputs, 1e-3)
             now = {s: float(v[-1]) for s, v in trail.items()}
             last = {a: v[-1:] for a, v in inputs.items()}
@@ -107,7 +107,7 @@ def evolution(effect: type[Effect]) -> Iterator[str]:
 def _halving(effect, numbers, last, now) -> float:
     dt = 1e-3
     half = {a: np.repeat(v, 2) for a, v in last.items()}
-    speed, position = sampling.speed_argument(effect), sampling.position_argument(effect)
+    speed, position = replay.speed_argument(effect), replay.position_argument(effect)
     if speed is not None and position is not None:
         half[position][0] -= half[speed][0] * dt / 2
     whole = run(effect, numbers, last, dt, now)[1]
@@ -120,8 +120,8 @@ def neutral(effect: type[Effect]) -> Iterator[str]:
     """At its neutral numbers the effect is absent to the last bit."""
     rng = _rng(effect)
     for _ in range(20):
-        numbers = {**sampling.drawn(effect, rng), **effect.neutral}
-        inputs = sampling.motion(effect, rng, 50, 1e-3)
+        numbers = {**replay.drawn(effect, rng), **effect.neutral}
+        inputs = replay.motion(effect, rng, 50, 1e-3)
         got, _ = run(effect, numbers, inputs, 1e-3)
         if not np.array_equal(got, _absent(inputs, got)):
             yield f"at {numbers} it still does {np.abs(got - _absent(inputs, got)).max():.3g}"
@@ -131,10 +131,10 @@ def neutral(effect: type[Effect]) -> Iterator[str]:
 def finite(effect: type[Effect]) -> Iterator[str]:
     """Finite in the whole box of its numbers, at standstill and at the ends of every signal."""
     rng = _rng(effect)
-    boxes = [*sampling.corners(effect, rng), *(sampling.drawn(effect, rng) for _ in range(20))]
+    boxes = [*replay.corners(effect, rng), *(replay.drawn(effect, rng) for _ in range(20))]
     for numbers in boxes:
         for dt in STEPS:
-            inputs = sampling.extremes(effect, rng, SAMPLES // 4)
+            inputs = replay.extremes(effect, rng, SAMPLES // 4)
             got, trail = run(effect, numbers, inputs, dt)
             if not all(np.isfinite(v).all() for v in (got, *trail.values())):
                 k = int(np.argmin(np.isfinite(got)))
@@ -146,8 +146,8 @@ def finite(effect: type[Effect]) -> Iterator[str]:
 def bounded(effect: type[Effect]) -> Iterator[str]:
     """A state does not run away, however long a trial lasts and however coarse its step."""
     rng = _rng(effect)
-    for numbers in islice(sampling.corners(effect, rng), 16) if effect.state else ():
-        inputs = sampling.extremes(effect, rng, 4000)
+    for numbers in islice(replay.corners(effect, rng), 16) if effect.state else ():
+        inputs = replay.extremes(effect, rng, 4000)
         _, trail = run(effect, numbers, inputs, 1.0)
         for state, values in trail.items():
             early, late = np.abs(values[:2000]).max(), np.abs(values[2000:]).max()
@@ -167,10 +167,10 @@ def units(effect: type[Effect]) -> Iterator[str]:
     unit_of = {a: SIGNALS[s].unit for a, s in effect.reads.items()}
     unit_of["upstream"] = PORTS[effect.port].unit
     scale = {a: size(u, sizes) for a, u in unit_of.items()}
-    numbers = sampling.typical(effect, rng)
+    numbers = replay.typical(effect, rng)
     about = effect.parameters()
     other = {n: v * size(about[n].unit, sizes) for n, v in numbers.items()}
-    inputs = sampling.motion(effect, rng, 50, 1e-3)
+    inputs = replay.motion(effect, rng, 50, 1e-3)
     got, _ = run(effect, other, {a: v * scale[a] for a, v in inputs.items()}, 1e-3 * sizes["s"])
     want = run(effect, numbers, inputs, 1e-3)[0] * scale["upstream"]
     if not np.allclose(got, want, rtol=EXACT, atol=EXACT * np.abs(want).max()):
@@ -190,12 +190,12 @@ def traits(effect: type[Effect]) -> Iterator[str]:
 def recovery(effect: type[Effect]) -> Iterator[str]:
     """Its strength is found again from what it did, under one per cent of noise."""
     rng = _rng(effect)
-    numbers = sampling.typical(effect, rng)
-    inputs = sampling.motion(effect, rng, SAMPLES, 1e-3)
+    numbers = replay.typical(effect, rng)
+    inputs = replay.motion(effect, rng, SAMPLES, 1e-3)
     dt = 1e-3
     names = list(effect.neutral)
     about = effect.parameters()
-    unit = np.array([sampling.amplitude(effect, n) for n in names])
+    unit = np.array([replay.amplitude(effect, n) for n in names])
     true = np.array([numbers[n] for n in names])
     clean, _ = run(effect, numbers, inputs, dt)
     rms = float(np.sqrt(np.mean((clean - _absent(inputs, clean)) ** 2)))
@@ -215,12 +215,12 @@ def recovery(effect: type[Effect]) -> Iterator[str]:
 
 
 def _dissipative(effect: type[Effect], rng: np.random.Generator) -> str:
-    speed = sampling.speed_argument(effect)
+    speed = replay.speed_argument(effect)
     if speed is None:
         return "it reads no speed"
-    numbers = sampling.drawn(effect, rng)
-    moving = sampling.motion(effect, rng, SAMPLES, 1e-3, periods=3)
-    inputs = sampling.steady(effect, moving, rng)
+    numbers = replay.drawn(effect, rng)
+    moving = replay.motion(effect, rng, SAMPLES, 1e-3, periods=3)
+    inputs = replay.steady(effect, moving, rng)
     got, _ = run(effect, numbers, inputs, 1e-3)
     power = (got - _absent(inputs, got)) * inputs[speed]
     # what has a memory may give back what it stored, but nothing over a closed path
@@ -230,9 +230,9 @@ def _dissipative(effect: type[Effect], rng: np.random.Generator) -> str:
 
 def _parity(sign: float) -> Callable[[type[Effect], np.random.Generator], str]:
     def law(effect: type[Effect], rng: np.random.Generator) -> str:
-        speed, position = sampling.speed_argument(effect), sampling.position_argument(effect)
-        numbers = sampling.drawn(effect, rng)
-        inputs = sampling.motion(effect, rng, 100, 1e-3)
+        speed, position = replay.speed_argument(effect), replay.position_argument(effect)
+        numbers = replay.drawn(effect, rng)
+        inputs = replay.motion(effect, rng, 100, 1e-3)
         turned = {a: -v if a in (speed, position) else v for a, v in inputs.items()}
         ahead, back = (run(effect, numbers, i, 1e-3)[0] for i in (inputs, turned))
         ahead, back = ahead - _absent(inputs, ahead), back - _absent(turned, back)
@@ -243,17 +243,17 @@ def _parity(sign: float) -> Callable[[type[Effect], np.random.Generator], str]:
 
 
 def _rate_independent(effect: type[Effect], rng: np.random.Generator) -> str:
-    numbers = sampling.drawn(effect, rng)
-    inputs = sampling.motion(effect, rng, 100, 1e-3)
-    faster = {a: v * 4.0 if effect.reads.get(a) in sampling.RATES else v for a, v in inputs.items()}
+    numbers = replay.drawn(effect, rng)
+    inputs = replay.motion(effect, rng, 100, 1e-3)
+    faster = {a: v * 4.0 if effect.reads.get(a) in replay.RATES else v for a, v in inputs.items()}
     slow, fast = run(effect, numbers, inputs, 1e-3)[0], run(effect, numbers, faster, 2.5e-4)[0]
     gap = np.abs(fast - slow).max()
     return f"four times faster it differs by {gap:.3g}" if gap > EXACT * np.abs(slow).max() else ""
 
 
 def _constant(effect: type[Effect], rng: np.random.Generator) -> str:
-    numbers = sampling.drawn(effect, rng)
-    one, other = (sampling.motion(effect, rng, 50, 1e-3) for _ in range(2))
+    numbers = replay.drawn(effect, rng)
+    one, other = (replay.motion(effect, rng, 50, 1e-3) for _ in range(2))
     for argument, signal in effect.reads.items():
         if SIGNALS[signal].given:
             other[argument] = one[argument]
@@ -286,7 +286,7 @@ LAWS: dict[str, Callable[[type[Effect]], Iterator[str]]] = {
 }
 
 
-def _absent(inputs: sampling.Inputs, like: np.ndarray) -> np.ndarray:
+def _absent(inputs: replay.Inputs, like: np.ndarray) -> np.ndarray:
     # what the port would carry without the effect
     return inputs.get("upstream", np.zeros_like(like))
 

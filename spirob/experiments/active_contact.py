@@ -19,7 +19,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.experiments.current_error import each_in_its_own, in_one_motion
 from spirob.experiments.experiment import (
     SIDES,
     Experiment,
@@ -31,7 +30,15 @@ from spirob.experiments.experiment import (
     row,
     trial,
 )
-from spirob.experiments.response import PERIOD, Recoil, Repeat, detected, onset
+from spirob.experiments.response import (
+    PERIOD,
+    Recoil,
+    Repeat,
+    detected,
+    each_in_its_own,
+    in_one_motion,
+    onset,
+)
 from spirob.perceive.contact import ContactSettings
 from spirob.trials.wrap import beside
 

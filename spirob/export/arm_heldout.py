@@ -15,12 +15,11 @@ import numpy as np
 from spirob.control.law import CURRENT
 from spirob.effects import Effect
 from spirob.errors import ExportError
-from spirob.export.alone import PLAYERS, alone
 from spirob.export.arm import CorrectedArm
 from spirob.export.arm_motors import lever_of, motor_of, reported_lever
 from spirob.export.axis import equations
 from spirob.export.code import c_name
-from spirob.export.heldout import Errors
+from spirob.export.heldout import PLAYERS, Errors, alone
 from spirob.plant.records import Response
 from spirob.plant.session import CYCLE
 from spirob.robot import MOTORS

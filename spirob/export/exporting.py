@@ -14,14 +14,13 @@ import numpy as np
 
 from spirob.errors import ExportError
 from spirob.export import targets
-from spirob.export.alone import PLAYERS, alone
 from spirob.export.arm import CorrectedArm, corrected_arm
 from spirob.export.arm_heldout import PLAYED, played_arm
 from spirob.export.axis import equations
 from spirob.export.body import AXIS
 from spirob.export.code import c_name
 from spirob.export.corrected import Corrected, corrected, read_document
-from spirob.export.heldout import Errors, Heldout, there
+from spirob.export.heldout import PLAYERS, Errors, Heldout, alone, there
 from spirob.logs.atomic import write_text
 
 LOSS = 0.01  # of the effects' size, which an export may lose in silence

@@ -1,8 +1,14 @@
-"""The held-out logs of a diagnosis, and what a model that is played elsewhere makes of them.
+"""The held-out logs of a diagnosis, and the scripts that play them in what was exported.
+
+Scripts that play what was exported, each in a process that cannot import this project.
+
+The held-out logs of a diagnosis, and what a model that is played elsewhere makes of them.
 
 `left_out` says how large an effect of the model is on them: what leaving it out costs.
 """
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +22,26 @@ from spirob.export.code import python_text
 from spirob.export.corrected import Corrected, Held
 from spirob.machine.motion import Motion, late
 from spirob.machine.recording import Recording
+
+PLAYERS = Path(__file__).parent / "players"
+ALONE = (
+    "import runpy, sys; sys.modules['spirob'] = sys.modules['pipeline'] = None; "
+    "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
+)
+LONGEST = 3600  # s
+
+
+def alone(script: Path, *arguments: Path) -> None:
+    """Run a script that cannot import this project; raises ExportError with what it says."""
+    command = [sys.executable, "-I", "-c", ALONE, str(script), *map(str, arguments)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        raise ExportError(f"the exported model did not end within {LONGEST} s") from None
+    if done.returncode:
+        said = (done.stderr.strip().splitlines() or ["nothing"])[-1]
+        raise ExportError(f"the exported model cannot be played: {said[:200]}")
+
 
 FILE = "heldout.parquet"
 COLUMNS = (

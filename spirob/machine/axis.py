@@ -12,14 +12,13 @@ from spirob.diagnosis.atlas import atlas
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.alignment import as_usual, is_told, partnered
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
-from spirob.machine.composed.beyond import beyond
+from spirob.machine.composed.law import beyond
 from spirob.machine.criteria import Criteria
-from spirob.machine.delays import place
-from spirob.machine.document import document, plain
+from spirob.machine.delays import as_usual, is_told, partnered, place
+from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.figures import Ended
 from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
@@ -30,7 +29,7 @@ from spirob.machine.models import Model, label
 from spirob.machine.motion import without_holds
 from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.open_questions import AT_LOAD, KINDS, fits_at_load, may_differ, may_sit_at_load
-from spirob.machine.page_tables import laws, overlay, parameters, predicted
+from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import beyond_bounds, doubts, oddities, released
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
@@ -38,8 +37,6 @@ from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
-from spirob.machine.standing import heldout, standing
-from spirob.machine.switches import switches
 
 
 @dataclass(frozen=True)

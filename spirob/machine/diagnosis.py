@@ -1,19 +1,24 @@
-"""The whole way from logs to a verdict: a plain rig, or our arm logged by somebody else.
+"""From logs to a verdict: a plain rig, or our arm logged by somebody else.
+
+Numbers that fail where nobody foresaw it, told in a sentence.
 
 Logs are read (`spirob.logs.readers`) and repaired (`recording`); `axis` fits, searches and judges a
 plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig` draws.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import yaml
 
 from spirob.effects import Effect
-from spirob.errors import ConfigError
+from spirob.errors import ConfigError, DataError
 from spirob.given_file import named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
@@ -21,12 +26,36 @@ from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.criteria import Criteria
 from spirob.machine.loading import chosen, described, files, load_rig
-from spirob.machine.numerical import failures_told
 from spirob.machine.page_tables import laws
 from spirob.machine.recording import of_table
 from spirob.machine.result import Diagnosis, Sources
 from spirob.machine.rig import RigFile
 from spirob.machine.selection import each_once, filtered_alike
+
+# what SciPy and scikit-learn say of numbers that they cannot use; any other ValueError is a bug
+SAID = re.compile(r"finite|\bnan|\binf|too large|bound|infeasible|converge", re.IGNORECASE)
+
+
+@contextmanager
+def failures_told(who: str) -> Iterator[None]:
+    """Inside, a numerical failure becomes a DataError that names `who`."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, ArithmeticError, MemoryError) as error:
+        raise DataError(_sentence(who, error)) from error
+    except ValueError as error:
+        if not SAID.search(str(error)):
+            raise
+        raise DataError(_sentence(who, error)) from error
+
+
+def _sentence(who: str, error: Exception) -> str:
+    said = " ".join(str(error).split())[:200].rstrip(".") or type(error).__name__
+    return (
+        f"{who}: its numbers cannot be computed with ({said}); look for a factor, a bound or a "
+        "value in the logs that is many times too large or too small"
+    )
+
 
 Log = Path | str | pd.DataFrame
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from spirob.diagnosis.certainty import ratio, rounded, sharp
 from spirob.effects import Effect
-from spirob.machine.alignment import usual
 from spirob.machine.candidates import alike
+from spirob.machine.delays import usual
 from spirob.machine.flexible import Ceiling
 from spirob.machine.models import Model
 from spirob.machine.search import Found, Search

@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from spirob import given_file, plain_yaml
-from spirob.effects import Effect, all_effects, find_effects, load_file, sampling
+from spirob.effects import Effect, all_effects, find_effects, load_file, replay
 from spirob.errors import ConfigError, EffectError
 from spirob.given_file import inside
 from spirob.logs.readers.isolation import Crashed, apart
@@ -132,14 +132,14 @@ def _run(effect: type[Effect]) -> None:
     loop = loop_of(effect)
     whole, step, out = np.array([0, SAMPLES]), np.array([STEP]), np.zeros(SAMPLES)
 
-    def over(inputs: sampling.Inputs, values: np.ndarray) -> None:
+    def over(inputs: replay.Inputs, values: np.ndarray) -> None:
         reads = np.array([inputs[name] for name in effect.reads]).reshape(-1, SAMPLES)
         loop(out, whole, step, inputs.get("upstream", out), reads, values)
 
-    for numbers in sampling.corners(effect, rng):
+    for numbers in replay.corners(effect, rng):
         values = np.array([numbers[name] for name in effect.parameters()])
-        wild = sampling.extremes(effect, rng, SAMPLES)
+        wild = replay.extremes(effect, rng, SAMPLES)
         over(wild, values)
-        over(sampling.motion(effect, rng, SAMPLES, STEP), values)
+        over(replay.motion(effect, rng, SAMPLES, STEP), values)
         with suppress(ArithmeticError, ValueError):
             over({name: BEYOND * signal for name, signal in wild.items()}, values)

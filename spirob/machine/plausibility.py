@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from spirob.identify.identifiability import Identifiability
-from spirob.machine.alignment import usual
+from spirob.machine.delays import usual
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Model

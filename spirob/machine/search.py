@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.alignment import only_aligns
 from spirob.machine.candidates import is_dry, related, same_wave
 from spirob.machine.criteria import Criteria, Worth
+from spirob.machine.delays import only_aligns
 from spirob.machine.filtering import noise_in_effort
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Model, Models, label

@@ -4,9 +4,9 @@ wrap.py         a wrap from a trial, or the reason why it is none; a wrap in its
                 motion, rise of the current, plateau; what a feature of it is
 temporal.py, spectral.py, electromechanical.py   the features themselves
 features.py     trials -> table of features
-base_models.py  the two regressors below, and the preparation of their inputs
 score.py        folds that hold whole diameters out; how far predictions are from the truth
-size.py         stacking: train and predict diameters
+size.py         stacking: train and predict diameters; the two regressors below, and the
+                preparation of their inputs
 model_file.py   a trained model on disk, with the hash that is checked before loading
 contact.py      contact, sample by sample, from one current; the same for whole logs, to try many
                 thresholds

@@ -24,8 +24,8 @@ HASH_SUFFIX = ".sha256"
 MOST = 256 << 20  # bytes that a file may unpack to; 1200 wraps need some 5 MiB
 TRUSTED = (  # beside what skops itself takes for plain
     "sklearn.tree._tree.Tree",  # its links are checked in `_require_trees`
-    "spirob.perceive.base_models.Cut",
-    "spirob.perceive.base_models.MonotoneFeatures",
+    "spirob.perceive.size.Cut",
+    "spirob.perceive.size.MonotoneFeatures",
     "spirob.perceive.size.SizeModel",
     "spirob.perceive.size.SizeSettings",
 )

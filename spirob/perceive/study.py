@@ -26,12 +26,13 @@ import pandas as pd
 from sklearn.base import BaseEstimator, RegressorMixin
 
 from spirob.errors import ConfigError
-from spirob.perceive.base_models import Cut, MonotoneFeatures
 from spirob.perceive.interval import used_features
 from spirob.perceive.score import MILLIMETRES, mean_error, score
 from spirob.perceive.size import (
     BASES,
     TARGET,
+    Cut,
+    MonotoneFeatures,
     SizeModel,
     SizeSettings,
     blended,

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.control.law import CURRENT, VELOCITY, Schedule
-from spirob.effects import Effect, sampling
+from spirob.effects import Effect, replay
 from spirob.effects.check import Finding
 from spirob.effects.replay import run
 from spirob.errors import SimulationError
@@ -51,8 +51,8 @@ def compiled(effect: type[Effect]) -> Iterator[str]:
     if PORTS[effect.port].every == "once":
         return  # never compiled
     rng = np.random.default_rng(1)
-    numbers = sampling.typical(effect, rng)
-    inputs = sampling.motion(effect, rng, 100, 1e-3)
+    numbers = replay.typical(effect, rng)
+    inputs = replay.motion(effect, rng, 100, 1e-3)
     fast = type("Compiled", (), {})
     for name in ("arguments", "state"):
         setattr(fast, name, getattr(effect, name))

@@ -15,9 +15,8 @@ from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import compiled
 from spirob.plant.records import SETTINGS, Layout, Response, made
-from spirob.plant.rest import Torque
 from spirob.plant.rig import Arm, Holes, Rig
-from spirob.plant.session import CYCLE, Session
+from spirob.plant.session import CYCLE, Session, Torque
 from spirob.plant.tendon import room
 from spirob.robot import Scene
 

@@ -13,9 +13,8 @@ from spirob.can_protocol import encode_command
 from spirob.control.law import Gains, current_command
 from spirob.drives import Drive, Translator
 from spirob.errors import HardwareError
-from spirob.logs.background import ThreadedLog
 from spirob.logs.cycles import Transmission
-from spirob.logs.writer import TrialLog
+from spirob.logs.writer import ThreadedLog, TrialLog
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
 from spirob.safety import GuardedRobot, Limits, interruptible
 from spirob.trials.host import HostCurrentLoop, require_fitting

@@ -5,7 +5,7 @@ import pytest
 
 from spirob.campaign import true_law
 from spirob.campaign.case import Case, cases, drawn
-from spirob.campaign.diagnosed import _lacking
+from spirob.campaign.running import _lacking
 from spirob.campaign.scoring import group, law_lines, laws, over_true
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

@@ -2,7 +2,7 @@
 
 import pytest
 
-from spirob.campaign.diagnosed import features
+from spirob.campaign.running import features
 from spirob.campaign.scoring import group, lines, outcome, rates
 
 

@@ -7,10 +7,8 @@ import pytest
 from spirob.campaign.case import KINDS
 from spirob.campaign.recorder import reported
 from spirob.campaign.simulators import SIMULATORS, arm, bench, rigid, two_mass
-from spirob.campaign.simulators.hidden import Hidden, Scale, hiding
-from spirob.campaign.simulators.laws import memory
-from spirob.campaign.simulators.motion import FINE, Machine, Plan
-from spirob.campaign.simulators.plans import plan
+from spirob.campaign.simulators.hidden import Hidden, Scale, hiding, memory
+from spirob.campaign.simulators.motion import FINE, Machine, Plan, plan
 
 AXIS = rigid.Rigid(0.02, 0.05, 0.003, 2, 4.0, 0.4, 0.0)
 MASSES = two_mass.TwoMass(

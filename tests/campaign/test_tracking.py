@@ -7,8 +7,7 @@ import pytest
 
 from spirob.campaign.case import Case, made_of, stream
 from spirob.campaign.simulators import SIMULATORS
-from spirob.campaign.simulators.motion import FINE
-from spirob.campaign.simulators.plans import plan
+from spirob.campaign.simulators.motion import FINE, plan
 from spirob.campaign.tracking import _error, _truth, summary
 
 

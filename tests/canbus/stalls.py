@@ -12,7 +12,7 @@ from unittest.mock import patch
 import pytest
 from hypothesis.errors import Flaky
 
-from spirob.canbus.deadlines import Lateness
+from spirob.canbus.robot import Lateness
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS
 from tests.drives.served import Served

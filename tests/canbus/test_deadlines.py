@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.deadlines import EDGES, PRIORITY, Lateness, Urgency
+from spirob.canbus.robot import EDGES, PRIORITY, Lateness, Urgency
 from spirob.control.law import Gains
 from spirob.logs import Transmission, read_log
 from spirob.logs.writer import TrialLog

@@ -8,7 +8,7 @@ import pytest
 
 from spirob.can_protocol import COMMAND_ID, encode_command
 from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.deadlines import Urgency
+from spirob.canbus.robot import Urgency
 from spirob.control.law import Gains
 from spirob.emulator.__main__ import main as serve
 from spirob.errors import HardwareError

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.diagnosis.restarts import anew, sides
+from spirob.diagnosis.backward import anew, sides
 from spirob.diagnosis.rungs import ROLES, Confirmed, Settings, scores_of
 from spirob.effects import find_effects
 from spirob.identify.fit import STEPS, fit
@@ -71,6 +71,6 @@ def test_both_sides_are_begun_only_while_much_is_missed(monkeypatch, settled, mi
         rolls.append(start.get("mount_tilt.roll", 0.0))
         return replace(settled.fit, cost=1e9)
 
-    monkeypatch.setattr("spirob.diagnosis.restarts.fit", hopeless)
+    monkeypatch.setattr("spirob.diagnosis.backward.fit", hopeless)
     assert anew(found, residuals, SETTINGS, print) is found
     assert rolls == begun

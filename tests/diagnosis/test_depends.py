@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from spirob.diagnosis.atlas import lateness
 from spirob.diagnosis.document import described
 from spirob.diagnosis.flexible import TOGETHER, dependence, told
 from spirob.diagnosis.spectrum import Order
-from spirob.diagnosis.survey import lateness
 from tests.diagnosis.stretches import SECONDS, pair, problem, stretch
 
 PIECES = pair()

@@ -19,8 +19,7 @@ from pipeline.schema import validated
 from spirob.campaign.arm import case as trial
 from spirob.diagnosis import followup
 from spirob.diagnosis.contest import Contestant
-from spirob.diagnosis.followup import Answer, Question, answered, asked
-from spirob.diagnosis.proof import Proof
+from spirob.diagnosis.followup import Answer, Proof, Question, answered, asked
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, Settings, rung_of, scores_of
 from spirob.diagnosis.verdict import Verdict, judge

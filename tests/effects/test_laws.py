@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.effects import sampling
+from spirob.effects import replay
 from spirob.effects.check import LAWS
 from spirob.effects.replay import run
 from spirob.plant.check import check_in_model
@@ -48,7 +48,7 @@ def test_an_effect_is_finite_wherever_it_is_asked(name, data):
     effect = EFFECTS[name]
     about = effect.parameters()
     numbers = {n: data.draw(st.floats(p.low, p.high), n) for n, p in about.items()}
-    spans = sampling.spans(effect)
+    spans = replay.spans(effect)
     inputs = {a: np.array(data.draw(st.tuples(*[st.floats(*s)] * 3), a)) for a, s in spans.items()}
     dt = data.draw(st.floats(2.5e-4, 1e-3), "dt")
     got, trail = run(effect, numbers, inputs, dt)

@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spirob.experiments.active_contact import ActiveContact
-from spirob.experiments.current_error import each_in_its_own, rmse
 from spirob.experiments.delay import Delay
 from spirob.experiments.experiment import Side, repeating
 from spirob.experiments.extreme_curl import knee
@@ -16,7 +15,9 @@ from spirob.experiments.response import (
     amplitude,
     crossing,
     detected,
+    each_in_its_own,
     onset,
+    rmse,
     step_times,
     strongest_period,
 )

@@ -9,13 +9,12 @@ from spirob.effects import all_effects
 from spirob.export.corrected import corrected, read_document
 from spirob.identify.intervals import Estimate
 from spirob.machine.body import RigidBody
-from spirob.machine.document import plain
+from spirob.machine.document import heldout, plain, standing
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import described
 from spirob.machine.recording import prepare
 from spirob.machine.scaling import sizes_of
-from spirob.machine.standing import heldout, standing
 
 PENDULUM = """
 <mujoco>

@@ -11,7 +11,7 @@ import pytest
 from spirob.cli.main import main
 from spirob.control.law import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
-from spirob.export import arm_covariance, exporting, targets
+from spirob.export import arm, exporting, targets
 from spirob.export.arm import CorrectedArm
 from spirob.export.arm_heldout import PLAYED, ArmHeldout
 from spirob.export.arm_motors import lever_of
@@ -129,8 +129,8 @@ class Line:
 
 def test_numbers_that_do_the_same_are_correlated(monkeypatch):
     line = Line()
-    monkeypatch.setattr(arm_covariance, "_residual", lambda model: (line, 100.0))
-    found = arm_covariance.correlation_of(arm_of([]), Line.names)
+    monkeypatch.setattr(arm, "_residual", lambda model: (line, 100.0))
+    found = arm.correlation_of(arm_of([]), Line.names)
     inverse = np.linalg.inv(line.slopes.T @ line.slopes)
     wanted = inverse[0, 1] / np.sqrt(inverse[0, 0] * inverse[1, 1])
     assert found[0, 1] == pytest.approx(wanted, abs=0.1)

@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from spirob.effects import all_effects, replay, sampling
+from spirob.effects import all_effects, replay
 from spirob.errors import ExportError
 from spirob.export.corrected import Held
 from spirob.export.law import kernel_functions, kernel_name, law_of
@@ -68,7 +68,7 @@ def in_c(library, k, effect, numbers, inputs):
 def test_a_kernel_in_c_is_the_kernel(k, library):
     effect, rng = LAWS[k], np.random.default_rng(k)
     numbers = {name: about.nominal for name, about in effect.parameters().items()}
-    inputs = sampling.motion(effect, rng, SAMPLES, STEP)
+    inputs = replay.motion(effect, rng, SAMPLES, STEP)
     inputs = {n: np.broadcast_to(np.asarray(v, float), SAMPLES) for n, v in inputs.items()}
     wanted = replay.run(effect, numbers, inputs, STEP)[0]
     if not inputs:

@@ -11,9 +11,8 @@ import pytest
 
 import spirob
 from spirob.errors import DataError
-from spirob.logs.background import Background, ThreadedLog
 from spirob.logs.cycles import Transmission
-from spirob.logs.writer import TrialLog, git_commit, versions
+from spirob.logs.writer import Background, ThreadedLog, TrialLog, git_commit, versions
 from tests.trials.fake_robot import FakeRobot
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.alignment import FARTHEST, inside, is_told, only_aligns, partnered, usual
+from spirob.machine.delays import FARTHEST, inside, is_told, only_aligns, partnered, usual
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
 from spirob.machine.recording import prepare

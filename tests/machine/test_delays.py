@@ -5,8 +5,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.machine import delays
-from spirob.machine.alignment import usual
-from spirob.machine.delays import place, valley
+from spirob.machine.delays import place, usual, valley
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
 from spirob.machine.recording import prepare

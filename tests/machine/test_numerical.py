@@ -6,7 +6,7 @@ from scipy.linalg import solve
 from scipy.optimize import least_squares
 
 from spirob.errors import DataError
-from spirob.machine.numerical import failures_told
+from spirob.machine.diagnosis import failures_told
 
 FAILING = {
     "singular": lambda: np.linalg.inv(np.zeros((2, 2))),

@@ -6,8 +6,7 @@ import pytest
 from sklearn.model_selection import GroupKFold, cross_val_predict
 
 from spirob.errors import ConfigError
-from spirob.perceive.base_models import base_models
-from spirob.perceive.size import TARGET, SizeSettings, train
+from spirob.perceive.size import TARGET, SizeSettings, base_models, train
 from spirob.perceive.study import chosen, out_of_fold_error
 
 SETTINGS = SizeSettings(trees=1, remainder_trees=0, folds=5)

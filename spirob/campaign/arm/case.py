@@ -15,15 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from spirob.campaign.arm.answers import ANSWERS, TOGETHER
+from spirob.campaign.arm.rates import ANSWERS, TOGETHER
 from spirob.campaign.arm.recording import recorded
-from spirob.campaign.arm.strength import RATIOS
-from spirob.campaign.arm.visibility import drawn
+from spirob.campaign.arm.strength import RATIOS, drawn
+from spirob.diagnosis.backward import to_the_end
 from spirob.diagnosis.confirm import confirm
 from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.ladder import begun, climb
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.restarts import to_the_end
 from spirob.diagnosis.rungs import Ladder, Rung, Settings, floor_at, weighed_at
 from spirob.diagnosis.screen import screen
 from spirob.diagnosis.verdict import judge

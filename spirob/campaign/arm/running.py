@@ -10,9 +10,8 @@ from typing import Any
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from spirob.campaign.arm.answers import ANSWERS
 from spirob.campaign.arm.case import Case, run
-from spirob.campaign.arm.rates import is_right
+from spirob.campaign.arm.rates import ANSWERS, is_right
 from spirob.campaign.arm.strength import RATIOS
 from spirob.diagnosis.rungs import Settings
 from spirob.emulator.build import AS_DESIGNED, TYPICAL

@@ -1,4 +1,6 @@
-"""How strong a hidden effect is drawn, so that naming it is neither trivial nor impossible.
+"""How strong a hidden effect is drawn, and how strongly each kind shows in a robot.
+
+How strong a hidden effect is drawn, so that naming it is neither trivial nor impossible.
 
 The strength is drawn so that knowing the effect would bring the held-out error to a ratio between
 two of what it is without, from √(f² + (v s)²) to f: f is left with nothing hidden, and v is what
@@ -6,14 +8,35 @@ the effect leaves at strength 1 after all numbers of the model are fitted.  The 
 0.35 where nothing else is asked.  From 0.53 on an effect of a robot as designed carries less than
 0.3 % of the current, the model's own resolution, and diagnosis calls nothing an effect that carries
 less.
+
+How strongly each hidden kind shows, and a robot on which it shows about as much as wanted.
+
+python -m spirob.campaign.arm.strength --seeds 917 918 919 [--kinds KIND ...] [--jobs N]
+
+Each robot plays the trial's bends, the model's numbers are fitted without any effect, and of the
+held-out error what is left with nothing hidden is taken off.  Kinds that are not linear in their
+strength are measured near the error that the trial draws: once, and again at the strength which
+that measurement asks for.  What is printed is % of the effort at strength 1.
 """
 
+import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from joblib import Parallel, delayed
 
+from spirob.campaign.arm.recording import problems_of, recorded
+from spirob.diagnosis.ladder import begun
+from spirob.diagnosis.rungs import Ladder, Rung, Settings
+from spirob.emulator.build import AS_DESIGNED, TYPICAL
+from spirob.emulator.rig import HiddenSettings
+from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
+from spirob.identify.fit import STEPS, fit
+from spirob.identify.problem import FITTED, Problem, effort_rms
+from spirob.identify.residual import Residual, near
+from spirob.plant import Plant, Rig
 
 # % of the current's RMS with nothing hidden: 0.18 to 0.21 held out on five robots as designed; of
 # other builds each leaves its own
@@ -123,3 +146,140 @@ def _between(below: tuple[float, float], above: tuple[float, float], wanted: flo
     if below[1] > least:
         share = math.log(wanted / below[1]) / math.log(above[1] / below[1])
     return float(below[0] * (above[0] / below[0]) ** share)
+
+
+def left(base: Rung, problems: Mapping[str, Problem]) -> float:
+    """RMSE of the fitted model without any effect, in % of the effort's RMS.
+
+    On trials that were not fitted, those that decide and those that are reported.
+    """
+    shares = [
+        (base.scores[role].rmse / effort_rms(problems[role])) ** 2
+        for role in ("validate", "heldout")
+    ]
+    return 100.0 * float(np.sqrt(np.mean(shares)))
+
+
+def shown_by(hidden: HiddenSettings, seed: int) -> float:
+    """The same of one robot, recorded and fitted for this."""
+    problems = problems_of(recorded(hidden, seed), Plant(Rig(), []))
+    return left(begun(problems, FITTED, {}, Settings(intervals=False)).base, problems)
+
+
+def nothing(seed: int, build: str = AS_DESIGNED) -> float:
+    """The same of a robot with nothing hidden."""
+    return shown_by(HiddenSettings("none", build=build), seed)
+
+
+def visible(kind: str, seed: int, plain: float) -> tuple[str, int, list[float], list[float]]:
+    """Strengths tried in one robot, and what each shows per strength [% of the effort].
+
+    plain  what is left in the same robot with nothing hidden
+    """
+    wanted = float(np.mean(sizes()))
+    strength = strength_of(kind, wanted)
+    tries: list[tuple[float, float]] = []
+    for _ in range(2):
+        shown = beside(shown_by(HiddenSettings(f"{kind}:{strength:.6g}"), seed), plain)
+        tries.append((strength, shown))
+        strength = adjusted(tries, wanted)
+    return kind, seed, [s for s, _ in tries], [shown / s for s, shown in tries]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the table, kind by kind."""
+    parser = argparse.ArgumentParser(description="how strongly each hidden kind shows")
+    parser.add_argument("--seeds", type=int, nargs="+", required=True)
+    parser.add_argument("--kinds", nargs="+", default=sorted(VISIBLE), choices=sorted(VISIBLE))
+    parser.add_argument("--jobs", type=int, default=-1)
+    given = parser.parse_args(arguments)
+    run = Parallel(given.jobs, return_as="generator", initializer=end_with_parent)
+    plain = dict(zip(given.seeds, run(delayed(nothing)(s) for s in given.seeds), strict=True))
+    print(f"nothing hidden leaves {plain}", flush=True)
+    jobs = [delayed(visible)(k, s, plain[s]) for k in given.kinds for s in given.seeds]
+    found: dict[str, list[float]] = {}
+    for kind, seed, strengths, shown in run(jobs):
+        found.setdefault(kind, []).append(shown[-1])
+        print(f"{kind} {seed}: {np.round(strengths, 3)} shows {np.round(shown, 3)}", flush=True)
+    for kind, values in found.items():
+        middle = float(np.exp(np.mean(np.log(np.maximum(values, 1e-3)))))
+        print(f'    "{kind}": {middle:.3g},')
+
+
+if __name__ == "__main__":
+    main()
+
+
+TRIES = 5  # recordings of one robot, until its effect shows about as much as is wanted
+NEAR = (0.9, 1.25)  # of the least and of the most that is drawn: near enough
+
+
+def drawn(
+    kind: str,
+    seed: int,
+    robot: int,
+    plant: Plant,
+    settings: Settings,
+    ratios: tuple[float, float] = RATIOS,
+    build: str = TYPICAL,
+) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
+    """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
+
+    Of two kinds each is as strong as it would be alone in the same robot.
+
+    kind    one, or two joined by "+";  seed  draws the strength;  robot  its seed
+    ratios  between which knowing the effect is to bring the error
+    build   how the robot is built
+    """
+    alone = [_alone(each, seed, robot, plant, settings, ratios, build) for each in kind.split("+")]
+    if len(alone) == 1:
+        return alone[0]
+    hidden = HiddenSettings("+".join(each.effect for each, _, _ in alone), build=build)
+    problems = problems_of(recorded(hidden, robot), plant)
+    return hidden, problems, _without_any(problems, settings)
+
+
+def _alone(
+    kind: str,
+    seed: int,
+    robot: int,
+    plant: Plant,
+    settings: Settings,
+    ratios: tuple[float, float],
+    build: str,
+) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
+    """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
+    ever drawn the robot is recorded again, at the strength that its logs ask for."""
+    known = kind == "none" or build == AS_DESIGNED
+    own = LEFT if known else nothing(robot, build)  # builds differ in it by a factor of three
+    wanted = drawn_size(np.random.default_rng([seed, *kind.encode()]), ratios, own)
+    strength = strength_of(kind, wanted)
+    tries: list[tuple[float, float]] = []
+    played = []
+    while True:
+        effect = "none" if kind == "none" else f"{kind}:{strength:.6g}"
+        hidden = HiddenSettings(effect, build=build)
+        problems = problems_of(recorded(hidden, robot), plant)
+        search = _without_any(problems, settings)
+        tries.append((strength, beside(left(search.base, problems), own)))
+        beyond = _beyond(tries[-1][1], sizes(ratios, own))
+        played.append((beyond, hidden, problems, search))
+        if kind == "none" or beyond == 0.0 or len(tries) == TRIES:
+            break
+        strength, before = adjusted(tries, wanted), strength
+        if strength == before:  # the strongest that is drawn
+            break
+    return min(played, key=lambda p: p[0])[1:]
+
+
+def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Ladder:
+    """The numbers fitted without any effect, with wide differences first, then to the end."""
+    train = near(problems["train"], {})
+    found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
+    return begun(problems, FITTED, found.changes, settings, STEPS[-1:])
+
+
+def _beyond(shown: float, asked: tuple[float, float]) -> float:
+    """By what factor an effect shows less or more than is near enough, as a logarithm."""
+    inside = min(max(shown, NEAR[0] * asked[0]), NEAR[1] * asked[1])
+    return abs(math.log(max(shown, 1e-3) / inside))

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from spirob.campaign.simulators.hidden import Hidden
-from spirob.campaign.simulators.laws import level, memory, passive, remember
+from spirob.campaign.simulators.hidden import Hidden, level, memory, passive, remember
 from spirob.campaign.simulators.motion import (
     FINE,
     PASSIVE,

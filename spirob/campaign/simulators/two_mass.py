@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from spirob.campaign.simulators.hidden import Hidden
-from spirob.campaign.simulators.laws import drive, level, memory, passive, remember
+from spirob.campaign.simulators.hidden import Hidden, drive, level, memory, passive, remember
 from spirob.campaign.simulators.motion import (
     DRIVEN,
     FINE,

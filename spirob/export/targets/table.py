@@ -70,7 +70,7 @@ def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm; numbers whose correlation is not known count as independent."""
     import numpy as np
 
-    from spirob.export.arm_covariance import correlation_of
+    from spirob.export.arm import correlation_of
     from spirob.export.code import c_name
     from spirob.export.corrected import Fitted
 

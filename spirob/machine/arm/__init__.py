@@ -2,8 +2,7 @@
 
 description.py  a whole description: two motors, which machine they drive, what is fitted; which
                 columns the two motors have; filter and rows of what is compared; what holds the
-                model to a measured motion
-numbers.py      what is known of the model's numbers, and between which bounds others are fitted
+                model to a measured motion; what is known of its numbers, and which are fitted
 replay.py       a log as a trial that the model can play again; at rest, under which currents, with
                 the rotors where in a turn
 rows.py         which of its cycles are left out; rows that the arm's numbers determine, whichever
@@ -12,8 +11,7 @@ roles.py        which logs, or parts of one, are fitted, chosen by, held out; a 
                 played from rest and compared from where it begins
 preparation.py  what the search stands on: the arm's shape, and the rows that count
 shape.py        holes and stiffness of an arm of another design, searched for; the lowest valley of
-                a cost over a few numbers
-tolerated.py    what of the arm's build the logs tell beyond its tolerances
+                a cost over a few numbers; what of its build the logs tell beyond tolerances
 diagnosis.py    the arm's own search and verdict, as the document of a rig; what the page shows
                 besides: overlay and fitted numbers
 """

@@ -10,8 +10,11 @@ bandwidth ω = K_v n/m, with n newton an ampere and m kilograms at the drum.
 
 There is no integral.  The law takes i_measured as an error of the speed, i/K_v, and an integral
 would add it up; it then rings, and fits with numbers that make up for it left twenty times as much.
+
+What a description says of the numbers of the arm's model: known, or fitted between bounds.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -20,10 +23,12 @@ from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from spirob.control.law import Gains
 from spirob.diagnosis.rungs import Rules
+from spirob.effects import Effect
+from spirob.errors import ConfigError
 from spirob.given_number import Size
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
-from spirob.machine.arm.tolerated import TOLERANCES
+from spirob.machine.arm.shape import TOLERANCES
 from spirob.machine.rig import (
     ANGLES,
     EFFORTS,
@@ -35,7 +40,8 @@ from spirob.machine.rig import (
     Entry,
     Rows,
 )
-from spirob.plant import Rig
+from spirob.parameter import Parameter
+from spirob.plant import Plant, Rig
 from spirob.plant.rig import COMPONENTS
 from spirob.unit_table import with_table
 
@@ -271,3 +277,51 @@ class ArmFile(Entry):
             if part in PARTS:  # others are effects, which the machine does not have
                 found.setdefault(part, dict(self.arm.get(part, {})))[number] = value
         return found
+
+
+def described(plant: Plant, rig: ArmFile, own: Sequence[type[Effect]]) -> Plant:
+    """The plant with the description's bounds, starts and known values in its table.
+
+    own  effects that the model holds already
+
+    Raises ConfigError, naming the place, for a number that the model does not have, for bounds
+    beyond those within which it is one, and for a known value out of them.
+    """
+    owners = PARTS | {effect.name() for effect in own}
+    about = {n: _between(_about(plant, owners, "fit", n), n, b) for n, b in rig.fit.items() if b}
+    for name, value in rig.known.items():
+        about[name] = _at(_about(plant, owners, "known", name), name, value)
+    for name in rig.fit:
+        _about(plant, owners, "fit", name)
+    return plant.within(about)
+
+
+def _about(plant: Plant, owners: set[str], key: str, name: str) -> Parameter:
+    """What the model knows of the number `name` of the description's `key`."""
+    about, owner = plant.table.about, name.partition(".")[0]
+    if owner not in owners and any(known.startswith(f"{owner}.") for known in about):
+        raise ConfigError(f"{key}: '{name}' is of an effect that is not among 'effects'")
+    if name not in about:
+        own = [n.partition(".")[2] for n in about if n.startswith(f"{owner}.")]
+        has = f"{owner} has: {', '.join(own)}" if own else f"its parts: {', '.join(sorted(owners))}"
+        raise ConfigError(f"{key}: the arm's model has no number '{name}'; {has}")
+    return about[name]
+
+
+def _between(about: Parameter, name: str, chosen: Bounded) -> Parameter:
+    if chosen.low < about.low or chosen.high > about.high:
+        raise ConfigError(
+            f"fit.{name}: {chosen.low:g} to {chosen.high:g} reaches beyond what the model allows, "
+            f"{about.low:g} to {about.high:g} {about.unit} ({about.meaning})"
+        )
+    # a data sheet's tolerance gives way to bounds that were chosen
+    return replace(about, nominal=chosen.nominal, low=chosen.low, high=chosen.high, tolerance=0.0)
+
+
+def _at(about: Parameter, name: str, value: float) -> Parameter:
+    if not about.low <= value <= about.high:
+        raise ConfigError(
+            f"known.{name}: {value:g} is beyond what the model allows, "
+            f"{about.low:g} to {about.high:g} {about.unit} ({about.meaning})"
+        )
+    return replace(about, nominal=value)

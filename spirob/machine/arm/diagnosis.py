@@ -6,12 +6,12 @@ from typing import Any
 
 import pandas as pd
 
+from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.document import document
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import begun, climb
 from spirob.diagnosis.rungs import Ladder, Settings, rung_of
-from spirob.diagnosis.survey import survey
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, all_effects
 from spirob.identify.builds import TOLERANCES, Floor
@@ -21,8 +21,7 @@ from spirob.identify.plausibility import SENSE, SUSPECTS, explained
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
 from spirob.logs.readers import Table
-from spirob.machine.arm.description import ArmFile
-from spirob.machine.arm.numbers import described
+from spirob.machine.arm.description import ArmFile, described
 from spirob.machine.arm.preparation import Settled, settled
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
@@ -166,7 +165,7 @@ def written(rig: ArmFile, found: Searched, said: list[str]) -> dict[str, Any]:
 def _standing(
     rig: ArmFile, search: Ladder, residuals: Mapping[str, Residual], named: bool
 ) -> dict[str, Any]:
-    """The model that stands, as another program needs it; see `spirob.machine.standing`."""
+    """The model that stands, as another program needs it; see `spirob.machine.document`."""
     last, plant = search.rungs[-1 if named else 0], residuals["train"].plant
     values = dict(
         zip(plant.table.names, plant.table.vector(last.fit.changes).tolist(), strict=True)

@@ -18,8 +18,7 @@ from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.residual import Residual, near
 from spirob.machine.arm.rows import determined
-from spirob.machine.arm.shape import FREED, searched_shape
-from spirob.machine.arm.tolerated import gate
+from spirob.machine.arm.shape import FREED, gate, searched_shape
 
 NEARLY = 3.0  # times the error of a complete model: who leaves more than that misses something
 PAYS = 0.8  # of the cost without: another shape is believed below that

@@ -28,8 +28,7 @@ from spirob.machine.composed.composing import SURE, Composed, document_of, free_
 from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import Ground
 from spirob.machine.composed.law import Law, law_of
-from spirob.machine.composed.words import told
-from spirob.machine.composed.writing import written
+from spirob.machine.composed.writing import told, written
 from spirob.machine.criteria import Criteria
 from spirob.machine.page_tables import laws
 

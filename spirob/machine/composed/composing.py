@@ -21,8 +21,7 @@ from spirob.identify.scaling import Scaling
 from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.law import Law, law_of
-from spirob.machine.composed.words import Units, formula, told
-from spirob.machine.composed.writing import written
+from spirob.machine.composed.writing import Units, formula, told, written
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP, Model, Models
 from spirob.machine.page_tables import laws

@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 
 from spirob.diagnosis.evidence import block_errors
+from spirob.machine.composed.grammar import Term
 from spirob.machine.composed.ground import Ground, Side
-from spirob.machine.composed.term import Term
 from spirob.machine.flexible import error, left_out_linear, products, step
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it

@@ -8,9 +8,8 @@ turns round in its own way, which says nothing of its level.
 
 from spirob.machine.candidates import is_dry
 from spirob.machine.composed.draft import Draft, Drafts
-from spirob.machine.composed.grammar import WAY
+from spirob.machine.composed.grammar import WAY, Shape, Term
 from spirob.machine.composed.ground import ground_of
-from spirob.machine.composed.term import Shape, Term
 from spirob.machine.models import Model
 from spirob.machine.search import Search
 

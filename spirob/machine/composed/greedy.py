@@ -7,9 +7,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from spirob.machine.composed.draft import Draft, Drafts, Offers
-from spirob.machine.composed.grammar import bristled, terms
+from spirob.machine.composed.grammar import Term, bristled, terms
 from spirob.machine.composed.ground import Ground
-from spirob.machine.composed.term import Term
 
 MOST = 4  # terms
 FINALISTS = 6  # of a round, whose numbers are refined

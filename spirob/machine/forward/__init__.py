@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.machine.forward.axis import Axis, drive_reading, logged
-from spirob.machine.forward.body_table import BodyTable
+from spirob.machine.forward.axis import Axis, BodyTable, drive_reading, logged
 from spirob.machine.forward.errors import WINDOW, error, guesses, horizons, motion_errors, numbered
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.motion import Motion

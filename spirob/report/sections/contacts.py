@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from spirob.report import perception_figures
+from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.figures import Plot
-from spirob.report.perception_figures import DOMAINS, THRESHOLDS, WITHIN
+from spirob.report.figures import DOMAINS, THRESHOLDS, WITHIN, Plot
 from spirob.report.sections.section import Section
 from spirob.report.words import MISSING, fixed, percent
 
@@ -57,13 +56,13 @@ def _counts(signals: Mapping[str, Any]) -> dict[str, str]:
 
 def _curve(key: str, signal: Mapping[str, Any]) -> Plot:
     label = f"{SIGNALS[key].capitalize()}: contacts told in time, over false alarms"
-    return Plot(f"contacts-roc-{key}", label, perception_figures.roc(signal))
+    return Plot(f"contacts-roc-{key}", label, figures.roc(signal))
 
 
 def _along(key: str, signal: Mapping[str, Any]) -> list[Plot]:
     if not _in_parts(signal):
         return []
-    hits, delay = perception_figures.hits_along(signal), perception_figures.delay_along(signal)
+    hits, delay = figures.hits_along(signal), figures.delay_along(signal)
     name = SIGNALS[key].capitalize()
     return [
         Plot(f"contacts-hits-{key}", f"{name}: contacts told in time, along the arm", hits),

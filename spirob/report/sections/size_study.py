@@ -5,10 +5,9 @@ from typing import Any
 
 from spirob.perceive.features import FEATURES
 from spirob.perceive.size import SizeSettings
-from spirob.report import perception_figures
+from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.figures import Plot
-from spirob.report.perception_figures import SIZE_DOMAINS
+from spirob.report.figures import SIZE_DOMAINS, Plot
 from spirob.report.sections.section import Section
 from spirob.report.words import fixed
 
@@ -47,16 +46,16 @@ def plots(metrics: Mapping[str, Any]) -> list[Plot]:
     errors = side_by_side(metrics)
     if len(errors) > 1:
         label = "The shipped predictor beside others; bars are 95 % intervals over wraps"
-        shown.append(Plot("size-predictors", label, perception_figures.predictors(errors)))
+        shown.append(Plot("size-predictors", label, figures.predictors(errors)))
     training = metrics.get("training") or {}
     if training.get("learning_curve"):
         label = "Error over the number of wraps learned from; bars are 95 % intervals"
-        figure = perception_figures.learning_curve(training["learning_curve"])
+        figure = figures.learning_curve(training["learning_curve"])
         shown.append(Plot("size-learning", label, figure))
     if training.get("importance"):
         label = "What it costs to shuffle one feature among the wraps"
         meanings = {name: f"{one.meaning} [{one.unit}]" for name, one in FEATURES.items()}
-        figure = perception_figures.importance(training["importance"], meanings)
+        figure = figures.importance(training["importance"], meanings)
         shown.append(Plot("size-importance", label, figure))
     return shown
 

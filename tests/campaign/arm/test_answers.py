@@ -2,7 +2,7 @@
 
 import pytest
 
-from spirob.campaign.arm.answers import ANSWERS, right
+from spirob.campaign.arm.rates import ANSWERS, right
 from spirob.effects import all_effects
 from spirob.emulator import hidden
 

@@ -10,14 +10,16 @@ from spirob.campaign.arm.strength import (
     FACTOR,
     LARGEST,
     LEFT,
+    NEAR,
     RATIOS,
+    TRIES,
     VISIBLE,
     adjusted,
+    drawn,
     drawn_size,
     sizes,
     strength_of,
 )
-from spirob.campaign.arm.visibility import NEAR, TRIES, drawn
 from spirob.diagnosis.rungs import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError

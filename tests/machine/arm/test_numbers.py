@@ -10,8 +10,8 @@ from spirob.errors import ConfigError
 from spirob.identify.builds import TOLERANCES
 from spirob.identify.problem import FITTED
 from spirob.machine.arm import diagnosis
+from spirob.machine.arm.description import described
 from spirob.machine.arm.diagnosis import parameters
-from spirob.machine.arm.numbers import described
 from spirob.machine.loading import load_rig
 from spirob.plant import Plant
 from tests.machine.arm.elsewhere import log, rig, tables, write

@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from spirob.cli.main import main
+from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.orders import answers
 from spirob.diagnosis.rungs import Settings
-from spirob.diagnosis.survey import survey
 from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
 from spirob.identify.residual import STILL, Near, Residual, near

@@ -8,7 +8,7 @@ from spirob.identify.fit import fit
 from spirob.identify.residual import Residual, near
 from spirob.logs.readers import Table
 from spirob.machine.arm.replay import arm_trial
-from spirob.machine.arm.tolerated import TOLD, TOLERANCES, gate
+from spirob.machine.arm.shape import TOLD, TOLERANCES, gate
 from spirob.plant import Plant
 from tests.identify.known import moves
 from tests.machine.arm.elsewhere import played, rig

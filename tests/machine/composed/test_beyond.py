@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from spirob.machine.composed.beyond import beyond
+from spirob.machine.composed.law import beyond
 
 
 def problem(place):

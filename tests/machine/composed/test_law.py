@@ -8,13 +8,11 @@ import pytest
 from spirob.effects import all_effects, load_file
 from spirob.effects.check import check
 from spirob.effects.replay import run
-from spirob.machine.composed import memory
 from spirob.machine.composed.draft import Draft
 from spirob.machine.composed.grammar import bristled, terms
 from spirob.machine.composed.law import law_of
-from spirob.machine.composed.track import Ranges, Track
-from spirob.machine.composed.words import formula, told
-from spirob.machine.composed.writing import written
+from spirob.machine.composed.track import Ranges, Track, along
+from spirob.machine.composed.writing import formula, told, written
 from spirob.machine.scaling import Sizes
 
 STEP, SAMPLES = 0.01, 300
@@ -128,24 +126,24 @@ def test_a_law_reads_as_a_formula():
 def test_memories_follow_their_closed_forms():
     speed, ends, step = np.full(500, 0.2), np.array([0, 500]), np.array([0.01])
     path = 0.2 * 0.01 * np.arange(1, 501)
-    bristle = memory.along("bristle", speed, 0.1, ends, step)
+    bristle = along("bristle", speed, 0.1, ends, step)
     assert bristle == pytest.approx(1.0 - np.exp(-path / 0.1))
-    spring = memory.along("spring", speed, 0.1, ends, step)
+    spring = along("spring", speed, 0.1, ends, step)
     assert spring == pytest.approx(np.tanh(path / 0.1))
-    slow = memory.along("slow", np.ones(500), 0.5, ends, step)
+    slow = along("slow", np.ones(500), 0.5, ends, step)
     assert slow == pytest.approx(1.0 - np.exp(-0.01 * np.arange(1, 501) / 0.5))
 
 
 @pytest.mark.parametrize("kind", ["bristle", "spring", "slow"])
 def test_a_memory_does_not_care_for_the_step(kind):
     speed = np.repeat(np.random.default_rng(2).normal(size=60), 4)
-    whole = memory.along(kind, speed[::4], 0.3, np.array([0, 60]), np.array([0.08]))
-    fine = memory.along(kind, speed, 0.3, np.array([0, 240]), np.array([0.02]))
+    whole = along(kind, speed[::4], 0.3, np.array([0, 60]), np.array([0.08]))
+    fine = along(kind, speed, 0.3, np.array([0, 240]), np.array([0.02]))
     assert whole == pytest.approx(fine[3::4])
     assert np.max(np.abs(whole)) <= max(1.0, np.max(np.abs(speed)))
 
 
 def test_memory_begins_anew_with_each_piece():
     speed = np.concatenate([np.ones(50), np.ones(50)])
-    found = memory.along("bristle", speed, 0.3, np.array([0, 50, 100]), np.array([0.01, 0.01]))
+    found = along("bristle", speed, 0.3, np.array([0, 50, 100]), np.array([0.01, 0.01]))
     assert np.array_equal(found[:50], found[50:])

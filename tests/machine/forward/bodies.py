@@ -8,8 +8,7 @@ import numpy as np
 from spirob.effects import find_effects
 from spirob.machine.body import RigidBody
 from spirob.machine.forward import Forward
-from spirob.machine.forward.axis import Axis, drive_reading
-from spirob.machine.forward.body_table import BodyTable
+from spirob.machine.forward.axis import Axis, BodyTable, drive_reading
 from spirob.machine.forward.errors import horizons
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare

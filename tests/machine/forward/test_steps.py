@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.effects import find_effects
-from spirob.machine.forward import steps
+from spirob.machine.forward import torque
 from spirob.machine.forward.torque import AT, OWN, memory_of
 
 NONE = (0.0,) * 6
@@ -18,7 +18,7 @@ def played(h, seconds, own, at=(0.0, 0.0), effort=np.zeros_like, effects=(), num
     motion[0], motion[1], motion[2] = t, *at
     cells = {"INERTIA": 0.05, "VISCOUS": 0.0, "STIFFNESS": 0.0, "SCALE": 1.0, "REST": 0.02}
     cells |= {"ANGLE": 1.0, **own}
-    steps.loop_of(found)(
+    torque.loop_of(found)(
         out,
         np.array([[0, 0, len(t)]]),
         np.array([h]),
