@@ -69,11 +69,16 @@ def digest(paths: Sequence[Path]) -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
-def learned(rows: np.ndarray, right: np.ndarray) -> dict[str, Any]:
-    """Means, scales, weights and bias of the regression."""
+def learned(rows: np.ndarray, right: np.ndarray, simulators: np.ndarray) -> dict[str, Any]:
+    """Means, scales, weights and bias of the regression.
+
+    Each simulator weighs alike: how many cases of it were played says nothing of other machines.
+    """
+    kinds, number, counts = np.unique(simulators, return_inverse=True, return_counts=True)
+    weights = len(right) / (len(kinds) * counts[number])
     scaler = StandardScaler().fit(rows)
     model = LogisticRegression(C=STRENGTH, max_iter=10_000, tol=1e-10)
-    model.fit(scaler.transform(rows), right)
+    model.fit(scaler.transform(rows), right, sample_weight=weights)
     numbers = {"mean": scaler.mean_, "scale": scaler.scale_, "weights": model.coef_[0]}
     told = {name: [float(f"{x:.9g}") for x in values] for name, values in numbers.items()}
     return told | {"bias": float(f"{model.intercept_[0]:.9g}")}
@@ -84,7 +89,7 @@ def left_out(rows: np.ndarray, right: np.ndarray, simulators: np.ndarray) -> np.
     found = np.empty(len(right))
     for one in np.unique(simulators):
         own = simulators == one
-        fit = learned(rows[~own], right[~own])
+        fit = learned(rows[~own], right[~own], simulators[~own])
         scaled = (rows[own] - fit["mean"]) / fit["scale"]
         found[own] = 1.0 / (1.0 + np.exp(-(scaled @ fit["weights"] + fit["bias"])))
     return found
@@ -120,7 +125,7 @@ def main() -> None:
             "seeds": sorted({line["seed"] for line in lines}),
             "figures": list(FIGURES),
         }
-        text = json.dumps(about | learned(rows, right), indent=1)
+        text = json.dumps(about | learned(rows, right, simulators), indent=1)
         write_text(given.out, text + "\n")
 
 

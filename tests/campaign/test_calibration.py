@@ -18,16 +18,16 @@ def cases():
 
 
 def test_what_ships_is_what_the_cases_say(cases):
-    rows, right, _ = cases
-    fit = learned(rows, right)
+    rows, right, simulators = cases
+    fit = learned(rows, right, simulators)
     assert digest(CASES) == LEARNED["sha256"]
     for name, value in fit.items():
         np.testing.assert_allclose(LEARNED[name], value, rtol=1e-5, atol=1e-7)
 
 
 def test_the_probability_is_that_of_the_regression(cases):
-    rows, right, _ = cases
-    fit = learned(rows, right)
+    rows, right, simulators = cases
+    fit = learned(rows, right, simulators)
     for row in rows[:20]:
         told = probability(dict(zip(FIGURES, row, strict=True)))
         score = fit["bias"] + np.dot(fit["weights"], (row - fit["mean"]) / fit["scale"])
@@ -49,3 +49,14 @@ def test_stated_rates_that_are_found_have_no_error():
     stated = rng.uniform(0, 1, 40_000)
     assert calibration_error(stated, rng.uniform(0, 1, 40_000) < stated) < 0.02
     assert calibration_error(np.ones(100), np.zeros(100, bool)) == 1.0
+
+
+def test_a_simulator_that_was_played_more_often_weighs_no_more():
+    rng = np.random.default_rng(3)
+    rows, simulators = rng.standard_normal((300, 6)), np.repeat(["one", "two"], [100, 200])
+    right = rng.uniform(size=300) < 1 / (1 + np.exp(-rows[:, 0]))
+    more = np.concatenate([np.arange(300), np.arange(100)])  # all of `one` twice
+    few, many = (learned(rows[k], right[k], simulators[k]) for k in (np.arange(300), more))
+    for fit in (few, many):  # numbers of the raw figures, whatever they were scaled by
+        fit["slopes"] = np.array(fit["weights"]) / fit["scale"]
+    assert few["slopes"] == pytest.approx(many["slopes"], abs=0.02)
