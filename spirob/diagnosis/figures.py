@@ -8,12 +8,10 @@ import numpy as np
 
 from spirob.diagnosis.certainty import probability, ratio, rounded, sharp
 from spirob.diagnosis.evidence import alike, complete
-from spirob.diagnosis.flexible import ceiling
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, missed_by
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
 from spirob.effects import Effect
 from spirob.identify.problem import Problem
 
-LEAST = 0.1  # of the square that a complete model leaves
 VETO = 0.05  # of the held-out square, as of rigs: what takes no more off is not confirmed
 
 
@@ -34,55 +32,28 @@ def weighed(
 ) -> dict[str, Weighed]:
     """Each effect of the last rung by name, the one that was added first at the beginning.
 
-    Errors are taken above what a complete model of such a machine leaves, of which a tenth counts
-    at least: by how much less is left says nothing of a name.
+    What of an error on trials that no fit has seen follows from the motion, too few of them tell:
+    it is what lies above a complete model's, as builds of the machine differ by that.
     """
-    last = search.rungs[-1]
-    if not last.effects:
-        return {}
-    above = Above(residuals, settings.floor)
-    rest = follows(last, residuals) * _square(last, "train")
-    found = {}
+    last, found = search.rungs[-1], {}
+    least = complete(residuals["heldout"], settings.floor) ** 2
     for place, (below, rung) in enumerate(pairwise(search.rungs)):
         tried = search.rounds[place] if place < len(search.rounds) else []
         for effect in rung.effects:
             if effect not in last.effects or effect in below.effects:
                 continue
-            others: list[Rung | Confirmed] = [below, *_others(effect, below, rung, tried, settings)]
-            after = above(rung, "heldout")
-            fall = _square(below, "train") - _square(rung, "train")
+            before, after = _square(below), _square(rung)
+            others = [_square(o) for o in _others(effect, below, rung, tried, settings)]
             told = {
-                "fall_heldout": ratio(above(below, "heldout"), after),
-                "ahead_heldout": ratio(min(above(o, "heldout") for o in others), after),
-                "left": ratio(above.square(rest, "train"), fall),
+                "fall_heldout": ratio(before, after),
+                "ahead_heldout": ratio(min([before, *others]), after),
+                "left": ratio(max(_square(last) - least, 0.0), max(before - after, 0.0)),
                 "sharp": sharp(rung.fit, effect),
                 "place": float(place),
                 "late": 0.0,  # logs of the arm are put right before
             }
             found[effect.name()] = Weighed(rounded(told))
     return found
-
-
-def follows(rung: Rung, residuals: Mapping[str, Problem]) -> float:
-    """Share of what a rung leaves, squared, that follows from the motion on folds left out."""
-    return ceiling(residuals, missed_by(rung, residuals)).share
-
-
-@dataclass(frozen=True)
-class Above:
-    """Squared errors above those of a complete model."""
-
-    residuals: Mapping[str, Problem]
-    floor: float
-
-    def __call__(self, found: Rung | Confirmed, role: str) -> float:
-        """Of a fitted model, in the unit of the effort, squared."""
-        return self.square(_square(found, role), role)
-
-    def square(self, error: float, role: str) -> float:
-        """Of a squared error."""
-        least = complete(self.residuals[role], self.floor) ** 2
-        return max(error - least, LEAST * least)
 
 
 def _others(
@@ -101,5 +72,6 @@ def _others(
     ]
 
 
-def _square(found: Rung | Confirmed, role: str) -> float:
-    return found.scores[role].rmse ** 2
+def _square(found: Rung | Confirmed) -> float:
+    """Of the held-out error."""
+    return found.scores["heldout"].rmse ** 2

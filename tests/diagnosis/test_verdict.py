@@ -6,9 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis import figures
-from spirob.diagnosis.certainty import LIKELY, probability
-from spirob.diagnosis.figures import LEAST, weighed
+from spirob.diagnosis.certainty import LIKELY, MOST, probability
+from spirob.diagnosis.figures import weighed
 from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
 from spirob.diagnosis.verdict import judge
 from spirob.effects import find_effects
@@ -44,12 +43,6 @@ def rung(effects, validate, heldout, found=FIT):
     return Rung("", effects, found, scores, np.full(20, validate**2))
 
 
-@pytest.fixture(autouse=True)
-def nothing_follows(monkeypatch):
-    """What is left follows from no signal: these trials have none."""
-    monkeypatch.setattr(figures, "follows", lambda *_: 0.0)
-
-
 def search(heldout, before=0.010, found=None):
     """Found on validation trials, 10 -> 2 mA; on the held-out ones from `before` to `heldout`."""
     found = found or fit_of()
@@ -82,21 +75,16 @@ def test_the_more_a_name_leaves_the_less_likely_it_is():
     assert told[0] > LIKELY > told[-1]
 
 
-def test_figures_are_of_what_lies_above_the_floor():
-    """Of the square that a complete model leaves a tenth counts: less is no better."""
+def test_figures_are_of_the_held_out_errors():
+    """What is left counts above the floor alone: so much do builds of the machine differ by."""
     shown = weighed(search(0.006), PROBLEMS, SETTINGS)[EFFECT[0].name()].figures
-    fall = np.log((0.010**2 - 0.003**2) / (0.006**2 - 0.003**2))
+    fall = np.log((0.010 / 0.006) ** 2)
     assert shown["fall_heldout"] == pytest.approx(fall, rel=1e-5)
     assert shown["ahead_heldout"] == pytest.approx(fall, rel=1e-5)  # none was tried besides
-    assert sure(search(0.0029)) == sure(search(0.001))
-    within = weighed(search(0.001), PROBLEMS, SETTINGS)[EFFECT[0].name()].figures
-    assert within["fall_heldout"] == pytest.approx(np.log(91 / (LEAST * 9)), rel=1e-5)
-
-
-def test_where_all_of_the_error_lies_below_the_floor_nothing_is_named():
-    """However much of it an effect takes: builds of the machine differ by more."""
-    verdict = judge(search(0.001), PROBLEMS, replace(SETTINGS, floor=0.02))
-    assert verdict.kind == "nothing_missing"
+    left = np.log((0.006**2 - 0.003**2) / (0.010**2 - 0.006**2))
+    assert shown["left"] == pytest.approx(left, rel=1e-5)
+    complete = weighed(search(0.0029), PROBLEMS, SETTINGS)[EFFECT[0].name()].figures
+    assert complete["left"] == -MOST
 
 
 def test_another_that_does_as_well_on_held_out_trials_makes_it_less_likely():

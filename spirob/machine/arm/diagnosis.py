@@ -139,8 +139,9 @@ def written(rig: ArmFile, found: Searched, said: list[str]) -> dict[str, Any]:
     question = asked(search, verdict, residuals, settings)
     further = question.decide or question.prove
     told = document(search, verdict, where, noise_floor(train), residuals, further)
-    if base.scores["validate"].r2 < SENSE:
-        told |= _senseless(base.scores["validate"].r2)
+    least = min(base.scores[role].r2 for role in ("validate", "heldout"))
+    if least < SENSE:
+        told |= _senseless(least)
     for effect in told["effects"]:
         effect["rivals"] = list(verdict.rivals)
     return {
