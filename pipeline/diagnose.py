@@ -50,7 +50,8 @@ def stage(root: Path) -> None:
     verdict = judge(search, residuals, settings)
     base = search.rungs[0].fit
     train, effort = residuals["train"], residuals["train"].effort
-    where = survey(train, base.changes, base.residual[train.rows])
+    plain = train.unweighted()
+    where = survey(plain, base.changes, plain(base.changes)[plain.rows])
     question = asked(search, verdict, residuals, settings)
     noise, further = noise_floor(train), question.decide or question.prove
     written = document(search, verdict, where, noise, residuals, further)

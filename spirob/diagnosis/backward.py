@@ -207,7 +207,10 @@ def exchanged(
     effects = [second, *best.effects]
     rated = with_probability([best], below, train, settings)
     rung = Rung(f"+ {label(effects)}", effects, best.fit, best.scores, best.errors)
-    search.rungs[-2:] = [below, rung]
+    search.rungs[max(1, len(search.rungs) - 2) :] = [
+        below,
+        rung,
+    ]  # beside two found at once: the base
     search.rounds[-1] = [*rated, *search.rounds[-1]]
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -37,8 +36,11 @@ def weighed(
     """
     last, found = search.rungs[-1], {}
     least = complete(residuals["heldout"], settings.floor) ** 2
-    for place, (below, rung) in enumerate(pairwise(search.rungs)):
-        tried = search.rounds[place] if place < len(search.rounds) else []
+    for at, rung in enumerate(search.rungs[1:], 1):
+        # what stands before it may be gone: then the round that began further below brought it in
+        under = max(k for k in range(at) if set(search.rungs[k].effects) < set(rung.effects))
+        below = search.rungs[under]
+        tried = search.rounds[under] if under < len(search.rounds) else []
         for effect in rung.effects:
             if effect not in last.effects or effect in below.effects:
                 continue
@@ -49,7 +51,7 @@ def weighed(
                 "ahead_heldout": ratio(min([before, *others]), after),
                 "left": ratio(max(_square(last) - least, 0.0), max(before - after, 0.0)),
                 "sharp": sharp(rung.fit, effect),
-                "place": float(place),
+                "place": float(len(below.effects)),
                 "late": 0.0,  # logs of the arm are put right before
             }
             found[effect.name()] = Weighed(rounded(told))

@@ -154,7 +154,13 @@ def proved(verdict: Verdict, proof: Proof) -> Verdict:
         return replace(verdict, next_experiment="")
     said = disproved(verdict.sentence, proof)
     return Verdict(
-        "unknown", 0.0, [], said["sentence"], said["explanation"], said["next_experiment"]
+        "unknown",
+        0.0,
+        [],
+        said["sentence"],
+        said["explanation"],
+        said["next_experiment"],
+        evidence=verdict.evidence,
     )
 
 

@@ -240,7 +240,8 @@ def _without_unlikely(search: Ladder, residuals: Mapping[str, Problem], settings
     while len(search.rungs) > 2:
         last, below = search.rungs[-1].effects, search.rungs[-2].effects
         found = weighed(search, residuals, settings)
-        if all(found[e.name()].probability >= LIKELY for e in last if e not in below):
+        likely = all(found[e.name()].probability >= LIKELY for e in last if e not in below)
+        if likely or not set(below) < set(last):
             return
         search.rungs.pop()
 

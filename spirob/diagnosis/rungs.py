@@ -11,7 +11,7 @@ from spirob.diagnosis.evidence import block_errors, complete
 from spirob.diagnosis.screen import Screened
 from spirob.effects import Effect
 from spirob.effects.effect import differences
-from spirob.identify.builds import RESOLUTION, Builds, Floor, floor_of, weighed
+from spirob.identify.builds import RESOLUTION, Builds, Floor, floor_of, weighted
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Effort, Problem
 from spirob.identify.residual import Residual
@@ -136,7 +136,7 @@ def weighed_at(
 ) -> dict[str, Residual]:
     """The trials weighted by what builds of this machine differ by in them, by role."""
     right = complete(residuals["train"], RESOLUTION)
-    return weighed(residuals, builds_at(changes, names, scale), right)
+    return weighted(residuals, builds_at(changes, names, scale), right)
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:

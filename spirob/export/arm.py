@@ -202,7 +202,7 @@ def _residual(model: CorrectedArm) -> tuple[Residual, float] | None:
     try:
         config = yaml.safe_load((model.data / CONFIG).read_text(encoding="utf-8"))
         said = config["identify"]
-        names = [t["name"] for t in config["experiment"]["trials"] if t["role"] == TRAIN]
+        names = [t["name"] for t in config["recordings"]["trials"] if t["role"] == TRAIN]
         trials = [
             Measurement.from_trace(read_parquet(model.data / TRACES / f"{name}.parquet"))
             for name in names

@@ -128,7 +128,9 @@ class Builds:
             yield apart + slopes @ step
 
 
-def weighed(residuals: Mapping[str, Residual], builds: Builds, right: float) -> dict[str, Residual]:
+def weighted(
+    residuals: Mapping[str, Residual], builds: Builds, right: float
+) -> dict[str, Residual]:
     """The same trials by role, each cycle weighted by how far builds are apart in it.
 
     right  to which the model is in any case, RMS [A]

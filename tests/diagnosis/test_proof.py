@@ -21,7 +21,15 @@ from tests.identify.known import residual, spirob
 TRUE = {"backlash.play": 1.5e-3}
 NUMBERS = {Backlash: "backlash.play", Stretch: "stretch.toe"}
 SETTINGS = Settings()
-NAMED = Verdict("named", 0.9, [], "Missing: dry friction.", "It is dry.", "To make sure: crawl.")
+NAMED = Verdict(
+    "named",
+    0.9,
+    [],
+    "Missing: dry friction.",
+    "It is dry.",
+    "To make sure: crawl.",
+    evidence={"coulomb_friction": {"probability": 0.9, "figures": {}}},
+)
 
 
 @pytest.fixture(scope="module")
@@ -136,6 +144,7 @@ def test_a_name_that_does_not_hold_is_told_and_taken_away():
     assert "not dry friction." in fallen.sentence
     assert "'hold'" in fallen.explanation
     assert "40%" in fallen.explanation
+    assert fallen.evidence == NAMED.evidence  # why it was named stays to be read
     assert not fallen.contested
 
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spirob.diagnosis import ladder
 from spirob.diagnosis.certainty import LIKELY, MOST, probability
 from spirob.diagnosis.figures import weighed
 from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
@@ -106,24 +107,51 @@ def test_the_sharper_its_number_the_surer_a_name():
     assert vague < clear
 
 
-def test_of_several_the_least_sure_one_decides():
+def added(*rungs):
+    """A ladder of these rungs above the fitted numbers alone, with what was tried beside each."""
+    found = search(0.002)
+    tried = [
+        [replace(found.rounds[0][0], effects=(r.effects[-1],), scores=r.scores, errors=r.errors)]
+        for r in rungs
+    ]
+    return Ladder(found.base, [found.base, *rungs], tried)
+
+
+@pytest.mark.parametrize(("second", "kind"), [(0.0019, "unknown"), (0.0001, "named")])
+def test_of_several_the_least_sure_one_decides(second, kind):
     """Each is as sure as its own figures say; one that is unlikely withholds the name of all."""
     other = find_effects(["coulomb_friction"])
-    found = search(0.002)
-    second = rung([*EFFECT, *other], 0.002, 0.002)
-    first = rung(EFFECT, 0.005, 0.005, fit_of())
-    best = replace(found.rounds[0][0], scores=first.scores, errors=first.errors)
-    both = Ladder(found.base, [found.base, first, second], [[best], []])
+    both = added(
+        rung(EFFECT, 0.002, 0.002, fit_of()), rung([*EFFECT, *other], 0.002, second, fit_of())
+    )
     told = weighed(both, PROBLEMS, SETTINGS)
     assert [w.figures["place"] for w in told.values()] == [0.0, 1.0]
     verdict = judge(both, PROBLEMS, SETTINGS)
-    if min(w.probability for w in told.values()) < LIKELY:
-        assert verdict.kind == "unknown"
-    else:
-        assert verdict.probability == min(w.probability for w in told.values())
-    assert verdict.evidence[EFFECT[0].name()]["probability"] == probability(
-        told[EFFECT[0].name()].figures
-    )
+    assert verdict.kind == kind
+    least = min(w.probability for w in told.values())
+    assert verdict.probability == (least if kind == "named" else 0.0)
+    own = verdict.evidence[EFFECT[0].name()]
+    assert own["probability"] == probability(own["figures"])
+
+
+def test_an_effect_that_made_another_needless_is_weighed_against_the_model_without_both():
+    other = find_effects(["coulomb_friction"])
+    first, last = rung(other, 0.004, 0.004), rung(EFFECT, 0.0038, 0.0038, fit_of())
+    told = weighed(added(first, last), PROBLEMS, SETTINGS)
+    (own,) = told.values()
+    assert own.figures["fall_heldout"] == pytest.approx(2 * np.log(0.010 / 0.0038), rel=1e-5)
+    assert own.figures["place"] == 0.0
+    kept = added(first, last)
+    ladder._without_unlikely(kept, PROBLEMS, SETTINGS)
+    assert kept.rungs[-1] is last  # what is not needed does not come back
+
+
+def test_an_unlikely_second_effect_is_taken_away():
+    other = find_effects(["coulomb_friction"])
+    first = rung(EFFECT, 0.002, 0.002, fit_of())
+    both = added(first, rung([*EFFECT, *other], 0.002, 0.0019, fit_of()))
+    ladder._without_unlikely(both, PROBLEMS, SETTINGS)
+    assert both.rungs[-1] is first
 
 
 def test_what_is_left_beside_a_name_is_said():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.rungs import Settings
-from spirob.identify.builds import WEIGHTS, Builds, counting, floor_of, weighed
+from spirob.identify.builds import WEIGHTS, Builds, counting, floor_of, weighted
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
@@ -37,7 +37,7 @@ def snapping():
 
 @pytest.fixture(scope="module")
 def weights(snapping):
-    return weighed(*snapping, RIGHT)
+    return weighted(*snapping, RIGHT)
 
 
 def test_each_sample_counts_by_its_own_variance(snapping, weights):
@@ -74,7 +74,7 @@ def test_an_arm_that_snaps_has_a_lower_floor_on_what_its_builds_agree_on(snappin
 
 def test_an_arm_that_does_not_snap_keeps_nearly_all_of_its_samples():
     plain, builds = logs(0.4, 2.0)
-    found = weighed(plain, builds, RIGHT)
+    found = weighted(plain, builds, RIGHT)
     assert all(counting(of) > 0.9 for of in found.values())
 
 
@@ -85,7 +85,7 @@ def test_nothing_of_what_was_measured_takes_part(snapping, weights):
         role: replace(of, trials=[replace(t, current=-t.current) for t in of.trials])
         for role, of in plain.items()
     }
-    other = weighed(turned, builds, RIGHT)
+    other = weighted(turned, builds, RIGHT)
     for role, of in weights.items():
         np.testing.assert_allclose(of.trials[0].weight, other[role].trials[0].weight, rtol=1e-6)
         assert effort_rms(other[role]) == pytest.approx(effort_rms(of))

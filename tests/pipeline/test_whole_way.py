@@ -6,9 +6,11 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from spirob.diagnosis.proposals import ROLES, TRIALS, bend
+from spirob.export.arm import corrected_arm, correlation_of
 from spirob.robot import MOTORS
 from tests.pipeline.project import DECIDING, MEASURED, SHORT, Project
 
@@ -70,6 +72,15 @@ def test_report_and_metrics_are_there(finished):
     assert {"mae", "rmse", "r2", "std"} <= set(size["robot"])
     assert {"mae", "rmse", "r2", "std"} <= set(size["simulation"])
     assert "diagnose.json" in finished.run(sys.executable, "-m", "dvc", "metrics", "show")
+
+
+def test_what_is_taken_home_knows_how_its_numbers_vary_together(finished):
+    folder = finished.root / "data/diagnosis"
+    model = corrected_arm(json.loads((folder / "diagnosis.json").read_text()), folder)
+    names = ("winch.efficiency", "motor.rotor_damping")
+    told = correlation_of(model, names)
+    assert np.abs(np.diag(told) - 1.0).max() == 0.0
+    assert 0.0 < abs(told[0, 1]) < 1.0
 
 
 def test_a_second_run_has_nothing_to_do(finished):

@@ -258,7 +258,7 @@ def _told(one: _Fitted, below: Rung) -> Composed:
 
 def _drawn(one: _Fitted) -> pd.DataFrame:
     """Rows of held-out samples, over the place of the law: a length, or the angle of the motor."""
-    heldout, ranges = one.residuals["heldout"], one.ground.ranges
+    heldout, ranges = one.residuals["heldout"].unweighted(), one.ground.ranges
     rows = laws(heldout, [one.effect], one.rung.fit.changes, ranges.unit)
     if ranges.unit == "rad":
         rows["position"] = np.concatenate([p.angle for p in heldout.stretches()])  # type: ignore[misc]
