@@ -18,7 +18,6 @@ from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.rungs import Ladder, Rules, Settings, floor_at
 from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import all_effects, find_effects
-from spirob.identify.plausibility import refuse_senseless
 
 OUT = Path("data/search")
 
@@ -32,8 +31,6 @@ def stage(root: Path) -> None:
     candidates = [c for c in candidates if c not in find_effects(config.plant.effects)]
     model = plant(config, candidates)
     residuals = weighed_residuals(root, config, model)
-    for role in ("validate", "heldout"):  # the stage `identify` asked it of those that are fitted
-        refuse_senseless(residuals[role], residuals[role](identified["changes"]))
     settings = settings_of(config)
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]

@@ -9,6 +9,7 @@ from spirob.diagnosis.rungs import ROLES, weighed_at
 from spirob.effects import Effect, find_effects
 from spirob.errors import MissingLog
 from spirob.identify.measurement import Measurement
+from spirob.identify.plausibility import refuse_senseless
 from spirob.identify.residual import Filter, Residual
 from spirob.logs import read_parquet
 from spirob.plant import Plant, Rig
@@ -58,7 +59,12 @@ def residual(root: Path, config: Config, model: Plant, role: str) -> Residual:
 
 
 def weighed_residuals(root: Path, config: Config, model: Plant) -> dict[str, Residual]:
-    """All trials by role, weighted by what builds of the identified machine differ by in them."""
+    """All trials by role, weighted by what builds of the identified machine differ by in them.
+
+    Raises DataError where the currents of a role do not follow from its motion.
+    """
     base = read_json(root / "data/identified/base.json", "identify")
     own = {role: residual(root, config, model, role) for role in ROLES}
+    for role in ("validate", "heldout"):  # the stage `identify` asked it of those that are fitted
+        refuse_senseless(own[role], own[role](base["changes"]))
     return weighed_at(base["changes"], list(base["parameters"]), own, config.identify.scale)

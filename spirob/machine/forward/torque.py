@@ -149,7 +149,7 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
     grid      (2,) first node and the distance to the next
     """
     constants = f"NUDGE, FAR, STEEP, LONGEST = {NUDGE!r}, {FAR!r}, {STEEP!r}, {LONGEST!r}"
-    parts = [generated.source(effects), constants]
+    parts = [source(effects), constants]
     parts += pasted((asked, beside, total, grown, step, follow, run))
     return load("\n\n".join(parts), KIND).run
 
