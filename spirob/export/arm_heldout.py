@@ -144,7 +144,7 @@ def _rows(ours: Response, first: float, turn: float, lever: float, m: int) -> di
         "acceleration": np.gradient(speed, CYCLE),
         "effort": ours.current[:, m],
         "carried": lever * ours.tension[:, m],
-        **dict.fromkeys(("payload", "offset", "beside", "along", "across"), none),
+        **dict.fromkeys(("payload", "offset", "hung", "along", "across"), none),
     }
 
 

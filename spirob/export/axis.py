@@ -59,8 +59,8 @@ SIGNALS = {
 GIVEN = {  # fields of the state that the caller sets
     "time": "s, since the motion began",
     "carried": "what the axis carries beside its own inertia and spring",
-    "payload": "payload, in the unit of the diagnosis",
-    "offset": "torque or force that this motion needs beside",
+    "payload": "payload, in the unit of the diagnosis; begins with the mean of its logs",
+    "offset": "torque or force that the motion needs beside; begins the same way",
     "weight_x": "torque of the weight if gravity pointed along +x",
     "weight_y": "the same along +y",
 }
@@ -125,7 +125,9 @@ def number_name(one: Held, field: str) -> str:
 
 
 def _state(model: Corrected) -> dict[str, float]:
-    found = dict.fromkeys(GIVEN, 0.0)
+    found = dict.fromkeys(GIVEN, 0.0) | {"offset": model.usual["offset"]}
+    if model.body is None:  # else it is a part of the body
+        found["payload"] = model.usual["payload"]
     for one in model.effects:
         found |= {f"{one.name}_{name}": value for name, value in one.law.state.items()}
     if any(feels_load(e) for e in model.at(SENSOR)):

@@ -16,6 +16,7 @@ from spirob.effects import all_effects
 from spirob.errors import ExportError
 from spirob.export.law import Law, law_of
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
+from spirob.machine.numbers import USUAL
 from spirob.machine.rig import NUMBERS
 
 FORMAT = 1  # of `model` in a diagnosis
@@ -70,6 +71,7 @@ class Corrected:
     angle     position for one radian of the motor;  rest_speed  below which it stands
     stiffness of the driven hinge, which some effects read
     period    of the held-out logs [s]
+    usual     payload and offset, the mean of the logs: what is taken where nobody says
     own_inertia  of what moves ahead of the load that friction may feel; part of no load
     """
 
@@ -89,6 +91,7 @@ class Corrected:
     body: Body | None = None
     folder: Path = field(default_factory=Path)
     trials: tuple[dict[str, Any], ...] = ()
+    usual: dict[str, float] = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))
     own_inertia: float = 0.0
 
     def at(self, port: str) -> list[Held]:
@@ -160,6 +163,7 @@ def _read(document: Mapping[str, Any], told: Mapping[str, Any], folder: Path) ->
         ),
         folder,
         tuple(told["trials"]),
+        {kind: finite(told.get("usual", {}).get(kind, 0.0)) for kind in USUAL},
     )
 
 

@@ -102,9 +102,15 @@ class Heldout:
         turned = q if self.model.axis == "rad" else np.zeros_like(q)
         weight = numbers["payload_cosine"] * np.cos(turned)
         weight += numbers["payload_sine"] * np.sin(turned)
-        hung = found["payload"] * (numbers["payload_inertia"] * found["acceleration"] + weight)
-        found |= {"beside": found["offset"] + hung, "starts": self.starts, "steps": self.steps}
-        return found
+        one = numbers["payload_inertia"] * found["acceleration"] + weight
+        found["hung"] = found["offset"] + found["payload"] * one
+        usual = self.model.usual
+        hung = usual["offset"] + (0.0 if self.model.body else usual["payload"] * one)
+        return found | {
+            "beside": found["hung"] - hung,  # of what goes with the exported body
+            "starts": self.starts,
+            "steps": self.steps,
+        }
 
     def errors(self, effort: np.ndarray, framed: np.ndarray) -> Errors:
         """How far a played effort is from the measurement, and from the model here.

@@ -120,12 +120,34 @@ def _lever(machine: Machine, one: Held, model: Corrected) -> None:
 
 
 def tip(machine: Machine, one: Held, model: Corrected) -> None:
+    """The payload that was named."""
+    _hang(machine, one.values["mass"], "payload", model)
+
+
+def usual(machine: Machine, model: Corrected) -> None:
+    """Payload and force that the logs have on the average, on a machine or at the tip of a body."""
+    payload, numbers = model.usual["payload"], model.numbers
+    if model.usual["offset"]:
+        _bias(machine, -model.usual["offset"])
+    if model.body is not None:
+        if payload:
+            _hang(machine, payload, "usual", model)
+        return
+    machine.driven.armature += payload * numbers["payload_inertia"]
+    weight = [-payload * numbers[f"payload_{wave}"] for wave in ("sine", "cosine")]
+    if model.axis == "rad":
+        _wave(machine, "usual", *weight, 1.0)
+    elif weight[1]:
+        _bias(machine, weight[1])
+
+
+def _hang(machine: Machine, mass: float, name: str, model: Corrected) -> None:
     """A point mass where the description says that a payload hangs."""
     assert model.body is not None
-    spec, mass = machine.spec, one.values["mass"]
+    spec = machine.spec
     site = next((s for s in spec.sites if s.name == model.body.tip), None)
     parent = site.parent if site else spec.body(model.body.tip)
-    carried = parent.add_body(name="payload", pos=site.pos if site else [0.0, 0.0, 0.0])
+    carried = parent.add_body(name=name, pos=site.pos if site else [0.0, 0.0, 0.0])
     weigh(carried, mass, 1e-9)
 
 

@@ -30,6 +30,7 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.judgement import Judgement
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
 from spirob.machine.models import ROBUST, Model
+from spirob.machine.numbers import USUAL
 from spirob.machine.rig import NUMBERS, RigFile
 from spirob.machine.search import Found, Search
 from spirob.ports import PORTS
@@ -225,6 +226,7 @@ def standing(search: Search, model: Model, body: RigidBody | None) -> dict[str, 
         "effort_unit": sizes.effort_unit,
         "torque_unit": sizes.torque_unit,
         "numbers": {name: float(p[table.position(f"rig.{name}")]) for name in NUMBERS},
+        "usual": {kind: float(np.mean(train.asked.of_log(kind, p))) for kind in USUAL},
         "angle": sizes.angle,
         "rest_speed": train.rest_speed,
         "stiffness": train.body.stiffness if train.body else 0.0,

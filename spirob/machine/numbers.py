@@ -21,6 +21,7 @@ from spirob.machine.scaling import Sizes, parameters
 from spirob.parameter import Parameter, Table
 
 LOG_SYMBOLS = {"offset": "F", "payload": "m", "zero": "q_0"}
+USUAL = ("payload", "offset")  # of which a machine has some where no log says
 WIDE = 10.0  # times the effort, or what the first log carries
 HEAVY = 100.0  # times the mass of a body, that its tip may carry
 BESIDE = 0.3  # of a nominal number: where a second one begins

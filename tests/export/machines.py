@@ -13,6 +13,7 @@ from spirob.machine.document import heldout, plain, standing
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import described
+from spirob.machine.numbers import log_numbers
 from spirob.machine.recording import prepare
 from spirob.machine.scaling import sizes_of
 
@@ -75,7 +76,8 @@ def problem_of(folder, names, body=False, side="motor", step=STEP, seconds=6.0, 
     made = RigidBody(rig.body, folder, True) if body else None
     effects = for_axis((all_effects()[n] for n in names), 0.0 if body else 2.0, side)
     sizes, rest = sizes_of(rig, made, [recording])
-    return InverseProblem(rig, made, [recording], effects, sizes, rest)
+    logs = log_numbers(rig, [recording], sizes)
+    return InverseProblem(rig, made, [recording], effects, sizes, rest, logs)
 
 
 def numbers_of(problem, names):

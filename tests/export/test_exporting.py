@@ -116,6 +116,31 @@ def test_sensors_of_plain_mjcf_lag_and_are_late(tmp_path):
     assert places[1, 20:] == pytest.approx(np.interp(then, k, places[0])[20:], abs=1e-9)
 
 
+@pytest.mark.parametrize("body", [False, True])
+@pytest.mark.parametrize("target", ["mujoco", "mjcf", "c"])
+def test_what_the_logs_carried_goes_along(target, body, tmp_path):
+    """Payload and force of the logs are there without being told, and their weight is felt."""
+    own = {"payload": 0.3, "offset": 0.02}
+    known = {"scale": 0.5, "delay": 0.0, "inertia": 0.005}
+    if not body:
+        known |= {"payload_inertia": 0.04, "payload_cosine": 0.3, "payload_sine": -0.2}
+    model = exported_model(
+        tmp_path, ["quadratic_drag"], body, known=known, logs={"log": own}, seconds=2.5, step=2e-3
+    )
+    assert model.usual == pytest.approx(own)
+    out = tmp_path / "out"
+    export(tmp_path, target, out, check=True)
+    assert json.loads((out / "check.json").read_text())["lost"] < 0.01
+    if target == "c":
+        assert body or "state->payload = 0.3;" in (out / "elbow.c").read_text()
+        return
+    alone = mujoco.MjModel.from_xml_path(str(out / "elbow.xml"))
+    data = mujoco.MjData(alone)
+    mujoco.mj_forward(alone, data)
+    rest = data.qfrc_actuator[0] + data.qfrc_passive[0]
+    assert rest == pytest.approx(-0.02 if body else -0.02 - 0.3 * 0.3, abs=1e-6)
+
+
 def test_bam_is_the_law_here_where_nothing_else_acts(tmp_path):
     names = ["stribeck_friction", "load_dependent_friction"]
     exported_model(tmp_path, names, seconds=2.5, known={"inertia": 0.5, "scale": 0.5})
@@ -133,7 +158,7 @@ def test_bam_counts_a_load_once(kind, way, tmp_path):
     export(tmp_path, "bam", tmp_path / "out")
     told = json.loads((tmp_path / "out" / "elbow_m5.json").read_text()) | {"friction_viscous": 0.0}
     load, share, speed = 0.8, told["load_friction_motor"], 3.0 * way
-    given = dict.fromkeys(("carried", "beside", "acceleration"), np.zeros(1))
+    given = dict.fromkeys(("carried", "hung", "acceleration"), np.zeros(1))
     given["speed"] = np.array([speed])
     if kind == "held":
         given["carried"] = np.array([load])

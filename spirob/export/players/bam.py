@@ -20,7 +20,7 @@ PASSES = 60
 def effort(told, given):
     """Control that each row needs."""
     v, a = given["speed"], given["acceleration"]
-    external = -given["carried"] - given["beside"]
+    external = -given["carried"] - given["hung"]
     sliding = told["friction_base"] + np.zeros_like(v)
     if "friction_stribeck" in told:
         slow = np.exp(-(np.abs(v / told["dtheta_stribeck"]) ** told["alpha"]))

@@ -152,6 +152,8 @@ def play(played, about, given):
             motion = {dof: tuple(float(c[row]) for c in cs) for dof, cs in columns.items()}
             if motor:  # the columns are what the sensor tells, with its errors
                 motion[played.dof] = motor(seen, *motion[played.dof], dt)
+            if played.controller:
+                played.controller.state.payload = float(given["payload"][row])
             guess = played.effort(motion, guess)
             effort[row] = guess + given["beside"][row] / played.gain()
             played.advance(motion, guess, dt)

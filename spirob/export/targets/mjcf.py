@@ -40,9 +40,10 @@ def files(model: "Corrected") -> dict[str, str]:
     from spirob.export.body import DRIVE, machine_of
     from spirob.export.code import c_name
     from spirob.export.heldout import left_out
-    from spirob.export.native import READING, holder
+    from spirob.export.native import READING, holder, usual
 
     machine, name = machine_of(model), c_name(model.name)
+    usual(machine, model)
     held = [e for e in model.effects if holder(e, model)]
     outside = [e for e in model.effects if not holder(e, model)]
     for one in held:

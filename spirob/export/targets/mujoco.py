@@ -113,9 +113,10 @@ def files(model: "Corrected") -> dict[str, str]:
     from spirob.export.axis import BUILT
     from spirob.export.body import DRIVE, machine_of
     from spirob.export.code import c_name, python_text
-    from spirob.export.native import tip
+    from spirob.export.native import tip, usual
 
     machine, name = machine_of(model), c_name(model.name)
+    usual(machine, model)
     for one in model.at(BUILT):
         tip(machine, one, model)
     module = python_text(model).replace("\nimport math\n", "\nimport copy\nimport math\n")
