@@ -134,11 +134,11 @@ def usual(machine: Machine, model: Corrected) -> None:
             _hang(machine, payload, "usual", model)
         return
     machine.driven.armature += payload * numbers["payload_inertia"]
-    weight = [-payload * numbers[f"payload_{wave}"] for wave in ("sine", "cosine")]
+    sine, cosine = (-payload * numbers[f"payload_{wave}"] for wave in ("sine", "cosine"))
     if model.axis == "rad":
-        _wave(machine, "usual", *weight, 1.0)
-    elif weight[1]:
-        _bias(machine, weight[1])
+        _wave(machine, "usual", sine, cosine, 1.0)
+    elif cosine:
+        _bias(machine, cosine)
 
 
 def _hang(machine: Machine, mass: float, name: str, model: Corrected) -> None:
