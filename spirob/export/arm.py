@@ -18,7 +18,7 @@ import yaml
 
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError, ExportError, SpirobError
-from spirob.export.corrected import finite
+from spirob.export.corrected import finite, require_sense
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import block_covariance
 from spirob.identify.measurement import Measurement
@@ -87,6 +87,7 @@ def corrected_arm(document: dict[str, Any], folder: Path) -> CorrectedArm:
     """
     told = document.get("model")
     try:
+        require_sense(document, folder)
         if isinstance(told, dict):
             if told.get("format") != 1 or told.get("machine") != "arm":
                 raise ValueError("of another version")

@@ -17,6 +17,7 @@ from spirob.errors import ExportError
 from spirob.export.law import Law, law_of
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
 from spirob.machine.numbers import USUAL
+from spirob.machine.result import SENSELESS
 from spirob.machine.rig import NUMBERS
 
 FORMAT = 1  # of `model` in a diagnosis
@@ -114,10 +115,21 @@ def read_document(path: Path) -> dict[str, Any]:
     return found
 
 
+def require_sense(document: Mapping[str, Any], folder: Path) -> None:
+    """Raise ExportError where a diagnosis says that its numbers describe no machine."""
+    if document["sentence"] == SENSELESS:
+        why = " ".join(str(document.get("explanation", "")).split())[:200]
+        raise ExportError(
+            f"{folder / 'diagnosis.json'}: has no verdict, so there is no model to take home: "
+            f"data and model do not fit together. {why}".rstrip()
+        )
+
+
 def corrected(document: Mapping[str, Any], folder: Path) -> Corrected:
     """The model of a plain axis in a diagnosis that lies in `folder`.
 
-    Raises ExportError where the diagnosis is of another version, or an effect's file is gone.
+    Raises ExportError where the diagnosis is of another version or found no sense in its data, or
+    an effect's file is gone.
     """
     told = document.get("model")
     if not isinstance(told, Mapping) or told.get("format") != FORMAT:
@@ -126,6 +138,7 @@ def corrected(document: Mapping[str, Any], folder: Path) -> Corrected:
             "take home; diagnose again"
         )
     try:
+        require_sense(document, folder)
         return _read(document, told, folder)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         said = f"{type(error).__name__}: {error}"

@@ -21,6 +21,7 @@ from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.figures import Ended, figures, kin
 from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.models import Model
+from spirob.machine.result import SENSELESS
 from spirob.machine.search import Found, Search
 
 SOME = 0.25  # of what is left follows from the motion: worth a sentence
@@ -49,7 +50,7 @@ class Words:
     ) -> tuple[str, str]:
         """The sentence and the explanation of a verdict of this kind."""
         if warnings:
-            return "No verdict: the data or the model do not fit together.", " ".join(warnings)
+            return SENSELESS, " ".join(warnings)
         return getattr(self, f"_{kind}")(same, rivals)  # type: ignore[no-any-return]
 
     def _named(self, same: dict[str, list[str]], rivals: dict[str, list[str]]) -> tuple[str, str]:

@@ -11,6 +11,8 @@ import pandas as pd
 from spirob.logs.atomic import replacing, write_text
 from spirob.machine.composed import Composed
 
+SENSELESS = "No verdict: the data or the model do not fit together."
+
 
 @dataclass(frozen=True)
 class Finding:

@@ -15,6 +15,7 @@ from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
 from spirob.export.heldout import ALONE, alone
 from spirob.export.players import bam
+from spirob.machine.result import SENSELESS
 from tests.export.machines import exported_model
 
 OWN = '''
@@ -243,6 +244,7 @@ CHANGES = {
     "axis": lambda d: d["model"].update(axis="furlong"),
     "moves no inertia": lambda d: d["model"]["numbers"].update(inertia=0.0),
     "number": lambda d: d["model"].update(angle=None),
+    "no model to take home": lambda d: d.update(sentence=SENSELESS, explanation="A.\nB."),
 }
 
 

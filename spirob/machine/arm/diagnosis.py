@@ -27,11 +27,10 @@ from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.loading import chosen
+from spirob.machine.result import SENSELESS
 from spirob.parameter import Table as Parameters
 from spirob.plant import Plant
 from spirob.robot import MOTORS
-
-SENSELESS = "No verdict: the data or the model do not fit together."
 
 
 def read(
