@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import yaml
 
 from spirob.effects import Effect, all_effects
@@ -25,10 +26,12 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Filter, Residual
 from spirob.identify.scaling import Scaling
 from spirob.logs import read_parquet
+from spirob.machine.arm.kept import again
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
 
 BASE = "identified/base.json"
+FILE = "heldout.parquet"
 MODEL, CONFIG, TRACES = "model.json", "config/config.yaml", "traces"
 
 
@@ -40,7 +43,7 @@ class CorrectedArm:
     fitted   name -> value, low, high, unit, of the diagnosis
     correlation  of some of them, (name, name) -> value, of the fit before effects were added
     data     folder of the pipeline's data; None where the arm was logged elsewhere
-    heldout  names of the trials kept aside
+    heldout  names of the trials kept aside in that data;  kept  those of an arm logged elsewhere
     """
 
     name: str
@@ -53,6 +56,7 @@ class CorrectedArm:
     data: Path | None
     heldout: tuple[str, ...]
     correlation: dict[tuple[str, str], float] = field(default_factory=dict)
+    kept: tuple[Measurement, ...] = ()
 
     def plant(self) -> Plant:
         """The model itself."""
@@ -63,15 +67,14 @@ class CorrectedArm:
 
         Raises ExportError where there is none.
         """
-        found = []
+        every = list(self.kept)
         for name in self.heldout if self.data else ():
             path = self.data / TRACES / f"{name}.parquet"  # type: ignore[operator]
             try:
-                trial = Measurement.from_trace(read_parquet(path))
+                every.append(Measurement.from_trace(read_parquet(path)))
             except (SpirobError, OSError) as error:
                 raise ExportError(f"{path}: {error}") from None
-            if trial.scene == Scene() and trial.schedule.held is None:
-                found.append(trial)
+        found = [t for t in every if t.scene == Scene() and t.schedule.held is None]
         if not found:
             raise ExportError(
                 "no trial of the arm was kept aside in which it moves freely, so nothing can be "
@@ -91,7 +94,8 @@ def corrected_arm(document: dict[str, Any], folder: Path) -> CorrectedArm:
         if isinstance(told, dict):
             if told.get("format") != 1 or told.get("machine") != "arm":
                 raise ValueError("of another version")
-            return _arm(document, told, told["rig"], None, ())
+            found = _arm(document, told, told["rig"], None, ())
+            return replace(found, kept=_kept(folder / FILE, told.get("trials", [])))
         data = folder.parent
         told = json.loads(_text(folder / MODEL))
         config = yaml.safe_load(_text(data / CONFIG))
@@ -140,6 +144,16 @@ def _arm(
         data,
         heldout,
     )
+
+
+def _kept(path: Path, told: list[dict[str, Any]]) -> tuple[Measurement, ...]:
+    """The trials kept aside of an arm that was logged elsewhere; none where they are gone."""
+    if not path.is_file():
+        return ()
+    try:
+        return tuple(again(pd.read_parquet(path), told))
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        raise ExportError(f"{path}: cannot be read ({str(error)[:100]}); diagnose again") from None
 
 
 def _with_base(model: CorrectedArm, base: dict[str, Any]) -> CorrectedArm:

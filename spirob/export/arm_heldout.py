@@ -3,12 +3,9 @@
 `PLAYED` has a function for each target that can be played: model, folder -> currents.
 """
 
-import json
-import tempfile
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +16,8 @@ from spirob.export.arm import CorrectedArm
 from spirob.export.arm_motors import lever_of, motor_of, reported_lever
 from spirob.export.axis import equations
 from spirob.export.code import c_name
-from spirob.export.heldout import PLAYERS, Errors, alone
+from spirob.export.heldout import Errors, played_alone
+from spirob.identify.measurement import Measurement
 from spirob.plant.records import Response
 from spirob.plant.session import CYCLE
 from spirob.robot import MOTORS
@@ -68,7 +66,14 @@ class ArmHeldout:
 
     def _driven(self, values: list[np.ndarray]) -> np.ndarray:
         pairs = zip(values, self.trials, strict=True)
-        return np.concatenate([v[:, t.schedule.mode != CURRENT].ravel() for v, t in pairs])
+        return np.concatenate(
+            [v[compared(t)][:, t.schedule.mode != CURRENT].ravel() for v, t in pairs]
+        )
+
+
+def compared(trial: Measurement) -> np.ndarray:
+    """Which cycles of a trial are compared, (T,)."""
+    return np.ones(len(trial.current), bool) if trial.use is None else trial.use
 
 
 def _rms(values: np.ndarray) -> float:
@@ -84,7 +89,7 @@ def _coupled(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
         given |= {f"reference_{k}": said.reference, f"rate_{k}": said.reference_rate}
         given[f"angle_{k}"] = np.array(t.first_angle)
     about = {"name": c_name(heldout.model.name), "trials": len(heldout.trials)}
-    made = _run("arm", folder, about, given)
+    made = played_alone("arm", folder, about, given)
     return [made[f"current_{k}"] for k in range(len(heldout.trials))]
 
 
@@ -102,7 +107,7 @@ def _led(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
         "trials": len(heldout.trials),
         "motors": list(MOTORS),
     }
-    made = _run("arm_led", folder, about, given)
+    made = played_alone("arm_led", folder, about, given)
     return [made[f"current_{k}"] for k in range(len(heldout.trials))]
 
 
@@ -123,7 +128,7 @@ def _motors(player: str) -> Callable[[ArmHeldout, Path], list[np.ndarray]]:
             given = {n: np.concatenate([row[n] for row in rows]) for n in rows[0]}
             given |= {"starts": starts, "steps": np.full(len(lengths), CYCLE)}
             about = {"name": c_name(axis.name), "fields": list(equations(axis).state)}
-            made = _run(player, folder, about, given)
+            made = played_alone(player, folder, about, given)
             found[:, m] = made["effort"] + given["effort"] - made["framed"]
         return np.split(found, starts[1:-1])
 
@@ -146,17 +151,6 @@ def _rows(ours: Response, first: float, turn: float, lever: float, m: int) -> di
         "carried": lever * ours.tension[:, m],
         **dict.fromkeys(("payload", "offset", "hung", "along", "across"), none),
     }
-
-
-def _run(
-    player: str, folder: Path, about: dict[str, Any], given: dict[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    with tempfile.TemporaryDirectory() as place:
-        kept, result = Path(place) / "given.npz", Path(place) / "result.npz"
-        np.savez(kept, about=json.dumps(about), **given)  # type: ignore[arg-type]
-        alone(PLAYERS / f"{player}.py", folder.resolve(), kept, result)
-        with np.load(result) as made:
-            return dict(made)
 
 
 PLAYED: dict[str, Callable[[ArmHeldout, Path], list[np.ndarray]]] = {

@@ -10,8 +10,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from spirob.errors import ExportError
 from spirob.export import targets
 from spirob.export.arm import CorrectedArm, corrected_arm
@@ -20,7 +18,7 @@ from spirob.export.axis import equations
 from spirob.export.body import AXIS
 from spirob.export.code import c_name
 from spirob.export.corrected import Corrected, corrected, read_document
-from spirob.export.heldout import PLAYERS, Errors, Heldout, alone, there
+from spirob.export.heldout import Errors, Heldout, played_alone, there
 from spirob.logs.atomic import write_text
 
 LOSS = 0.01  # of the effects' size, which an export may lose in silence
@@ -33,13 +31,9 @@ def played(model: Corrected, player: str, folder: Path, heldout: Heldout | None 
     """
     heldout = heldout or Heldout(model)
     about = about_of(model, player)
-    script = PLAYERS / f"{'mujoco' if player == 'mjcf' else player}.py"
-    with tempfile.TemporaryDirectory() as place:
-        given, result = Path(place) / "given.npz", Path(place) / "result.npz"
-        np.savez(given, about=json.dumps(about), **heldout.given())  # type: ignore[arg-type]
-        alone(script, folder.resolve(), given, result)
-        with np.load(result) as made:
-            return heldout.errors(made["effort"], made["framed"])
+    script = "mujoco" if player == "mjcf" else player
+    made = played_alone(script, folder, about, heldout.given())
+    return heldout.errors(made["effort"], made["framed"])
 
 
 def about_of(model: Corrected, player: str) -> dict[str, Any]:

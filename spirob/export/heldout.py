@@ -7,8 +7,10 @@ The held-out logs of a diagnosis, and what a model that is played elsewhere make
 `left_out` says how large an effect of the model is on them: what leaving it out costs.
 """
 
+import json
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -31,7 +33,22 @@ ALONE = (
 LONGEST = 3600  # s
 
 
-def alone(script: Path, *arguments: Path) -> None:
+def played_alone(
+    player: str, folder: Path, about: dict[str, Any], given: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """What a player makes of logs in what was exported to a folder, arrays by name.
+
+    Raises ExportError, with what the player says, where it cannot be played.
+    """
+    with tempfile.TemporaryDirectory() as place:
+        kept, result = Path(place) / "given.npz", Path(place) / "result.npz"
+        np.savez(kept, about=json.dumps(about), **given)  # type: ignore[arg-type]
+        alone(PLAYERS / "alone.py", player, folder.resolve(), kept, result)
+        with np.load(result) as made:
+            return dict(made)
+
+
+def alone(script: Path, *arguments: Path | str) -> None:
     """Run a script that cannot import this project; raises ExportError with what it says."""
     command = [sys.executable, "-I", "-c", ALONE, str(script), *map(str, arguments)]
     try:

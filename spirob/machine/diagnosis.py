@@ -135,6 +135,7 @@ def _arm(
     """Diagnose our arm from logs of somebody else."""
     from spirob.diagnosis.rungs import Settings as ArmSettings
     from spirob.machine.arm import diagnosis as arm
+    from spirob.machine.arm import kept
     from spirob.machine.arm.diagnosis import overlay, parameters
 
     settings = ArmSettings(**asdict(rig.criteria), intervals=False, always=False)
@@ -149,4 +150,5 @@ def _arm(
         parameters(search, residuals["train"].table),
         "",
         laws(residuals["heldout"], last.effects, last.fit.changes, "m"),
+        heldout=kept.rows(residuals["heldout"].trials),
     )

@@ -46,13 +46,8 @@ def lost(model, target, folder):
     player, place = targets()[target].PLAYER, folder / target
     for name, text in targets()[target].files(model).items():
         write_text(place / name, text)
-    heldout, about = Heldout(model), about_of(model, player)
-    if player == "c":
-        library = c.compiled(place, about["name"], place)
-        effort, framed = c.play(library, about["name"], about["fields"], heldout.given())
-    else:
-        effort, framed = mujoco.play(mujoco.Played(place, about), about, heldout.given())
-    errors = heldout.errors(effort, framed)
+    heldout, script = Heldout(model), c if player == "c" else mujoco
+    errors = heldout.errors(**script.play(place, about_of(model, player), heldout.given()))
     assert errors.size > 0.0
     return errors.lost
 

@@ -2,15 +2,10 @@
 
 Where a motor is commanded a current it gets it; where it follows something, a stiff spring and
 damper between the winch and its wanted place say which current the motion asks for.
-
-Run apart from the project: python -I arm_led.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
-import argparse
-import json
 import math
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -19,7 +14,7 @@ CYCLE = 1e-3  # s
 OWN, DAMPED = 2.0 * math.pi * 50.0, 1.0  # rad/s and damping ratio of a winch that is led
 
 
-def play(model, motors, length, rate, current, led, first):
+def trial(model, motors, length, rate, current, led, first):
     """Current that each cycle asks for, (T, 2)."""
     data, found = mujoco.MjData(model), current.copy()
     joints = [model.joint(f"{m}_winch") for m in motors]
@@ -46,22 +41,11 @@ def play(model, motors, length, rate, current, led, first):
     return found
 
 
-def main():
-    """Play what is given and keep the result."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, help="that was exported to")
-    parser.add_argument("given", type=Path, help="an .npz: logs to play")
-    parser.add_argument("result", type=Path, help="an .npz: what was played")
-    asked = parser.parse_args()
-    given = dict(np.load(asked.given))
-    about = json.loads(str(given.pop("about")))
-    model = mujoco.MjModel.from_xml_path(str(asked.folder / f"{about['name']}.xml"))
+def play(folder, about, given):
+    """Currents of each trial."""
+    model = mujoco.MjModel.from_xml_path(str(folder / f"{about['name']}.xml"))
     result = {}
     for k in range(about["trials"]):
         told = (given[f"{name}_{k}"] for name in ("length", "rate", "current", "led", "first"))
-        result[f"current_{k}"] = play(model, about["motors"], *told)
-    np.savez(asked.result, **result)
-
-
-if __name__ == "__main__":
-    main()
+        result[f"current_{k}"] = trial(model, about["motors"], *told)
+    return result

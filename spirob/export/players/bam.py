@@ -3,14 +3,10 @@
     J·a = τ_m + τ_e + τ_f,    τ_f = -sign(v)·(base + stribeck + |k_e·τ_e - k_m·τ_m|) - viscous·v
 (Duclusaud, Passault, Padois, Ly, Extended friction models for servo actuators, 2024, eq. 4 to 9;
 while it slides.)  BAM itself is not needed.
-
-Run apart from the project: python -I bam.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
-import argparse
 import json
-from pathlib import Path
 
 import numpy as np
 
@@ -36,19 +32,8 @@ def effort(told, given):
     return torque / told["kt"]
 
 
-def main():
-    """Play what is given and keep the result."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, help="that was exported to")
-    parser.add_argument("given", type=Path, help="an .npz: logs to play")
-    parser.add_argument("result", type=Path, help="an .npz: what was played")
-    asked = parser.parse_args()
-    given = dict(np.load(asked.given))
-    about = json.loads(str(given.pop("about")))
-    (file,) = asked.folder.glob(f"{about['name']}_m?.json")
+def play(folder, about, given):
+    """Effort for each row; BAM has no frame that could be late."""
+    (file,) = folder.glob(f"{about['name']}_m?.json")
     told = json.loads(file.read_text(encoding="utf-8"))
-    np.savez(asked.result, effort=effort(told, given), framed=given["effort"])
-
-
-if __name__ == "__main__":
-    main()
+    return {"effort": effort(told, given), "framed": given["effort"]}

@@ -1,12 +1,7 @@
-"""Plays logs in an exported C source: compiled here, called for each row.
-
-Run apart from the project: python -I c.py FOLDER GIVEN.npz RESULT.npz
-"""
+"""Plays logs in an exported C source: compiled here, called for each row."""
 # mypy: ignore-errors
 
-import argparse
 import ctypes
-import json
 import shutil
 import subprocess
 import sys
@@ -29,7 +24,7 @@ def compiled(folder, name, into):
     return ctypes.CDLL(str(library))
 
 
-def play(library, name, fields, given):
+def efforts(library, name, fields, given):
     """Effort for each row, and the frame's reading of the measured effort."""
     state = (ctypes.c_double * len(fields))()
     calls = {}
@@ -69,20 +64,9 @@ def play(library, name, fields, given):
     return effort, framed
 
 
-def main():
-    """Play what is given and keep the result."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, help="that was exported to")
-    parser.add_argument("given", type=Path, help="an .npz: logs to play")
-    parser.add_argument("result", type=Path, help="an .npz: what was played")
-    asked = parser.parse_args()
-    folder, given = asked.folder, dict(np.load(asked.given))
-    about = json.loads(str(given.pop("about")))
+def play(folder, about, given):
+    """Effort for each row, and the frame's reading of the measured effort."""
     with tempfile.TemporaryDirectory() as into:
         library = compiled(folder, about["name"], into)
-        effort, framed = play(library, about["name"], about["fields"], given)
-    np.savez(asked.result, effort=effort, framed=framed)
-
-
-if __name__ == "__main__":
-    main()
+        effort, framed = efforts(library, about["name"], about["fields"], given)
+    return {"effort": effort, "framed": framed}

@@ -2,16 +2,11 @@
 
 The joint is led along the measured motion; sought is the effort at which drive, effects and model
 together make the measured acceleration.  Further joints that the export added move by themselves.
-
-Run apart from the project: python -I mujoco.py FOLDER GIVEN.npz RESULT.npz
 """
 # mypy: ignore-errors
 
-import argparse
 import copy
 import importlib.util
-import json
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -131,8 +126,8 @@ class Played:
             mujoco.mj_step(self.model, self.data)
 
 
-def play(played, about, given):
-    """Effort for each row, and the frame's reading of the measured effort."""
+def efforts(played, about, given):
+    """Effort and the frame's reading of each row, (n,) each."""
     n = len(given["position"])
     effort, framed = np.zeros(n), given["effort"].copy()
     orders = ("position", "speed", "acceleration")
@@ -175,18 +170,7 @@ def play(played, about, given):
     return effort, framed
 
 
-def main():
-    """Play what is given and keep the result."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, help="that was exported to")
-    parser.add_argument("given", type=Path, help="an .npz: logs to play")
-    parser.add_argument("result", type=Path, help="an .npz: what was played")
-    asked = parser.parse_args()
-    folder, given = asked.folder, dict(np.load(asked.given))
-    about = json.loads(str(given.pop("about")))
-    effort, framed = play(Played(folder, about), about, given)
-    np.savez(asked.result, effort=effort, framed=framed)
-
-
-if __name__ == "__main__":
-    main()
+def play(folder, about, given):
+    """Effort for each row, and the frame's reading of the measured effort."""
+    effort, framed = efforts(Played(folder, about), about, given)
+    return {"effort": effort, "framed": framed}

@@ -12,6 +12,7 @@ roles.py        which logs, or parts of one, are fitted, chosen by, held out; a 
 preparation.py  what the search stands on: the arm's shape, and the rows that count
 shape.py        holes and stiffness of an arm of another design, searched for; the lowest valley of
                 a cost over a few numbers; what of its build the logs tell beyond tolerances
+kept.py         its held-out trials as plain data beside a diagnosis, and as trials again
 diagnosis.py    the arm's own search and verdict, as the document of a rig; what the page shows
                 besides: overlay and fitted numbers
 """

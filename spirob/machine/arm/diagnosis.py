@@ -21,6 +21,7 @@ from spirob.identify.plausibility import SENSE, SUSPECTS, explained
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Filter, Residual
 from spirob.logs.readers import Table
+from spirob.machine.arm import kept
 from spirob.machine.arm.description import ArmFile, described
 from spirob.machine.arm.preparation import Settled, settled
 from spirob.machine.arm.replay import arm_trial
@@ -87,8 +88,8 @@ def searched(
     held = [f"{e.name()}.{f}" for e in own for f in e.fitted()]
     start = {n: plant.table.about[n].nominal for n in held if n not in rig.known}
     names = list(dict.fromkeys([*rig.fitted(), *start]))
-    kept = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)
-    residuals = {role: Residual(plant, found, kept) for role, found in trials.items()}
+    rows = Filter(cutoff=rig.filter.cutoff, every=rig.filter.decimate)
+    residuals = {role: Residual(plant, found, rows) for role, found in trials.items()}
     # who says what is fitted has said that the rest is as it is
     free = (
         []
@@ -182,6 +183,7 @@ def _standing(
         "rig": rig.arm,
         "effects": [e.name() for e in there],
         "changes": {n: v for n, v in values.items() if n.partition(".")[0] in owners},
+        "trials": kept.told(residuals["heldout"].trials),
     }
 
 
