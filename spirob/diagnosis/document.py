@@ -15,6 +15,7 @@ from spirob.identify.problem import Effort, Problem
 from spirob.score import Interval, score, score_interval
 
 CEILING = "flexible residual on top (ceiling)"
+SENSELESS = "No verdict: the data or the model do not fit together."
 
 
 def steps(search: Ladder, problems: Mapping[str, Problem]) -> tuple[list[dict[str, Any]], Ceiling]:

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from spirob.diagnosis.document import SENSELESS
 from spirob.effects import all_effects
 from spirob.errors import ExportError
 from spirob.export.law import Law, law_of
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
 from spirob.machine.numbers import USUAL
-from spirob.machine.result import SENSELESS
 from spirob.machine.rig import NUMBERS
 
 FORMAT = 1  # of `model` in a diagnosis

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnosis.certainty import LIKELY, probability
+from spirob.diagnosis.document import SENSELESS
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.flexible import share
 from spirob.effects import Effect
@@ -21,7 +22,6 @@ from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.figures import Ended, figures, kin
 from spirob.machine.flexible import Ceiling, depends_on
 from spirob.machine.models import Model
-from spirob.machine.result import SENSELESS
 from spirob.machine.search import Found, Search
 
 SOME = 0.25  # of what is left follows from the motion: worth a sentence

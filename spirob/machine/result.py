@@ -11,8 +11,6 @@ import pandas as pd
 from spirob.logs.atomic import replacing, write_text
 from spirob.machine.composed import Composed
 
-SENSELESS = "No verdict: the data or the model do not fit together."
-
 
 @dataclass(frozen=True)
 class Finding:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
+from spirob.diagnosis.document import SENSELESS
 from spirob.errors import ExportError
 from spirob.export import exporting, listed, targets
 from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
 from spirob.export.heldout import ALONE, alone
 from spirob.export.players import bam
-from spirob.machine.result import SENSELESS
 from tests.export.machines import exported_model
 
 OWN = '''

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from spirob.diagnosis.atlas import survey
-from spirob.diagnosis.document import document
+from spirob.diagnosis.document import SENSELESS, document
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.ladder import begun, climb
@@ -28,7 +28,6 @@ from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.loading import chosen
-from spirob.machine.result import SENSELESS
 from spirob.parameter import Table as Parameters
 from spirob.plant import Plant
 from spirob.robot import MOTORS

@@ -2,29 +2,23 @@
 
 from typing import Any
 
+from spirob.diagnosis.document import SENSELESS
 from spirob.report.data import ReportData
 from spirob.report.sections.section import Section
 
-TARGETS = (  # target, for whom, what it holds, whether of an arm too
-    (
-        "mujoco",
-        "plain MuJoCo",
-        "every effect, stepped beside mj_step by a small Python module",
-        True,
-    ),
+TARGETS = (  # target, for whom, what it holds
+    ("mujoco", "plain MuJoCo", "every effect, stepped beside mj_step by a small Python module"),
     (
         "mjcf",
         "MuJoCo without Python",
         "what its attributes and actuators can say; the file lists the rest with its size",
-        True,
     ),
-    ("c", "a drive or a controller", "the feed-forward and the friction terms, in C99", True),
-    ("bam", "BAM", "friction of a servo, models M1, M2 and M5", True),
+    ("c", "a drive or a controller", "the feed-forward and the friction terms, in C99"),
+    ("bam", "BAM", "friction of a servo, models M1, M2 and M5"),
     (
         "table",
         "a paper, or randomisation",
         "numbers with intervals, covariance, and a script that draws machines",
-        True,
     ),
 )
 GOES = {
@@ -44,11 +38,11 @@ class Home(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         told = data.diagnosis
-        arm = "rig" not in told or told.get("model", {}).get("machine") == "arm"
         named = told["effects"] if told["verdict"] == "named" else []
         return {
+            "senseless": told["sentence"] == SENSELESS,
             "goes": GOES.get(told["verdict"], GOES["unknown"]),
             "named": [effect["title"] for effect in named],
             "where": "DIR/diagnosis.json" if "rig" in told else "data/diagnosis/diagnosis.json",
-            "targets": [row[:3] for row in TARGETS if row[3] or not arm],
+            "targets": TARGETS,
         }
