@@ -12,7 +12,10 @@ from collections.abc import Callable, Iterable, Mapping
 
 from spirob.effects.effect import Effect
 
-MARKED = "@njit(cache=True)\n"
+# only what is compiled with it calls it: no entry for Python, nothing of its own on disk
+CALLED = "no_cpython_wrapper=True, no_cfunc_wrapper=True"
+MARKED = f"@njit({CALLED})\n"
+ENTRY = "@njit(cache=True)\n"
 
 
 def pasted(functions: Iterable[Callable[..., object]], mark: str = MARKED) -> list[str]:

@@ -22,7 +22,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from spirob.effects import Effect
-from spirob.effects.pasting import call, kernels, pasted
+from spirob.effects.pasting import ENTRY, MARKED, call, kernels, pasted
 from spirob.generated import load
 from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE
 from spirob.machine.kernel_loop import KIND
@@ -33,8 +33,7 @@ import math
 import numpy as np
 from numba import njit
 '''
-TORQUE = """@njit(cache=True)
-def torque(time, q, v, load, effort, dt, own, at, p, memory, following):
+TORQUE = """def torque(time, q, v, load, effort, dt, own, at, p, memory, following):
     held = 0.0
 {held}
     load -= held
@@ -96,7 +95,7 @@ def source(effects: Sequence[type[Effect]]) -> str:
         shares=_calls(effects, ("winch.efficiency",), "share"),
         added=_calls(effects, ADDED, ""),
     )
-    return "\n\n".join([HEADER, cells, *kernels(effects), body])
+    return "\n\n".join([HEADER, cells, *kernels(effects), MARKED + body])
 
 
 def _calls(
@@ -150,7 +149,7 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
     """
     constants = f"NUDGE, FAR, STEEP, LONGEST = {NUDGE!r}, {FAR!r}, {STEEP!r}, {LONGEST!r}"
     parts = [source(effects), constants]
-    parts += pasted((asked, beside, total, grown, step, follow, run))
+    parts += [*pasted((asked, beside, total, grown, step, follow)), *pasted((run,), ENTRY)]
     return load("\n\n".join(parts), KIND).run
 
 
