@@ -164,8 +164,7 @@ def _of_a_disc(
         if name in effect.neutral:
             found[name] = replace(about, low=-most, high=most, nominal=0.02 * most)
         elif counts_periods(effect, name):
-            low = max(about.low, WIDER * slowest)
-            found[name] = replace(about, low=low, nominal=slowest)
+            found[name] = replace(about, low=WIDER * slowest, nominal=slowest)
     return found
 
 

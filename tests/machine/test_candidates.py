@@ -7,17 +7,18 @@ from spirob.machine.candidates import with_room
 from spirob.machine.scaling import Sizes, parameters
 
 
-def sizes(stroke):
-    return Sizes(0.02, 50.0, 1.0, stroke, 1.0, 0.1, "N·m", "A", "rad")
+def sizes(stroke, gear=1.0):
+    return Sizes(0.02, 50.0, 1.0 / gear, stroke, 1.0, 0.1, "N·m", "A", "rad")
 
 
+@pytest.mark.parametrize("gear", [0.02, 1.0, 101.0, 1500.0])
 @pytest.mark.parametrize("stroke", [1e-6, 0.01, 1.0, 100.0])
-def test_every_number_of_a_candidate_has_room(stroke):
+def test_every_number_of_a_candidate_has_room(stroke, gear):
     library = list(all_effects().values())
-    possible, excluded = with_room(library, sizes(stroke))
+    possible, excluded = with_room(library, sizes(stroke, gear))
     assert {e.name() for e in possible} | set(excluded) == set(all_effects())
     for effect in possible:
-        assert all(p.low < p.high for p in parameters(effect, sizes(stroke)).values())
+        assert all(p.low < p.high for p in parameters(effect, sizes(stroke, gear)).values())
 
 
 def test_a_wave_that_never_comes_round_is_excluded_with_its_reason():
