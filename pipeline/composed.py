@@ -11,8 +11,8 @@ from pipeline.model import plant, weighed_residuals
 from pipeline.overlay import write_table
 from pipeline.schema import Config
 from pipeline.stage import read_json, tell
+from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.document import CEILING
-from spirob.diagnosis.rungs import Settings
 from spirob.logs.atomic import write_text
 from spirob.machine.composed.arm import composed_for_arm
 

@@ -50,8 +50,8 @@ def stage(root: Path) -> None:
         answer = answered(question, own, lambda one: _played(root, one), settings)
         told = _told(answer, before, own)
         _model(root, answer, before["verdict"], own, config)
-        if answer.search:
-            found = metrics(answer.search, answer.verdict, own["train"].effort)
+        if answer.ended:
+            found = metrics(answer.ended, answer.verdict)
         elif answer.verdict.kind != found["verdict"]:
             found |= {"verdict": answer.verdict.kind, **NAMELESS}
     if told["verdict"] == "unknown":
@@ -73,10 +73,10 @@ def _played(root: Path, experiment: Proposal) -> dict[str, list[Measurement]]:
 
 def _told(answer: Answer, before: Mapping[str, Any], own: Mapping[str, Residual]) -> dict[str, Any]:
     """The diagnosis from now on."""
-    if answer.search:
+    if answer.ended:
         where = {key: before[key] for key in KEYS if key in before}
         floor = noise_floor(own["train"])
-        found = document(answer.search, answer.verdict, where, floor, own)
+        found = document(answer.ended, answer.verdict, where, floor)
         found |= {key: before[key] for key in ("vague", "floor")}
     else:
         found = restated(before, answer.verdict, answer.aside)
@@ -97,14 +97,14 @@ def _model(
     root: Path, answer: Answer, before: str, own: Mapping[str, Residual], config: Config
 ) -> None:
     """The model that stands, and what it does in the trials, beside the one without any effect."""
-    if not answer.search and answer.verdict.kind == before:
+    if not answer.ended and answer.verdict.kind == before:
         return
     base = dict(answer.models[0].changes)
     stands: dict[str, Any] = {"effects": config.plant.effects, "changes": base}
-    if answer.search:
-        stands = model_of(answer.search, answer.verdict, config)
+    if answer.ended:
+        stands = model_of(answer.ended, answer.verdict, config)
         if answer.verdict.kind == "named":
-            laws(root / OUT, own, answer.search, True)
+            laws(root / OUT, answer.ended.search.models, answer.ended.found, True)
     write_json(root / OUT / "model.json", stands)
     overlay(root / OUT, own, base, stands["changes"])
     motion(root / OUT, own, stands["changes"])

@@ -11,12 +11,15 @@ from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnosis.atlas import survey
+from spirob.diagnosis.criteria import ArmCriteria, Settings
 from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.figures import Ended
+from spirob.diagnosis.fitting import begun
+from spirob.diagnosis.floors import floor_at
 from spirob.diagnosis.followup import asked
-from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.rungs import Ladder, Rules, Settings, floor_at
-from spirob.diagnosis.verdict import Verdict, judge
+from spirob.diagnosis.simulated import Simulated
+from spirob.diagnosis.verdict import Verdict, searched
 from spirob.effects import all_effects, find_effects
 
 OUT = Path("data/search")
@@ -34,45 +37,42 @@ def stage(root: Path) -> None:
     settings = settings_of(config)
     gate = identified["gate"]
     names = [n for n in fitted_names(config) if n not in gate["silent"] + gate["held"]]
-    search = climb(
+    models = Simulated(
         residuals,
         names,
-        candidates,
-        identified["changes"],
         settings,
-        tell,
-        measure=lambda found: floor_at(found, residuals, settings.scale),
+        begun(residuals["train"], names, identified["changes"], settings),
+        lambda found: floor_at(found, residuals, settings.scale),
     )
-    settings = search.settings(settings)
-    verdict = judge(search, residuals, settings)
-    base = search.rungs[0].fit
-    train, effort = residuals["train"], residuals["train"].effort
-    plain = train.unweighted()
+    ended, verdict = searched(models, candidates, settings, tell)
+    found = ended.found
+    base, last = found.rungs[0].fit, found.chosen.fit
+    plain = residuals["train"].unweighted()
     where = survey(plain, base.changes, plain(base.changes)[plain.rows])
-    question = asked(search, verdict, residuals, settings)
-    noise, further = noise_floor(train), question.decide or question.prove
-    written = document(search, verdict, where, noise, residuals, further)
-    last = search.rungs[-1].fit.changes if verdict.kind == "named" else base.changes
-    write_json(root / OUT / "diagnosis.json", written)
+    question = asked(ended, verdict)
+    noise, further = noise_floor(residuals["train"]), question.decide or question.prove
+    named = verdict.kind == "named"
+    write_json(root / OUT / "diagnosis.json", document(ended, verdict, where, noise, further))
     write_json(root / OUT / "question.json", question.as_dict())
-    write_json(root / OUT / "model.json", model_of(search, verdict, config))
-    write_json(root / OUT / "metrics.json", metrics(search, verdict, effort))
-    overlay(root / OUT, residuals, base.changes, last)
-    motion(root / OUT, residuals, last)
-    switches(root / OUT, residuals, search, settings.scale)
-    laws(root / OUT, residuals, search, verdict.kind == "named")
+    write_json(root / OUT / "model.json", model_of(ended, verdict, config))
+    write_json(root / OUT / "metrics.json", metrics(ended, verdict))
+    stands = last.changes if named else base.changes
+    overlay(root / OUT, residuals, base.changes, stands)
+    motion(root / OUT, residuals, stands)
+    switches(root / OUT, models, found)
+    laws(root / OUT, models, found, named)
     tell(verdict.sentence)
 
 
 def settings_of(config: Config) -> Settings:
     """How the search decides, from the configuration."""
-    own = {rule.name: getattr(config.diagnose, rule.name) for rule in fields(Rules)}
+    own = {rule.name: getattr(config.diagnose, rule.name) for rule in fields(ArmCriteria)}
     return Settings(scale=config.identify.scale, **own)
 
 
-def model_of(search: Ladder, verdict: Verdict, config: Config) -> dict[str, Any]:
+def model_of(ended: Ended, verdict: Verdict, config: Config) -> dict[str, Any]:
     """The model that stands: its own effects with what was named, or without."""
-    last = search.rungs[-1] if verdict.kind == "named" else search.rungs[0]
+    last = ended.found.rungs[-1 if verdict.kind == "named" else 0]
     changes = {name: float(value) for name, value in last.fit.changes.items()}
     added = given(config, [e.name() for e in last.effects])
     return {"effects": [*config.plant.effects, *added], "changes": changes}

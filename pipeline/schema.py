@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from spirob.diagnosis.rungs import Rules
+from spirob.diagnosis.criteria import ArmCriteria
 from spirob.emulator.build import TYPICAL, BuildName
 from spirob.errors import ConfigError
 
@@ -93,7 +93,7 @@ class Identify(Strict):
 
 
 @dataclass(frozen=True)
-class Diagnose(Rules):
+class Diagnose(ArmCriteria):
     """The search for missing effects; `candidates` that are considered, the library where empty."""
 
     candidates: list[str] = field(default_factory=list)

@@ -143,7 +143,7 @@ def compared(case: Case) -> dict[str, Any]:
         law = composed(search, found, found.rungs[0])
         drafts = Drafts(ground.ground_of(search, list(bare.fit.estimates), bare.fit.changes))
     train, held = sides(drafts)
-    size = float(np.sqrt(np.mean(search.heldout.measured() ** 2)))
+    size = float(np.sqrt(np.mean(search.models.heldout.measured() ** 2)))
     said = float(np.sqrt(found.chosen.heldout_square))
     ours = said if law is None else law.document["rmse"]["test"]
     sindy, symbols = by_sindy(train, held), by_symbols(train, held, case.seed)

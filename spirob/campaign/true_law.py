@@ -17,12 +17,12 @@ from spirob.campaign.recorder import AHEAD
 from spirob.campaign.simulators.bench import SPRINGS
 from spirob.campaign.simulators.hidden import drive, level, memory, passive, remember
 from spirob.campaign.simulators.motion import FINE
+from spirob.diagnosis.model import Model
 from spirob.errors import SpirobError
 from spirob.identify.scaling import Scaling
 from spirob.machine.axis import base_model
 from spirob.machine.composed.track import along
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Model
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 
@@ -53,7 +53,7 @@ def _base(
     rig = RigFile.model_validate({**made.rig, "known": known})
     read = [prepare(f"log_{k}", columns, rig) for k, columns in enumerate(logs)]
     search, model = base_model(rig, folder, read[:-1], read[-1:])
-    return search.train, search.heldout, model
+    return search.models.train, search.models.heldout, model
 
 
 Turn = tuple[str, float]  # how friction turns round: kind, and way or speed of it

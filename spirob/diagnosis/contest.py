@@ -18,17 +18,22 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.confirm import finished
+from spirob.diagnosis.criteria import Settings, Worth
 from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.figures import Ended
+from spirob.diagnosis.fitting import Begun, briefly
+from spirob.diagnosis.model import Model, Offer
 from spirob.diagnosis.proposals import Proposal, propose
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, label, rung_of, scores_of
-from spirob.diagnosis.verdict import Verdict, judge
-from spirob.diagnosis.weighing import simplest, with_probability
+from spirob.diagnosis.search import Found, Search, alike
+from spirob.diagnosis.simulated import Simulated
+from spirob.diagnosis.verdict import Verdict, judge, weigh
 from spirob.effects import Effect, find_effects
-from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.fit import Fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual, near
+
+ArmSearch = Search[Simulated]
 
 
 @dataclass(frozen=True)
@@ -36,83 +41,61 @@ class Contestant:
     """A fitted model that stands beside others.
 
     effects  none for the model without any;  names  of what is fitted;  changes  where that ended
-    gain     what the screening promised
     """
 
     effects: tuple[type[Effect], ...]
     names: tuple[str, ...]
     changes: Mapping[str, float]
-    gain: float = 0.0
+
+    @staticmethod
+    def of(model: Model) -> "Contestant":
+        """A model of a search."""
+        return Contestant(model.effects, tuple(model.fit.estimates), model.fit.changes)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for another process to go on from."""
-        plain = {"names": list(self.names), "changes": dict(self.changes), "gain": self.gain}
+        plain = {"names": list(self.names), "changes": dict(self.changes)}
         return {"effects": [e.name() for e in self.effects], **plain}
 
     @staticmethod
     def from_dict(plain: Mapping[str, Any]) -> "Contestant":
         """Back from plain data."""
         effects = tuple(find_effects(plain["effects"]))
-        return Contestant(effects, tuple(plain["names"]), dict(plain["changes"]), plain["gain"])
+        return Contestant(effects, tuple(plain["names"]), dict(plain["changes"]))
 
 
-def contest(search: Ladder, verdict: Verdict) -> list[Contestant]:
-    """The model without any effect, then those that stand beside each other."""
-    start = search.rungs[0].fit
-    found = [Contestant((), tuple(start.estimates), start.changes)]
-    for c in contestants(search, verdict):
-        found.append(Contestant(c.effects, tuple(c.fit.estimates), c.fit.changes, c.gain))
-    return found
-
-
-def in_question(search: Ladder, verdict: Verdict) -> list[Contestant]:
+def in_question(ended: Ended, verdict: Verdict) -> list[Contestant]:
     """The model without any effect, the one with what was found, and those beside it, if any."""
-    last = search.rungs[-1]
-    if verdict.contested and set(last.effects) in alone(search):
-        return contest(search, verdict)
-    return [
-        Contestant(tuple(r.effects), tuple(r.fit.estimates), r.fit.changes)
-        for r in (search.rungs[0], last)
-    ]
+    models = [ended.found.rungs[0], ended.found.chosen, *beside(ended, verdict)]
+    return [Contestant.of(model) for model in models]
 
 
-def alone(search: Ladder) -> list[set[type[Effect]]]:
-    """What the first round found: with more added since, it is not what is in question."""
-    return [set(c.effects) for c in search.rounds[0]]
-
-
-def contestants(search: Ladder, verdict: Verdict) -> list[Confirmed]:
-    """The finalist that was found, then those that stand beside it, the most probable first.
-
-    Only where the first round found it `alone`.
-    """
-    first, last = search.rounds[0], set(search.rungs[-1].effects)
-    best = next(c for c in first if set(c.effects) == last)
-    names = {*verdict.rivals, *verdict.equivalents}
-    others = [c for c in first if c is not best and _beside(c, names)]
-    return [best, *sorted(others, key=lambda c: -c.probability)]
-
-
-def _beside(found: Confirmed, names: set[str]) -> bool:
-    """Whether these names, of single effects or of pairs, hold this candidate."""
-    return label(found.effects) in names or {e.name() for e in found.effects} <= names
+def beside(ended: Ended, verdict: Verdict) -> list[Model]:
+    """Models in which a rival or an equivalent takes an effect's place, the best first."""
+    chosen, tried = ended.found.chosen, ended.search.models.tried
+    models: dict[frozenset[str], Model] = {}
+    for effect in chosen.effects if verdict.contested else ():
+        one = verdict.weighed[effect.name()]
+        for other in (*one.rivals, *one.equivalents):
+            key = chosen.names - {effect.name()} | {other}
+            if key in tried:
+                models[key] = tried[key]
+    return sorted(models.values(), key=lambda m: m.mean_square)
 
 
 TELLING = 0.5  # of a further trial's squared error above the floor that one contestant explains
 
 
-def proposed(
-    search: Ladder, verdict: Verdict, problem: Residual, settings: Settings
-) -> list[Proposal]:
+def proposed(ended: Ended, verdict: Verdict) -> list[Proposal]:
     """Experiments that would tell what was found from what else it may be, best first.
 
     None where the two differ by less than counts as an effect on all of them: two names of one law.
     """
-    if not verdict.contested or set(search.rungs[-1].effects) not in alone(search):
+    models, others = ended.search.models, beside(ended, verdict)
+    if not others:
         return []
-    one, other = contestants(search, verdict)[:2]
-    every = propose(problem, one.fit.changes, other.fit.changes)
-    return [p for p in every if p.share > settings.floor]
+    every = propose(models.validate, ended.found.chosen.fit.changes, others[0].fit.changes)
+    return [p for p in every if p.share > models.least / models.size]
 
 
 def joined(
@@ -137,75 +120,76 @@ def decided_again(
     known: Mapping[str, Residual],
     settings: Settings,
     before: str = "undecided",
-) -> Ladder | None:
-    """A contest settled by further trials, as a search of one round to be judged on the first ones.
+) -> Ended | None:
+    """A contest settled by further trials, to be judged on the first ones.
 
     own     the trials in which the effect was found;  known  the same with the further ones
     before  the kind of verdict that stands on `own`: named, if they say the same there
-    What each explains is taken from `own`, how it misses and how often it wins from `known`: two
-    say the same only where they do so in the further trials, too.
+    What each explains is taken from `own`; who is another's rival, or says the same, from `known`:
+    two say the same only where they do so in the further trials, too.
     None where the further trials show what no contestant explains, or do not tell which of those
     that said the same it is.
     """
-    wide_base, wide = compared(models, known, settings)
-    if not _explained(wide_base.fit, [c.fit for c in wide], further_of(own, known), settings):
+    wide = compared(models, known, settings)
+    if not _explained(wide, further_of(own, known), settings):
         return None
-    winner = simplest(wide, known["train"], settings).effects
-    found = settled(compared(models, own, settings), wide, winner, own, settings)
-    open_still = before == "named" and judge(found, own, settings).kind == "undecided"
+    found = settled(compared(models, own, settings), wide, settings)
+    open_still = before == "named" and judge(found, weigh(found)).kind == "undecided"
     return None if open_still else found
 
 
-def settled(
-    near_by: tuple[Rung, Sequence[Confirmed]],
-    contest: Sequence[Confirmed],
-    winner: tuple[type[Effect], ...],
-    own: Mapping[str, Residual],
-    settings: Settings,
-) -> Ladder:
-    """A settled contest as a search of one round, to be judged on the trials that began it.
+def settled(own: Simulated, wide: Simulated, settings: Settings) -> Ended:
+    """A settled contest, to be judged on the trials that began it.
 
-    near_by  the contestants as `compared` on these trials, `own`, and the rung below them
-    contest  the same where it was settled: how they miss and how often each wins
+    own  the contestants as `compared` on these trials;  wide  the same where it is settled
     """
-    base, found = near_by[0], {c.effects: c for c in near_by[1]}
-    won = finished(found[winner], own, settings)
-    rung = Rung(f"+ {label(winner)}", list(winner), won.fit, won.scores, won.errors)
-    tried = [replace(found[c.effects], missed=c.missed, probability=c.probability) for c in contest]
-    return Ladder(base, [base, rung], [tried])
+    worth = Worth(settings, wide.least)
+    bare, *contest = wide.tried.values()
+    won = worth.simplest(contest)
+    search: ArmSearch = Search(own, [], settings)
+    chosen = own.finished(own.tried[won.names])
+    offers = [
+        Offer(m.effects[-1], dict(m.fit.changes), m.mean_square)
+        for m in list(own.tried.values())[1:]
+    ]
+    found = Found(search.rungs(chosen), offers)
+    for effect in chosen.effects:
+        search.without(chosen, effect)
+        rest, name = chosen.names - {effect.name()}, effect.name()
+        found.rivals[name], found.equivalents[name] = [], []
+        for other in contest:
+            names = other.names - rest
+            # what holds the found and more was left for being hardly better: no other explanation
+            if other is won or len(names) != 1 or won.names < other.names:
+                continue
+            same = alike(won, other, worth.least)
+            rival = worth.matters(bare, other) and not worth.clearly(other, won)
+            if same or rival:
+                (found.equivalents if same else found.rivals)[name] += names
+    return Ended(search, found, own.left(chosen))
 
 
 def compared(
     models: Sequence[Contestant], residuals: Mapping[str, Problem], settings: Settings
-) -> tuple[Rung, list[Confirmed]]:
-    """All fitted again to these trials, the model without an effect first; how often each wins."""
+) -> Simulated:
+    """All fitted again to these trials, the model without an effect first."""
     start, *others = models
     train = residuals["train"]
-    base = rung_of("fitted parameters", [], _fitted(start, train, settings), residuals)
-    tried = []
+    found = Simulated(residuals, start.names, settings, Begun(_fitted(start, train, settings)))
     for one in others:
-        found = _fitted(one, train, settings)
-        scores, missed, errors = scores_of(found, residuals)
-        tried.append(Confirmed(one.effects, one.gain, found, missed, errors, scores))
-    return base, with_probability(tried, base, train, settings)
+        found.added(one.effects, _fitted(one, train, settings))
+    return found
 
 
-def _explained(base: Fit, found: Sequence[Fit], further: Problem, settings: Settings) -> bool:
+def _explained(wide: Simulated, further: Problem, settings: Settings) -> bool:
     """Whether one of the contestants explains enough of a further trial to be judged by it."""
     before, *after = (
-        float(np.sqrt(np.mean(further(fit.changes)[further.rows] ** 2))) for fit in (base, *found)
+        float(np.sqrt(np.mean(further(m.fit.changes)[further.rows] ** 2)))
+        for m in wide.tried.values()
     )
     enough, least = complete(further, settings.floor), min(after)
     return least <= enough or before**2 - least**2 >= TELLING * (before**2 - enough**2)
 
 
 def _fitted(one: Contestant, train: Problem, settings: Settings) -> Fit:
-    return fit(
-        near(train, one.changes),
-        one.names,
-        one.changes,
-        settings.scale,
-        settings.iterations,
-        steps=STEPS[-1:],
-        exact=False,
-    )
+    return briefly(near(train, one.changes), one.names, one.changes, settings)

@@ -7,37 +7,132 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnosis.evidence import half_seconds
+from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.flexible import Ceiling, ceiling
+from spirob.diagnosis.model import Model, label
 from spirob.diagnosis.proposals import Proposal, told
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, label, missed_by, parameters_of
+from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict
-from spirob.identify.problem import Effort, Problem
+from spirob.identify.problem import Problem
 from spirob.score import Interval, score, score_interval
 
 CEILING = "flexible residual on top (ceiling)"
-SENSELESS = "No verdict: the data or the model do not fit together."
 
 
-def steps(search: Ladder, problems: Mapping[str, Problem]) -> tuple[list[dict[str, Any]], Ceiling]:
-    """Rungs, the ceiling over the last one as a further entry, and the ceiling itself.
+def findings(verdict: Verdict, chosen: Model) -> dict[str, Any]:
+    """The keys `effects`, those that are named or between which nothing is decided, and `evidence`.
 
-    problems  by role: those that the rungs were scored on
+    The numbers of an effect, its motors' differences included, with intervals.
     """
-    missed = [missed_by(rung, problems) for rung in search.rungs]
-    found = [_rung(r, m, problems) for r, m in zip(search.rungs, missed, strict=True)]
-    top = ceiling(problems, missed[-1])
-    return [*found, _top(top, problems)], top
-
-
-def _rung(
-    rung: Rung, missed: Mapping[str, np.ndarray], problems: Mapping[str, Problem]
-) -> dict[str, Any]:
-    scores = {role: s.as_dict() for role, s in rung.scores.items()}
-    effort = {role: values[problems[role].rows] for role, values in missed.items()}
+    named = verdict.kind in ("named", "undecided")
     return {
-        "label": rung.label,
-        "effects": [e.name() for e in rung.effects],
-        **scores,
+        "effects": [
+            {
+                "name": e.name(),
+                "title": e.title,
+                **_sure(verdict, e.name()),
+                "parameters": numbers(chosen, e.name()),
+            }
+            for e in (chosen.effects if named else ())
+        ],
+        "evidence": [
+            {"name": name, **_sure(verdict, name), "figures": one.figures}
+            for name, one in verdict.weighed.items()
+        ],
+    }
+
+
+def _sure(verdict: Verdict, name: str) -> dict[str, Any]:
+    one = verdict.weighed[name]
+    return {
+        "probability": one.probability,
+        "together": one.together,
+        "equivalents": list(one.equivalents),
+        "rivals": list(one.rivals),
+    }
+
+
+def numbers(model: Model, owner: str) -> dict[str, Any]:
+    """The fitted numbers of an owner, without its name."""
+    return {
+        name.split(".", 1)[1]: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+        for name, e in model.fit.estimates.items()
+        if name.split(".", 1)[0] == owner
+    }
+
+
+def candidates(search: Search[Any], found: Found, verdict: Verdict) -> list[dict[str, Any]]:
+    """Every effect that was considered, the most probable first, then what leaves least.
+
+    heldout_rmse  of the best fitted model that holds it and is no larger than the chosen one, which
+                  for a chosen effect is the chosen one; null where screening ended it
+    left_out_rmse, train_rmse  of the same model, on what decides and on what is fitted
+    """
+    entries = []
+    for offer in found.offers:
+        name = offer.effect.name()
+        best = _best(search, found.chosen, name)
+        single = search.models.tried.get(frozenset({name}))
+        entries.append(
+            {
+                "name": name,
+                "title": offer.effect.title,
+                "probability": _probability(verdict, name),
+                "heldout_rmse": None if best is None else float(np.sqrt(best.heldout_square)),
+                "left_out_rmse": None if best is None else float(np.sqrt(best.mean_square)),
+                "train_rmse": None if best is None else _rms(best.fit.residual),
+                "with": [] if best is None else sorted(best.names - {name}),
+                "alone_heldout_rmse": None
+                if single is None
+                else float(np.sqrt(single.heldout_square)),
+                "screen_gain": 1.0 - offer.error / found.rungs[0].mean_square,
+            }
+        )
+    return sorted(entries, key=lambda e: (-e["probability"], e["left_out_rmse"] is None))
+
+
+def _best(search: Search[Any], chosen: Model, name: str) -> Model | None:
+    """The best fitted model with an effect, no larger than the chosen one."""
+    if name in chosen.names:
+        return chosen
+    most = max(1, len(chosen.effects))
+    models = [m for m in search.models.tried.values() if name in m.names and len(m.effects) <= most]
+    return min(models, key=lambda m: m.mean_square, default=None)
+
+
+def _probability(verdict: Verdict, name: str) -> float:
+    """How likely an effect is there; of rivals what is left of the chosen one's probability."""
+    own = verdict.weighed.get(name)
+    probability = own.probability if own else 0.0
+    for one in verdict.weighed.values():
+        if name in one.rivals:
+            shared = one.together if one.together > one.probability else 1.0
+            probability = max(probability, (shared - one.probability) / len(one.rivals))
+    return probability
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def steps(found: Found, models: Simulated) -> tuple[list[dict[str, Any]], Ceiling]:
+    """Rungs, the ceiling over the last one as a further entry, and the ceiling itself."""
+    problems = models.residuals
+    missed = [models.missed(model) for model in found.rungs]
+    rungs = [_rung(m, values, models) for m, values in zip(found.rungs, missed, strict=True)]
+    top = ceiling(problems, missed[-1])
+    return [*rungs, _top(top, problems)], top
+
+
+def _rung(model: Model, missed: Mapping[str, np.ndarray], models: Simulated) -> dict[str, Any]:
+    problems = models.residuals
+    effort = {role: values[problems[role].rows] for role, values in missed.items()}
+    names = f"+ {label(model.effects)}" if model.effects else "fitted parameters"
+    return {
+        "label": names,
+        "effects": [e.name() for e in model.effects],
+        **{role: s.as_dict() for role, s in models.scores(model).items()},
         "interval": _intervals(effort, problems),
     }
 
@@ -63,46 +158,36 @@ def _intervals(
 
 
 def document(
-    search: Ladder,
+    ended: Ended,
     verdict: Verdict,
     where: Mapping[str, Any],
     noise_floor: float,
-    problems: Mapping[str, Problem],
     proposals: Sequence[Proposal] = (),
 ) -> dict[str, Any]:
-    """All of a diagnosis; errors in the unit of the effort.
+    """All of an arm's diagnosis; errors in the unit of the effort.
 
-    problems   by role: those that the rungs were scored on
     where      the residual lies, as `survey` tells it; an unknown effect is described by it
     proposals  experiments that would tell the rivals apart, or put a name to the proof, best first
     """
-    added = search.rungs[-1].effects if verdict.kind == "named" else []
-    last, effort = search.rungs[-1], problems["train"].effort
-    ladder, ceiling = steps(search, problems)
+    search, found = ended.search, ended.found
+    models: Simulated = search.models
+    effort = models.train.effort
+    ladder, top = steps(found, models)
     return {
         "verdict": verdict.kind,
         "sentence": verdict.sentence,
-        "explanation": described(verdict.kind, verdict.explanation, where),
+        "explanation": described(verdict, where),
+        "doubts": list(verdict.doubts),
         "next_experiment": told(proposals, effort) or verdict.next_experiment,
         "next_trials": [t for p in proposals[:1] for t in p.trials],
-        "effects": [
-            {
-                "name": effect.name(),
-                "title": effect.title,
-                "probability": verdict.evidence[effect.name()]["probability"],
-                "equivalents": list(verdict.equivalents) if k == 0 else [],
-                "parameters": _numbers(last, parameters_of(effect)),
-            }
-            for k, effect in enumerate(added)
-        ],
-        "evidence": [{"name": name, **one} for name, one in verdict.evidence.items()],
-        "candidates": [_candidate(c) for c in (search.rounds[0] if search.rounds else [])],
+        **findings(verdict, found.chosen),
+        "candidates": candidates(search, found, verdict),
         "ladder": ladder,
-        "left": {"share": ceiling.share},
+        "left": {"share": top.share},
         "noise_floor": noise_floor,
         **where,
-        "vague": search.vague,
-        **({"floor": asdict(search.floor)} if search.floor else {}),
+        "vague": models.vague,
+        **({"floor": asdict(models.floor_of(found.chosen))} if models.measure else {}),
         "unit": effort.unit,
     }
 
@@ -117,7 +202,7 @@ def restated(before: Mapping[str, Any], verdict: Verdict, aside: bool) -> dict[s
             **before,
             "verdict": verdict.kind,
             "sentence": verdict.sentence,
-            "explanation": described(verdict.kind, verdict.explanation, before),
+            "explanation": described(verdict, before),
             "next_experiment": verdict.next_experiment,
             "next_trials": [],
             "effects": [],
@@ -126,16 +211,18 @@ def restated(before: Mapping[str, Any], verdict: Verdict, aside: bool) -> dict[s
     return {**before, **({"next_experiment": "", "next_trials": []} if done else {})}
 
 
-def described(kind: str, explanation: str, where: Mapping[str, Any]) -> str:
+def described(verdict: Verdict, where: Mapping[str, Any]) -> str:
     """The explanation; of an unknown effect also what the residual depends on, where known."""
     depends = where.get("depends", {}).get("sentence", "")
-    return f"{explanation} {depends}" if kind == "unknown" and depends else explanation
+    unknown = verdict.kind == "unknown" and depends
+    return f"{verdict.explanation} {depends}" if unknown else verdict.explanation
 
 
-def metrics(search: Ladder, verdict: Verdict, effort: Effort) -> dict[str, Any]:
+def metrics(ended: Ended, verdict: Verdict) -> dict[str, Any]:
     """The few figures that `dvc metrics` follows, with their unit."""
-    first, last = search.rungs[0].scores["heldout"], search.rungs[-1].scores["heldout"]
-    named = [e.name() for e in search.rungs[-1].effects] if verdict.kind == "named" else []
+    models, found = ended.search.models, ended.found
+    first, last = (models.scores(found.rungs[k])["heldout"] for k in (0, -1))
+    named = [e.name() for e in found.chosen.effects] if verdict.kind == "named" else []
     return {
         "verdict": verdict.kind,
         "effect": named[0] if named else "",
@@ -143,31 +230,5 @@ def metrics(search: Ladder, verdict: Verdict, effort: Effort) -> dict[str, Any]:
         "probability": round(verdict.probability, 6),
         "before": first.as_dict(),
         "after": last.as_dict(),
-        "unit": effort.unit,
-    }
-
-
-def _numbers(rung: Rung, names: Sequence[str]) -> dict[str, Any]:
-    estimates = rung.fit.estimates
-    return {
-        n.split(".", 1)[1]: {
-            "value": estimates[n].value,
-            "low": estimates[n].low,
-            "high": estimates[n].high,
-            "unit": estimates[n].unit,
-        }
-        for n in names
-        if n in estimates
-    }
-
-
-def _candidate(found: Confirmed) -> dict[str, Any]:
-    return {
-        "name": label(found.effects),
-        "title": " and ".join(e.title for e in found.effects),
-        "probability": found.probability,
-        "train_rmse": found.scores["train"].rmse,
-        "validate_rmse": found.scores["validate"].rmse,
-        "heldout_rmse": found.scores["heldout"].rmse,
-        "screen_gain": found.gain,
+        "unit": models.train.effort.unit,
     }

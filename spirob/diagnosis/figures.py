@@ -1,79 +1,75 @@
-"""What the search on an arm shows of each effect that was added: the figures of `certainty`."""
+"""What a search shows of each chosen effect: the figures of `certainty`, and what is of its kin."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.certainty import probability, ratio, rounded, sharp
-from spirob.diagnosis.evidence import alike, complete
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
+from spirob.diagnosis.certainty import ratio, rounded, sharp
+from spirob.diagnosis.model import Left, Model
+from spirob.diagnosis.search import Found, Search, alike
 from spirob.effects import Effect
-from spirob.identify.problem import Problem
 
-VETO = 0.05  # of the held-out square, as of rigs: what takes no more off is not confirmed
+MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less makes most of it
 
 
 @dataclass(frozen=True)
-class Weighed:
-    """An added effect: its figures, and how likely its name is right."""
+class Ended:
+    """A search, what it found, and what is left beside the chosen model."""
 
-    figures: dict[str, float]
-
-    @property
-    def probability(self) -> float:
-        """Learned from machines whose truth is known; 0 where held-out trials do not confirm it."""
-        return probability(self.figures) if self.figures["fall_heldout"] > VETO else 0.0
+    search: Search[Any]
+    found: Found
+    left: Left
 
 
-def weighed(
-    search: Ladder, residuals: Mapping[str, Problem], settings: Settings
-) -> dict[str, Weighed]:
-    """Each effect of the last rung by name, the one that was added first at the beginning.
+def kin(search: Search[Any], chosen: Model, effect: type[Effect]) -> list[str]:
+    """Names of the effects that make most of what this one makes, in its place; the best first.
 
-    What of an error on trials that no fit has seen follows from the motion, too few of them tell:
-    it is what lies above a complete model's, as builds of the machine differ by that.
+    Their models differ from the chosen one by less than half the squared error that the effect
+    takes, on the samples that are fitted.
     """
-    last, found = search.rungs[-1], {}
-    least = complete(residuals["heldout"], settings.floor) ** 2
-    for at, rung in enumerate(search.rungs[1:], 1):
-        # what stands before it may be gone: then the round that began further below brought it in
-        under = max(k for k in range(at) if set(search.rungs[k].effects) < set(rung.effects))
-        below = search.rungs[under]
-        tried = search.rounds[under] if under < len(search.rounds) else []
-        for effect in rung.effects:
-            if effect not in last.effects or effect in below.effects:
-                continue
-            before, after = _square(below), _square(rung)
-            others = [_square(o) for o in _others(effect, below, rung, tried, settings)]
-            told = {
-                "fall_heldout": ratio(before, after),
-                "ahead_heldout": ratio(min([before, *others]), after),
-                "left": ratio(max(_square(last) - least, 0.0), max(before - after, 0.0)),
-                "sharp": sharp(rung.fit, effect),
-                "place": float(len(below.effects)),
-                "late": 0.0,  # logs of the arm are put right before
-            }
-            found[effect.name()] = Weighed(rounded(told))
-    return found
+    rest = chosen.names - {effect.name()}
+    fall = search.models.tried[rest].mean_square - chosen.mean_square
+    found = {}
+    for model in search.models.tried.values():
+        other = model.names - rest
+        if len(other) != 1 or len(model.names) != len(chosen.names) or model.names == chosen.names:
+            continue
+        apart = float(np.mean((model.fit.residual - chosen.fit.residual) ** 2))
+        if apart < MOSTLY * fall:
+            found[next(iter(other))] = model.heldout_square
+    return sorted(found, key=lambda name: found[name])
 
 
-def _others(
-    effect: type[Effect], below: Rung, rung: Rung, tried: Sequence[Confirmed], settings: Settings
-) -> list[Confirmed]:
-    """Those that were tried instead of an effect, are no richer, and say something else."""
-    size = float(np.sqrt(max(below.errors.mean() - rung.errors.mean(), 1e-300)))
-    own = [c for c in tried if effect in c.effects and set(c.effects) <= set(rung.effects)]
-    added = max(1, len(rung.effects) - len(below.effects))
+def figures(ended: Ended, effect: type[Effect], same: Collection[str] = ()) -> dict[str, float]:
+    """What the search shows of one chosen effect.
+
+    same  names that count as this effect, too: the figures are then of all of them
+    """
+    search, found, left = ended.search, ended.found, ended.left
+    chosen, bare = found.chosen, found.rungs[0]
+    without = search.models.tried[chosen.names - {effect.name()}]
+    fall = without.mean_square - chosen.mean_square
+    others = [m.heldout_square for m in _others(search, chosen, {effect.name(), *same})]
+    order = [next(iter(b.names - a.names)) for a, b in pairwise(found.rungs)]
+    told = {
+        "fall_heldout": ratio(without.heldout_square, chosen.heldout_square),
+        "ahead_heldout": ratio(min(others, default=bare.heldout_square), chosen.heldout_square),
+        "left": ratio(left.share * chosen.mean_square, max(fall, 0.0)),
+        "sharp": sharp(chosen.fit, effect),
+        "place": float(order.index(effect.name())),
+        "late": left.late,
+    }
+    return rounded(told)
+
+
+def _others(search: Search[Any], chosen: Model, names: Collection[str]) -> list[Model]:
     return [
-        c
-        for c in tried
-        if effect not in c.effects
-        and len(c.effects) <= added
-        and not any(alike(o.missed, c.missed, size) < settings.alike for o in own)
+        m
+        for m in search.models.tried.values()
+        if m.names.isdisjoint(names)
+        and len(m.effects) <= len(chosen.effects)
+        and not alike(m, chosen, search.worth.least)
     ]
-
-
-def _square(found: Rung | Confirmed) -> float:
-    """Of the held-out error."""
-    return found.scores["heldout"].rmse ** 2

@@ -36,11 +36,11 @@ from spirob.diagnosis.contest import (
     proposed,
     settled,
 )
+from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposal
-from spirob.diagnosis.rungs import Ladder, Settings
-from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, judge, share_of
-from spirob.diagnosis.weighing import simplest
+from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, Weighed, judge, weigh
 from spirob.effects import Effect
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem
@@ -88,18 +88,19 @@ class Proof:
 Proofs = Mapping[frozenset[type[Effect]], Proof]  # by the effects of a name
 
 
-def to_prove(search: Ladder, problem: Residual, settings: Settings) -> list[Proposal]:
+def to_prove(ended: Ended) -> list[Proposal]:
     """The experiment that puts what was found to the proof.
 
     None where nothing was found, or where it would show less there than counts as an effect.
     """
-    if not search.rungs[-1].effects:
+    models, found = ended.search.models, ended.found
+    if not found.chosen.effects:
         return []
-    without, named = (r.fit.changes for r in (search.rungs[0], search.rungs[-1]))
-    found = proposal(problem, LONGER[0], TRIALS, without, named)
-    if found is None or found.share <= settings.floor:
+    without, named = (m.fit.changes for m in (found.rungs[0], found.chosen))
+    best = proposal(models.validate, LONGER[0], TRIALS, without, named)
+    if best is None or best.share <= models.least / models.size:
         return []
-    return [replace(found, proves=True)]
+    return [replace(best, proves=True)]
 
 
 def put_to_proof(
@@ -114,7 +115,7 @@ def put_to_proof(
     models  without any effect, then those in question
     own     the trials in which the effect was found;  known  the same with the further ones
     """
-    base, tried = compared(models, known, settings)
+    base, *tried = compared(models, known, settings).tried.values()
     further = further_of(own, known)
     before = _rms(further, base.fit.changes)
     usual = complete(further, max(settings.floor, USUAL))
@@ -127,13 +128,18 @@ def put_to_proof(
     return found
 
 
+def share_of(before: float, after: float, floor: float) -> float:
+    """Of a mean square above that of the floor [RMS], what is gone."""
+    return (before - after) / max(before - floor**2, 1e-300)
+
+
 def sifted(
     models: Sequence[Contestant],
     proofs: Proofs,
     own: Mapping[str, Residual],
     settings: Settings,
-) -> Ladder | None:
-    """The contest among the names that hold, as a search of one round.
+) -> Ended | None:
+    """The contest among the names that hold.
 
     None where all hold, or none: then the proof tells nothing of which it is.
     """
@@ -141,9 +147,8 @@ def sifted(
     hold = [m for m in names if proofs[frozenset(m.effects)].holds]
     if len(hold) in (0, len(names)):
         return None
-    rung, tried = compared([base, *hold], own, settings)
-    winner = simplest(tried, own["train"], settings).effects
-    return settled((rung, tried), tried, winner, own, settings)
+    among = compared([base, *hold], own, settings)
+    return settled(among, among, settings)
 
 
 def proved(verdict: Verdict, proof: Proof) -> Verdict:
@@ -152,30 +157,18 @@ def proved(verdict: Verdict, proof: Proof) -> Verdict:
         return verdict
     if proof.holds:
         return replace(verdict, next_experiment="")
-    said = disproved(verdict.sentence, proof)
-    return Verdict(
-        "unknown",
-        0.0,
-        [],
-        said["sentence"],
-        said["explanation"],
-        said["next_experiment"],
-        evidence=verdict.evidence,
-    )
+    return Verdict("unknown", verdict.weighed, *disproved(verdict.sentence, proof))
 
 
-def disproved(sentence: str, proof: Proof) -> dict[str, str]:
-    """What is said instead of a name that did not hold; `sentence` said it."""
+def disproved(sentence: str, proof: Proof) -> tuple[str, str, str]:
+    """Sentence, explanation and next experiment instead of a name that did not hold."""
     name = sentence.removeprefix("Missing: ").rstrip(".")
-    return {
-        "sentence": f"Something is missing that the library does not hold: not {name}.",
-        "explanation": (
-            f"The best explanation, {name}, did not hold on '{proof.experiment}', a trial of "
-            f"its own: it accounts for {max(proof.share, 0.0):.0%} of the squared error there. "
-            f"{ATLAS}"
-        ),
-        "next_experiment": AGAIN,
-    }
+    return (
+        f"Something is missing that the library does not hold: not {name}.",
+        f"The best explanation, {name}, did not hold on '{proof.experiment}', a trial of its own: "
+        f"it accounts for {max(proof.share, 0.0):.0%} of the squared error there. {ATLAS}",
+        AGAIN,
+    )
 
 
 def _rms(further: Problem, changes: Mapping[str, float]) -> float:
@@ -212,13 +205,15 @@ class Question:
     @staticmethod
     def from_dict(plain: Mapping[str, Any]) -> "Question":
         """Back from plain data."""
-        verdict = {**plain["verdict"], "equivalents": tuple(plain["verdict"]["equivalents"])}
+        told = plain["verdict"]
+        weighed = {name: Weighed(**one) for name, one in told["weighed"].items()}
+        verdict = Verdict(**{**told, "weighed": weighed, "doubts": tuple(told["doubts"])})
         decide, prove = (
             tuple(Proposal(**{**one, "trials": tuple(one["trials"])}) for one in plain[key])
             for key in ("decide", "prove")
         )
         models = tuple(Contestant.from_dict(one) for one in plain["models"])
-        return Question(Verdict(**verdict), models, decide, prove)
+        return Question(verdict, models, decide, prove)
 
 
 @dataclass(frozen=True)
@@ -226,7 +221,7 @@ class Answer:
     """What stands once the experiments were played.
 
     verdict     the one that stands
-    search      the contest that was settled, of one round; None where the first search stands
+    ended       the contest that was settled; None where the first search stands
     models      in question, the one without any effect first
     experiment  that was played to decide, empty where none was
     aside       it told nothing of those in question
@@ -234,21 +229,18 @@ class Answer:
     """
 
     verdict: Verdict
-    search: Ladder | None = None
+    ended: Ended | None = None
     models: tuple[Contestant, ...] = ()
     experiment: str = ""
     aside: bool = False
     proof: Proof | None = None
 
 
-def asked(
-    search: Ladder, verdict: Verdict, problems: Mapping[str, Residual], settings: Settings
-) -> Question:
+def asked(ended: Ended, verdict: Verdict) -> Question:
     """What would decide between what was found and those beside it, and what would prove it."""
-    validate = problems["validate"]
-    decide = proposed(search, verdict, validate, settings)
-    prove = to_prove(search, validate, settings) if verdict.kind in FOUND else []
-    models = in_question(search, verdict) if decide or prove else ()
+    decide = proposed(ended, verdict)
+    prove = to_prove(ended) if verdict.kind in FOUND else []
+    models = in_question(ended, verdict) if decide or prove else ()
     return Question(verdict, tuple(models), tuple(decide), tuple(prove))
 
 
@@ -278,10 +270,10 @@ def _decided(
     known: Mapping[str, Residual],
     settings: Settings,
 ) -> Answer:
-    search = decided_again(stands.models, own, known, settings, stands.verdict.kind)
-    if search is None:
+    ended = decided_again(stands.models, own, known, settings, stands.verdict.kind)
+    if ended is None:
         return replace(stands, experiment=played.name, aside=True)
-    return _settled(replace(stands, experiment=played.name), search, own, settings)
+    return _settled(replace(stands, experiment=played.name), ended)
 
 
 def _proved(
@@ -294,15 +286,12 @@ def _proved(
     proofs = put_to_proof(played.name, stands.models, own, known, settings)
     held = sifted(stands.models, proofs, own, settings)
     if held is not None:
-        stands = _settled(stands, held, own, settings)
+        stands = _settled(stands, held)
     proof = proofs[frozenset(stands.models[1].effects)]
     return replace(stands, verdict=proved(stands.verdict, proof), proof=proof)
 
 
-def _settled(
-    stands: Answer, search: Ladder, own: Mapping[str, Residual], settings: Settings
-) -> Answer:
-    verdict = judge(search, own, settings)
-    return replace(
-        stands, verdict=verdict, search=search, models=tuple(in_question(search, verdict))
-    )
+def _settled(stands: Answer, ended: Ended) -> Answer:
+    verdict = judge(ended, weigh(ended))
+    models = in_question(ended, verdict)
+    return replace(stands, verdict=verdict, ended=ended, models=tuple(models))

@@ -1,239 +1,296 @@
-"""From the search to one of four verdicts.
+"""From the search to one of four verdicts, in words: sentence, explanation, next experiment.
 
-named            every effect that was added is more likely right than wrong
-undecided        another effect that says something else wins too many of the draws
-nothing_missing  the fitted model is complete
+named            a name that is more likely right than wrong; what is left beside it is said
+undecided        one of them could be another effect, and these data cannot tell which
+nothing_missing  nothing that counts is left that the model could explain
 unknown          something is missing, and no name for it is likely enough
-
-How likely a name is right was learned (`certainty`).  A name may stand although something is left
-beside it; how much is said.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.certainty import LIKELY
-from spirob.diagnosis.evidence import alike, complete, noise_floor
-from spirob.diagnosis.figures import Weighed, weighed
-from spirob.diagnosis.rungs import Confirmed, Ladder, Settings, label
-from spirob.diagnosis.weighing import counts
-from spirob.identify.problem import Effort, Problem, effort_rms
+from spirob.diagnosis.certainty import LIKELY, probability
+from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.dry import is_dry
+from spirob.diagnosis.figures import Ended, figures, kin
+from spirob.diagnosis.model import Model, Predictor
+from spirob.diagnosis.search import Found, Search
+from spirob.effects import Effect
+from spirob.identify.problem import effort_rms
 
+SENSELESS = "No verdict: the data or the model do not fit together."
 ATLAS = "The regimes that hold the error say what it depends on."
 AGAIN = "Repeat the trials at a second load and at half the speed, and look at the atlas again."
+TWICE = 2.0  # times the least effect: what counts where nothing names it
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A chosen effect: how likely its name is right, what says the same, what else it could be.
+
+    together     how likely it is right that this effect or one of its rivals is there
+    equivalents  names of effects that say the same of these data;  rivals  of those that do not
+    figures      of `certainty`
+    """
+
+    probability: float
+    together: float
+    equivalents: list[str] = field(default_factory=list)
+    rivals: list[str] = field(default_factory=list)
+    figures: dict[str, float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
 
 
 @dataclass(frozen=True)
 class Verdict:
     """What is missing.
 
-    kind         "named", "undecided", "nothing_missing" or "unknown"
-    probability  that the name is right, of several the least sure one's; 1 where nothing is
-                 missing, 0 where nothing is named
-    rivals       effects that explain the data as well in another way
-    equivalents  effects that say the same of these data, under another name
-    evidence     name of each added effect, named or not -> `probability` and `figures`
-    sentence     one line;  explanation  a paragraph;  next_experiment  one line or empty
+    kind      "named", "undecided", "nothing_missing" or "unknown"
+    weighed   all chosen effects by name, those that are not named, too
+    sentence  one line;  explanation  a paragraph;  next_experiment  one line or empty
+    doubts    why no name can be trusted whatever the errors say, a sentence each
     """
 
     kind: str
-    probability: float
-    rivals: list[str]
+    weighed: Mapping[str, Weighed]
     sentence: str
     explanation: str
     next_experiment: str
-    equivalents: tuple[str, ...] = ()
-    evidence: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> list[str]:
+        """Names of the effects that the model gets; of an undecided verdict none."""
+        return likely(self.weighed) if self.kind == "named" else []
+
+    @property
+    def probability(self) -> float:
+        """That the names are right, of several the least sure one's; 1 where nothing is missing."""
+        if self.kind == "nothing_missing":
+            return 1.0
+        if self.kind == "unknown":
+            return 0.0
+        return min(self.weighed[name].probability for name in likely(self.weighed))
+
+    @property
+    def rivals(self) -> list[str]:
+        """Effects that explain it as well in another way."""
+        return sorted({n for one in self.weighed.values() for n in one.rivals})
+
+    @property
+    def equivalents(self) -> list[str]:
+        """Effects that say the same of these data, under another name."""
+        return sorted({n for one in self.weighed.values() for n in one.equivalents})
 
     @property
     def contested(self) -> bool:
         """Whether another explanation stands beside what was found."""
-        return self.kind == "undecided" or bool(self.equivalents)
+        return self.kind == "undecided" or (self.kind == "named" and bool(self.equivalents))
 
 
-def judge(search: Ladder, residuals: Mapping[str, Problem], settings: Settings) -> Verdict:
-    """Judge the first round; later rounds are further rungs of the same answer.
+def likely(weighed: Mapping[str, Weighed]) -> list[str]:
+    """Names that are more likely right than wrong, alone or with those that say most of it."""
+    return [name for name, one in weighed.items() if one.together >= LIKELY]
 
-    residuals  by role; the held-out trials say most of how likely a name is right
+
+def searched(
+    models: Predictor,
+    candidates: Sequence[type[Effect]],
+    criteria: Criteria,
+    progress: Callable[[str], None] = lambda text: None,
+    doubts: Sequence[str] = (),
+) -> tuple[Ended, Verdict]:
+    """Search, conclude and judge: what pipeline, trial and an arm from elsewhere run alike."""
+    search = Search(models, candidates, criteria, progress)
+    ended, weighed = concluded(search, search.run())
+    return ended, judge(ended, weighed, doubts)
+
+
+Bent = Callable[[Model], bool]  # whether a law of dry friction in it has visibly another shape
+
+
+def concluded(
+    search: Search[Any], found: Found, bent: Bent = lambda model: False
+) -> tuple[Ended, dict[str, Weighed]]:
+    """What stands of a search, and how likely each chosen effect is.
+
+    What imitates goes, and so does what is unlikely beside what is likely; it stays among the
+    weighed.
     """
-    added = weighed(search, residuals, settings)
-    evidence = {n: {"probability": w.probability, "figures": w.figures} for n, w in added.items()}
-    return replace(_judged(search, residuals, settings, added), evidence=evidence)
+    left = search.models.left(found.chosen)
+    while (lesser := search.without_imitations(found, left.share)) is not None:
+        found, left = lesser, search.models.left(lesser.chosen)
+    weighed = weigh(Ended(search, found, left), bent)
+    if 0 < len(kept := likely(weighed)) < len(weighed):
+        found = search.narrowed(found, kept)
+        left = search.models.left(found.chosen)
+    return Ended(search, found, left), weighed
 
 
-def _judged(
-    search: Ladder,
-    residuals: Mapping[str, Problem],
-    settings: Settings,
-    added: Mapping[str, Weighed],
-) -> Verdict:
-    base, last, validate = search.rungs[0], search.rungs[-1], residuals["validate"]
-    told = Told(search, settings, validate)
-    if not added or min(w.probability for w in added.values()) < LIKELY:
-        return told.nothing_or_unknown(added)
-    first = search.rounds[0] if search.rounds else []
-    best = _brought(search)
-    alone = any(c is best for c in first)  # found in the first round
-    passed = [c for c in first if c is not best and counts(c, base, residuals, settings)]
-    size = float(np.sqrt(max(base.errors.mean() - best.errors.mean(), 1e-300)))
-    same = [c for c in passed if alike(best.missed, c.missed, size) < settings.alike]
-    # what holds the found and more was left for being hardly better: it is no other explanation
-    more = [c for c in passed if c not in same and set(best.effects) < set(c.effects)]
-    others = [c for c in passed if c not in [*same, *more]]
-    rivals = [c for c in others if c.probability >= 1.0 - settings.confidence]
-    sure = min(w.probability for w in added.values())
-    # a rival counts in the first round; later it stands against what was named already
-    if rivals and len(last.effects) == 1 and alone:
-        return told.undecided(best, rivals, sure)
-    return told.named(sure, same)
+def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:
+    """Each chosen effect by name.
+
+    What held-out trials do not confirm is not likely at all, nor is a bent law of dry friction.
+    """
+    found, veto = ended.found, ended.search.criteria.veto
+    off, weighed = bent(found.chosen), {}
+    for effect in found.chosen.effects:
+        name, shown = effect.name(), figures(ended, effect)
+        denied = shown["fall_heldout"] <= -np.log1p(-veto) or (off and is_dry(effect))
+        own = 0.0 if denied else probability(shown)
+        weighed[name] = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
+    if likely(weighed):
+        return weighed
+    return {e.name(): _with_kin(ended, e, weighed[e.name()]) for e in found.chosen.effects}
 
 
-def _brought(search: Ladder) -> Confirmed:
-    """The candidate that brought in the effects of the last rung, or the first of them."""
-    last = search.rungs[-1].effects
-    own = [c for tried in search.rounds for c in tried if set(c.effects) <= set(last)]
-    return max(own, key=lambda c: c.probability)
+def _with_kin(ended: Ended, effect: type[Effect], one: Weighed) -> Weighed:
+    """An effect that is too unlikely alone, with its kin where one of them is likely."""
+    others = kin(ended.search, ended.found.chosen, effect) if one.probability else []
+    together = probability(figures(ended, effect, others)) if others else 0.0
+    if together < LIKELY:
+        return one
+    rivals = [*others, *(name for name in one.rivals if name not in others)]
+    return replace(one, together=together, rivals=rivals)
 
 
-def share_of(before: float, after: float, floor: float) -> float:
-    """Of a mean square above that of the floor [RMS], what is gone."""
-    return (before - after) / max(before - floor**2, 1e-300)
+def judge(ended: Ended, weighed: Mapping[str, Weighed], doubts: Sequence[str] = ()) -> Verdict:
+    """The verdict on a search.
+
+    doubts  reasons not to trust a name, a sentence each
+    """
+    found = ended.found
+    words = Words(ended, weighed)
+    kind = "unknown" if doubts else _kind(ended, weighed)
+    sentence, explanation = (SENSELESS, " ".join(doubts)) if doubts else words.say(kind)
+    if found.vetoed:
+        explanation += (
+            f" {', '.join(plain(n) for n in found.vetoed)} would lower the error on the training "
+            "trials, but not on the held-out ones, and is not named."
+        )
+    unsure = {n: one for n, one in weighed.items() if one.together < LIKELY}
+    if unsure and not doubts:
+        told = ", ".join(f"{plain(n)} ({one.probability:.0%})" for n, one in unsure.items())
+        explanation += f" Too unlikely to be named, though it lowers the error: {told}."
+    following = words.experiment(kind)
+    return Verdict(kind, dict(weighed), sentence, explanation, following, tuple(doubts))
+
+
+def _kind(ended: Ended, weighed: Mapping[str, Weighed]) -> str:
+    if not likely(weighed):
+        return "unknown" if _lacking(ended) else "nothing_missing"
+    chosen = [weighed[e.name()] for e in ended.found.chosen.effects]
+    return "undecided" if any(one.rivals for one in chosen) else "named"
+
+
+def _lacking(ended: Ended) -> bool:
+    """Whether the fitted numbers alone leave something that counts, though nothing names it."""
+    bare, least = ended.found.rungs[0], TWICE * ended.search.worth.least
+    taken = bare.mean_square - ended.found.chosen.mean_square
+    return taken >= least**2 or ended.search.models.lacks(bare)
 
 
 @dataclass(frozen=True)
-class Told:
+class Words:
     """Puts a verdict into sentences."""
 
-    search: Ladder
-    settings: Settings
-    validate: Problem
+    ended: Ended
+    weighed: Mapping[str, Weighed]
+
+    def say(self, kind: str) -> tuple[str, str]:
+        """The sentence and the explanation of a verdict of this kind."""
+        return getattr(self, f"_{kind}")()  # type: ignore[no-any-return]
 
     @property
-    def effort(self) -> Effort:
-        """What the errors are of."""
-        return self.validate.effort
+    def _chosen(self) -> Model:
+        return self.ended.found.chosen
 
     @property
-    def share(self) -> float:
-        """Of the effort, what the fitted numbers alone miss on trials that no fit has seen."""
-        return self.search.rungs[0].scores["validate"].rmse / effort_rms(self.validate)
+    def _effort(self) -> str:
+        return self.ended.search.models.train.effort.name  # type: ignore[no-any-return]
 
-    @property
-    def least(self) -> float:
-        """The same of a complete model."""
-        return complete(self.validate, self.settings.floor) / effort_rms(self.validate)
+    def _named(self) -> tuple[str, str]:
+        chosen = self._chosen.effects
+        titles = [_with_equivalents(e, self.weighed[e.name()].equivalents) for e in chosen]
+        parts = [f"{e.signature} {e.explanation}" for e in chosen]
+        return f"Missing: {' and '.join(titles)}.", " ".join([*parts, self._fall_and_left()])
 
-    def nothing_or_unknown(self, added: Mapping[str, Weighed]) -> Verdict:
-        """The verdict where no name is likely enough."""
-        return self._nothing(added) if self.share <= self.least else self._unknown(added)
-
-    def _nothing(self, added: Mapping[str, Weighed]) -> Verdict:
-        return Verdict(
-            "nothing_missing",
-            1.0,
-            [],
-            f"Nothing is missing: the model is within {self.share:.1%} of the {self.effort.name}.",
-            f"With fitted numbers alone the model misses {self.share:.1%} of the "
-            f"{self.effort.name}'s RMS on trials that it was not fitted to; sensor noise and the "
-            f"differences between two builds of the same machine account for up to "
-            f"{self.least:.1%}. No candidate that carries {self.settings.floor:.1%} of the "
-            f"{self.effort.name} is likely.{_unlikely(added)}",
-            "",
-        )
-
-    def _unknown(self, added: Mapping[str, Weighed]) -> Verdict:
-        first = self.search.rounds[0] if self.search.rounds else []
-        tried = ", ".join(e.title for c in first for e in c.effects)
-        return Verdict(
-            "unknown",
-            0.0,
-            [],
-            f"Something is missing that the library does not hold: {self.share:.1%} of the "
-            f"{self.effort.name}.",
-            f"The model misses {self.share:.1%} of the {self.effort.name}'s RMS on trials that it "
-            "was not fitted to, and no candidate explains enough of it to be likely (tried in full "
-            f"simulation: {tried or 'none'}).{_unlikely(added)} {ATLAS}",
-            AGAIN,
-        )
-
-    def named(self, sure: float, same: Sequence[Confirmed]) -> Verdict:
-        """The verdict on what was added; `same` says as much of these data."""
-        base, last = self.search.rungs[0], self.search.rungs[-1]
-        before, after = base.scores["heldout"].rmse, last.scores["heldout"].rmse
-        own, alone = set(last.effects), {c.effects for c in same}
-        first = self.search.rounds[0]
-        tried = dict.fromkeys(e for c in first if c.effects not in alone for e in c.effects)
-        others = [e for e in tried if e not in own]
-        ways = (
-            e.tell_apart[o.name()] for e in last.effects for o in others if o.name() in e.tell_apart
-        )
-        experiment = next(ways, "")
-        story = " ".join(f"{e.explanation} {e.signature}" for e in last.effects)
-        effects = "the effect" if len(own) == 1 else "these effects"
-        whole = self._accounted()
-        beside = f" against {', '.join(e.title for e in others)}" if others else ""
-        return Verdict(
-            "named",
-            sure,
-            [],
-            f"Missing: {' and '.join(e.title for e in last.effects)}.",
-            f"{story} With fitted numbers alone the model misses {self.share:.1%} of the "
-            f"{self.effort.name}'s RMS; with {effects} added and all numbers refitted, the error "
-            f"on held-out trials falls from {self.effort.shown(before, after)}. It accounts for "
-            f"{whole:.0%} of the squared error above the sensor's noise, and wins "
-            f"{_brought(self.search).probability:.0%} of resampled errors{beside}.{self._left()}"
-            f"{_alike(same)}",
-            f"To make sure: {experiment}." if experiment else "",
-            tuple(label(c.effects) for c in same),
-        )
-
-    def undecided(self, best: Confirmed, rivals: Sequence[Confirmed], sure: float) -> Verdict:
-        """The verdict where another explains it about as well."""
-        names = [e.name() for c in rivals for e in c.effects]
-        titles = " or ".join(map(_titles, [best, *rivals]))
-        known: Mapping[str, str] = {k: v for e in best.effects for k, v in e.tell_apart.items()}
-        ways = [known[n] for n in names if n in known]
-        return Verdict(
-            "undecided",
-            sure,
-            names,
-            f"Undecided: {titles}.",
-            f"The model misses {self.share:.1%} of the {self.effort.name}'s RMS. Each of these "
-            "explains it about as well on trials that it was not fitted to; these data cannot tell "
-            f"them apart.{self._left()}",
-            f"To decide: {ways[0]}." if ways else "Repeat the trials at a second load and speed.",
-        )
-
-    def _accounted(self) -> float:
-        """Share of the squared validation error above the noise that the added effects explain."""
-        before, after = (float(self.search.rungs[k].errors.mean()) for k in (0, -1))
-        return float(np.clip(share_of(before, after, noise_floor(self.validate)), 0.0, 1.0))
-
-    def _left(self) -> str:
-        """What is left beside the added effects, where it is more than a complete model leaves."""
-        left = self.search.rungs[-1].scores["validate"].rmse / effort_rms(self.validate)
-        if left <= self.least:
-            return ""
+    def _undecided(self) -> tuple[str, str]:
+        candidates = (*self.ended.search.candidates, *self._chosen.effects)
+        dry = {e.name() for e in candidates if is_dry(e)}
+        sets = []
+        for effect in self._chosen.effects:
+            one = self.weighed[effect.name()]
+            names = [effect.name(), *one.equivalents, *one.rivals]
+            told = " or ".join(plain(n) for n in names)
+            only_dry = len(names) > 1 and dry.issuperset(names)
+            sets.append(f"dry friction by one of its laws ({told})" if only_dry else told)
         return (
-            f" Beside it {left:.1%} of the {self.effort.name} is left, more than the "
-            f"{self.least:.1%} that noise and builds account for: something else is missing, too, "
-            "or its law is not quite the machine's."
+            f"Undecided: {'; and '.join(sets)}.",
+            f"Each of these explains most of the same of the {self._effort}; these data cannot "
+            f"tell them apart. {self._fall_and_left()}",
         )
 
+    def _nothing_missing(self) -> tuple[str, str]:
+        models, bare = self.ended.search.models, self.ended.found.rungs[0]
+        share = float(np.sqrt(bare.mean_square)) / models.size
+        return (
+            f"Nothing is missing: the model is within {share:.1%} of the {self._effort}.",
+            models.nothing(bare),
+        )
 
-def _unlikely(added: Mapping[str, Weighed]) -> str:
-    if not added:
+    def _unknown(self) -> tuple[str, str]:
+        if not self._chosen.effects:
+            return self.ended.left.unknown
+        partly = " and ".join(e.title for e in self._chosen.effects)
+        return (
+            f"Something is missing, and no name for it is likely enough; nearest: {partly}.",
+            self._fall_and_left(),
+        )
+
+    def _fall_and_left(self) -> str:
+        models, bare = self.ended.search.models, self.ended.found.rungs[0]
+        before, after = (float(np.sqrt(m.heldout_square)) for m in (bare, self._chosen))
+        size = effort_rms(models.heldout)
+        fall = (
+            f"On held-out data the RMS error falls from "
+            f"{models.train.effort.shown(before, after)}, from {before / size:.1%} to "
+            f"{after / size:.1%} of the {self._effort}'s RMS."
+        )
+        return " ".join(text for text in (fall, self.ended.left.said) if text)
+
+    def experiment(self, kind: str) -> str:
+        """What to measure next, so that the verdict becomes surer."""
+        if kind in ("nothing_missing", "unknown"):
+            return AGAIN if kind == "unknown" else ""
+        chosen = [(e, self.weighed[e.name()].rivals) for e in self._chosen.effects]
+        for effect, rivals in chosen:
+            for rival in rivals:
+                if rival in effect.tell_apart:
+                    return f"To decide: {effect.tell_apart[rival]}."
+        if kind == "undecided":
+            contested = [effect for effect, rivals in chosen if rivals]
+            return f"To decide: a trial with {contested[0].needs}."
+        near = [o.effect.name() for o in self.ended.found.offers[:6]]
+        for effect, _ in chosen:
+            for rival in near:
+                if rival not in self._chosen.names and rival in effect.tell_apart:
+                    return f"To make sure: {effect.tell_apart[rival]}."
         return ""
-    told = ", ".join(f"{n.replace('_', ' ')} ({w.probability:.0%})" for n, w in added.items())
-    return f" Too unlikely to be named, though it lowers the error: {told}."
 
 
-def _alike(same: Sequence[Confirmed]) -> str:
-    return f" On these data {' or '.join(map(_titles, same))} would say the same." if same else ""
+def _with_equivalents(effect: type[Effect], same: Sequence[str]) -> str:
+    if not same:
+        return effect.title
+    return f"{effect.title} (on this rig the same as {' or '.join(plain(n) for n in same)})"
 
 
-def _titles(found: Confirmed) -> str:
-    return " and ".join(e.title for e in found.effects)
+def plain(name: str) -> str:
+    """An effect's name as words."""
+    return name.replace("_", " ")

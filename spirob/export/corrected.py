@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from spirob.diagnosis.document import SENSELESS
 from spirob.effects import all_effects
 from spirob.errors import ExportError
 from spirob.export.law import Law, law_of
@@ -117,7 +116,7 @@ def read_document(path: Path) -> dict[str, Any]:
 
 def require_sense(document: Mapping[str, Any], folder: Path) -> None:
     """Raise ExportError where a diagnosis says that its numbers describe no machine."""
-    if document["sentence"] == SENSELESS:
+    if document.get("doubts"):
         why = " ".join(str(document.get("explanation", "")).split())[:200]
         raise ExportError(
             f"{folder / 'diagnosis.json'}: has no verdict, so there is no model to take home: "

@@ -9,23 +9,26 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from spirob.diagnosis.atlas import atlas
+from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.verdict import concluded, judge
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
+from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.criteria import Criteria
 from spirob.machine.delays import as_usual, is_told, partnered, place
 from spirob.machine.document import document, heldout, plain, standing
-from spirob.machine.figures import Ended
-from spirob.machine.flexible import Ceiling, ceiling
+from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import TWICE, judge, likely, structured, weigh
 from spirob.machine.laws import for_axis
+from spirob.machine.leftovers import TWICE, structured
 from spirob.machine.loading import chosen, files
-from spirob.machine.models import Model, label
+from spirob.machine.models import Models, RigSearch
 from spirob.machine.motion import without_holds
 from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.open_questions import AT_LOAD, KINDS, fits_at_load, may_differ, may_sit_at_load
@@ -35,7 +38,6 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes, sizes_of
-from spirob.machine.search import Found, Search
 from spirob.machine.selection import split
 
 
@@ -70,7 +72,7 @@ class _Searched:
     """What a search over a rig's logs ended with; `gate` is what they can say about its numbers."""
 
     ready: _Ready
-    search: Search
+    search: RigSearch
     gate: Identifiability
     found: Found
 
@@ -171,8 +173,8 @@ def _about(ready: _Ready, delay: Bounded) -> _Ready:
     return ready.told(fit={**ready.rig.fit, "delay": delay})
 
 
-def _place(search: Search, model: Model) -> Bounded:
-    return place(search.train, model, search.models.folds, search.absent(model))
+def _place(search: RigSearch, model: Model) -> Bounded:
+    return place(search.models.train, model, search.models.folds, search.absent(model))
 
 
 def _once_more(done: _Searched) -> _Searched:
@@ -270,35 +272,27 @@ def _search(ready: _Ready) -> tuple[Search, Identifiability]:
     if gate.silent:
         raise ConfigError(f"fit: {gate.sentence}")
     absent = [e for e in ready.possible if e not in ready.own]
-    return Search(train, heldout, names, absent, ready.settings, ready.progress), gate
+    models = Models(train, heldout, names, ready.settings.floor)
+    return Search(models, absent, ready.settings, ready.progress), gate
 
 
 def _finish(done: _Searched) -> Diagnosis:
     ready, search, found, gate = done.ready, done.search, done.found, done.gate
-    problems = search.train, search.heldout
-    rest = _ceiling(search, found.chosen)
-    while (lesser := search.without_imitations(found, rest.share)) is not None:
-        found, rest = lesser, _ceiling(search, lesser.chosen)
-    weighed = weigh(Ended(search, found, rest))
-    if 0 < len(kept := likely(weighed)) < len(weighed):
-        found = search.narrowed(found, kept)
-        rest = _ceiling(search, found.chosen)
+    problems = search.models.train, search.models.heldout
+    ended, weighed = concluded(search, found, lambda model: is_bent(search, model))
+    found = ended.found
     bare, chosen = found.rungs[0], found.chosen
-    low = rest
-    if chosen is not bare:
-        search.progress(f"what follows from the motion beside {label(bare.effects)}")
-        low = ceiling(*problems, bare.fit.residual, bare.heldout, search.models.folds, split=False)
-    warnings = doubts(search, found, rest)
-    judgement = judge(Ended(search, found, rest), low, warnings, weighed)
-    law = None if warnings else _law(search, found, rest, judgement.kind)
+    rest = search.models.ceiling(chosen)
+    verdict = judge(ended, weighed, doubts(search, found, rest))
+    law = None if verdict.doubts else _law(search, found, rest, verdict.kind)
     notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
     notes += beyond(problems, ready.own, chosen.fit.changes)
-    regimes = atlas(search.train, bare.fit.residual)
-    written = document(ready.rig, search, found, judgement, rest, regimes, notes, ready.excluded)
+    regimes = atlas(search.models.train, bare.fit.residual)
+    written = document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)
     ranked = [c["name"] for c in written["candidates"]]
     written["switches"] = plain(switches(search, found, ranked))
     written["composed"] = plain(law.document) if law else None
-    stands = chosen if judgement.kind == "named" else bare
+    stands = chosen if verdict.kind == "named" else bare
     written["model"] = plain(standing(search, stands, ready.body))
     curves = None
     if ready.rig.predict != "effort":
@@ -309,27 +303,21 @@ def _finish(done: _Searched) -> Diagnosis:
         overlay(search, bare.fit, chosen.fit),
         parameters(search, bare.fit),
         gate.sentence,
-        laws(search.heldout, chosen.effects, chosen.fit.changes, search.heldout.sizes.axis_unit),
+        laws(problems[1], chosen.effects, chosen.fit.changes, problems[1].sizes.axis_unit),
         curves,
         law,
         heldout(search, stands),
     )
 
 
-def _law(search: Search, found: Found, rest: Ceiling, kind: str) -> Composed | None:
+def _law(search: RigSearch, found: Found, rest: Ceiling, kind: str) -> Composed | None:
     """The law of what no name explains: of all that is left where there is none."""
     if kind == "unknown":
         return composed(search, found, found.rungs[0])
-    if kind in ("named", "undecided") and structured(search, found.chosen, rest):
+    if kind in ("named", "undecided") and structured(search.models, found.chosen, rest):
         return composed(search, found, found.chosen)
     return None
 
 
 def _stroke(recordings: list[Recording]) -> float:
     return float(np.ptp(np.concatenate([p.q[p.use] for r in recordings for p in r.pieces])))
-
-
-def _ceiling(search: Search, model: Model) -> Ceiling:
-    problems = search.train, search.heldout
-    search.progress(f"what follows from the motion beside {label(model.effects)}")
-    return ceiling(*problems, model.fit.residual, model.heldout, search.models.folds)

@@ -1,19 +1,14 @@
-"""Which effects can act on a rig, which say the same, and why the others cannot.
-
-Effects that one rig cannot tell apart: their columns over its trials are the same.
-
-Nothing is listed by name: two effects are equivalent on these data when one fitted in the place of
-the other changes the modelled effort by less than the floor of an effect.
-"""
+"""Which effects can act on a rig, and why the others cannot."""
 
 from collections.abc import Collection, Sequence
 from itertools import combinations
 
 import numpy as np
 
+from spirob.diagnosis.dry import another_dry
+from spirob.diagnosis.model import Model
 from spirob.effects import Effect
 from spirob.machine.laws import LEVER, shares_inertia
-from spirob.machine.models import Model
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, parameters
 from spirob.machine.shapes import counts_periods
@@ -112,62 +107,14 @@ def _unread(missing: set[str]) -> str:
     return f"the log has no {', '.join(sorted(missing))}" if missing else ""
 
 
-SPEEDS = {"motor.speed", "motor.rest_speed"}
-SLOW, FAST = 1e3, 1e4  # rest speeds at which sliding friction has settled
-LOW = (1.0, 3.0, 10.0)  # rest speeds among which a level is highest
-HIGHER = 1.1
-SETTLING = 100  # steps that a memory is given for that
-STEP = 1e-3  # s
-
-
-def is_dry(effect: type[Effect]) -> bool:
-    """Whether this is a law of dry friction by speed alone: level at speed, and odd in it.
-
-    Asked of the kernel itself, so that it holds for effects that nobody here has seen.
-    """
-    reads = set(effect.reads.values())
-    if effect.port != "motor.torque" or "motor.speed" not in reads or not reads <= SPEEDS:
-        return False
-    slow, fast, back = (_settled(effect, v) for v in (SLOW, FAST, -FAST))
-    return abs(fast) > 0.0 and abs(fast - slow) < 1e-3 * abs(fast) and fast * back < 0.0
-
-
-def falls(effect: type[Effect]) -> bool:
-    """Whether the level of a dry friction is higher at low speed than at high speed."""
-    low = max(abs(_settled(effect, speed)) for speed in LOW)
-    return low > HIGHER * abs(_settled(effect, FAST))
-
-
-def _settled(effect: type[Effect], speed: float) -> float:
-    given = {a: 1.0 if s == "motor.rest_speed" else speed for a, s in effect.reads.items()}
-    given |= {f: p.nominal for f, p in effect.parameters().items()}
-    given |= {"dt": STEP} if "dt" in effect.arguments() else {}
-    memory = dict(effect.state)
-    if not memory:
-        return float(effect.kernel(**given))
-    for _ in range(SETTLING):
-        out = effect.kernel(**given, **memory)
-        memory = dict(zip(memory, out[1:], strict=True))
-    return float(out[0])
-
-
 def related(effect: type[Effect], others: Collection[type[Effect]]) -> bool:
     """Whether one of the others is the same kind of law, of which a machine has only one.
 
-    The sum of two laws of dry friction is a third one, with a transition that fits anything.  Only
-    what they say of different things belongs together: how friction turns round at a reversal, and
-    how its level falls with speed.  And one load stays behind the motor in one way: play has its
-    teeth's spring already.
+    One load stays behind the motor in one way: play has its teeth's spring already.
     """
     if shares_inertia(effect):
         return any(shares_inertia(other) for other in others)
-    return is_dry(effect) and any(is_dry(o) and not _complete(effect, o) for o in others)
-
-
-def _complete(one: type[Effect], other: type[Effect]) -> bool:
-    """Whether one law tells how friction turns round, the other how its level falls with speed."""
-    memory, level = (one, other) if one.state else (other, one)
-    return bool(memory.state) and not level.state and falls(level)
+    return another_dry(effect, others)
 
 
 def same_wave(model: Model, sizes: Sizes) -> bool:
@@ -183,27 +130,3 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
         if f not in e.neutral and counts_periods(e, f)
     ]
     return any(abs(one - two) < apart for one, two in combinations(orders, 2))
-
-
-ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
-
-
-def alike(one: Model, two: Model, least: float) -> bool:
-    """Whether two models predict the same effort, within a tenth of the least effect's RMS."""
-    difference = one.fit.residual - two.fit.residual
-    return float(np.sqrt(np.mean(difference**2))) < ALIKE * least
-
-
-def equivalents(
-    chosen: Model, rivals: Sequence[Model], least: float
-) -> tuple[list[str], list[str]]:
-    """Names of the effects that say the same as the chosen one, and of those that are real rivals.
-
-    A rival counts as itself once, though it may be met several times.
-    """
-    same: list[str] = []
-    other: list[str] = []
-    for rival in rivals:
-        name = next(iter(rival.names - chosen.names))
-        (same if alike(chosen, rival, least) else other).append(name)
-    return sorted(set(same)), sorted(set(other) - set(same))

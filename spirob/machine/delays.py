@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spirob.diagnosis.model import Model
 from spirob.effects import Effect
 from spirob.machine.flexible import RIDGE, step
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import DELAY, Model
 from spirob.machine.recording import Recording
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.screening import Screening
@@ -35,6 +35,7 @@ from spirob.machine.shapes import counts_periods, starts
 # the drive's answer, one for the order of logging; of a slow log the last alone
 ROWS, FEW = 3.2, 1.5
 LEAST, LONG = 1e-3, 0.02  # s: always possible, and beyond which it takes a slow log
+DELAY = "rig.delay"
 FARTHEST = 0.06  # s; public logs of real machines hold 16 to 50 ms
 # of the delay by which a time acts there
 SIGNS = {"sensing.current": 1.0, "sensing.report": 1.0, "sensing.frame": -1.0}

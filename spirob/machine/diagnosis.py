@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.effects import Effect
 from spirob.errors import ConfigError, DataError
 from spirob.given_file import named
@@ -24,7 +25,6 @@ from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.criteria import Criteria
 from spirob.machine.loading import chosen, described, files, load_rig
 from spirob.machine.page_tables import laws
 from spirob.machine.recording import of_table
@@ -133,22 +133,18 @@ def _arm(
     own: Sequence[type[Effect]],
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else."""
-    from spirob.diagnosis.rungs import Settings as ArmSettings
     from spirob.machine.arm import diagnosis as arm
     from spirob.machine.arm import kept
-    from spirob.machine.arm.diagnosis import overlay, parameters
 
-    settings = ArmSettings(**asdict(rig.criteria), intervals=False, always=False)
+    settings = Settings(**asdict(rig.criteria), intervals=False, always=False)
     trials, said = arm.read(rig, train, test)
-    stood = arm.searched(rig, trials, settings, progress, own=own, said=said)
-    found = arm.written(rig, stood, said)
-    search, residuals = stood.search, stood.residuals
-    last = search.rungs[-1]
+    found = arm.searched(rig, trials, settings, progress, own=own, said=said)
+    last, heldout = found.ended.found.chosen, found.models.heldout
     return Diagnosis(
-        found,
-        overlay(search, residuals, found["verdict"] == "named"),
-        parameters(search, residuals["train"].table),
+        arm.written(rig, found, said),
+        arm.overlay(found),
+        arm.parameters(found),
         "",
-        laws(residuals["heldout"], last.effects, last.fit.changes, "m"),
-        heldout=kept.rows(residuals["heldout"].trials),
+        laws(heldout, last.effects, last.fit.changes, "m"),
+        heldout=kept.rows(heldout.trials),
     )

@@ -18,136 +18,67 @@ import numpy as np
 import pandas as pd
 
 from spirob.diagnosis.atlas import Regime, lateness, worst
-from spirob.diagnosis.document import CEILING
+from spirob.diagnosis.document import CEILING, candidates, findings, numbers
 from spirob.diagnosis.evidence import half_seconds, noise_floor
 from spirob.diagnosis.flexible import worth
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.search import Found
 from spirob.diagnosis.spectrum import orders
+from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect, all_effects
 from spirob.identify.intervals import covariance_of
 from spirob.machine.body import RigidBody
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.judgement import Judgement
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
-from spirob.machine.models import ROBUST, Model
+from spirob.machine.models import ROBUST, RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.rig import NUMBERS, RigFile
-from spirob.machine.search import Found, Search
 from spirob.ports import PORTS
 from spirob.score import Interval, score, score_interval
 
 
 def document(
     rig: RigFile,
-    search: Search,
+    search: RigSearch,
     found: Found,
-    judgement: Judgement,
+    verdict: Verdict,
     rest: Ceiling,
     regimes: Sequence[Regime],
     repairs: Sequence[str],
     excluded: dict[str, str],
 ) -> dict[str, Any]:
     """All of a diagnosis, in SI; a number that is not finite becomes null."""
-    effort = search.train.effort
-    named = judgement.kind in ("named", "undecided")
-    pieces, bare = search.train.stretches(), found.rungs[0].fit.residual
+    effort = search.models.train.effort
+    pieces, bare = search.models.train.stretches(), found.rungs[0].fit.residual
     written = {
         "rig": rig.name,
         "predict": rig.predict,
-        "verdict": judgement.kind,
-        "sentence": judgement.sentence,
-        "explanation": judgement.explanation,
-        "next_experiment": judgement.next_experiment,
-        "effects": [
-            {
-                "name": e.name(),
-                "title": e.title,
-                "probability": judgement.weighed[e.name()].probability,
-                "together": judgement.weighed[e.name()].together,
-                "equivalents": judgement.weighed[e.name()].equivalents,
-                "rivals": judgement.weighed[e.name()].rivals,
-                "parameters": _numbers(found.chosen, e.name()),
-            }
-            for e in (found.chosen.effects if named else ())
-        ],
-        "evidence": [
-            {
-                "name": name,
-                "probability": one.probability,
-                "together": one.together,
-                "equivalents": one.equivalents,
-                "rivals": one.rivals,
-                "figures": one.figures,
-            }
-            for name, one in judgement.weighed.items()
-        ],
-        "candidates": _candidates(search, found, judgement),
+        "verdict": verdict.kind,
+        "sentence": verdict.sentence,
+        "explanation": verdict.explanation,
+        "doubts": list(verdict.doubts),
+        "next_experiment": verdict.next_experiment,
+        **findings(verdict, found.chosen),
+        "candidates": candidates(search, found, verdict),
         "ladder": [*_ladder(search, found), _flexible(search, found, rest)],
-        "noise_floor": noise_floor(search.train),
+        "noise_floor": noise_floor(search.models.train),
         "atlas": [r.as_dict() for r in regimes],
         "atlas_sentences": worst(regimes, effort),
         "atlas_orders": [w.as_dict() for w in orders(pieces, bare)],
         "atlas_lateness": lateness(pieces, bare),
         "unit": effort.unit,
         "effort": effort.name,
-        "effort_rms": {"train": search.models.size, "test": _rms(search.heldout.measured())},
+        "effort_rms": {"train": search.models.size, "test": _rms(search.models.heldout.measured())},
         "repairs": list(repairs),
         "excluded": excluded,
-        "numbers": _numbers(found.chosen, "rig"),
+        "numbers": numbers(found.chosen, "rig"),
         "left": {"share": rest.share, "alone": rest.alone},
     }
     return plain(written)  # type: ignore[no-any-return]
 
 
-def _numbers(model: Model, owner: str) -> dict[str, Any]:
-    return {
-        name.split(".", 1)[1]: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-        for name, e in model.fit.estimates.items()
-        if name.split(".", 1)[0] == owner
-    }
-
-
-def _candidates(search: Search, found: Found, judgement: Judgement) -> list[dict[str, Any]]:
-    """Every effect that was considered, the most probable first.
-
-    heldout_rmse  of the best fitted model that holds it and is no larger than the chosen one, which
-                  for a chosen effect is the chosen one; null where screening ended it
-    """
-    entries = []
-    most = max(1, len(found.chosen.effects))
-    for offer in found.offers:
-        name = offer.effect.name()
-        models = [
-            m for m in search.models.tried.values() if name in m.names and len(m.effects) <= most
-        ]
-        models = [found.chosen] if name in found.chosen.names else models
-        best = min(models, key=lambda m: m.mean_square) if models else None
-        single = search.models.tried.get(frozenset({name}))
-        own = judgement.weighed.get(name)
-        probability = own.probability if own else 0.0
-        for one in judgement.weighed.values():
-            if name in one.rivals:
-                shared = one.together if one.together > one.probability else 1.0
-                probability = max(probability, (shared - one.probability) / len(one.rivals))
-        gain = 1.0 - offer.error / found.rungs[0].mean_square
-        entries.append(
-            {
-                "name": name,
-                "title": offer.effect.title,
-                "probability": probability,
-                "heldout_rmse": None if best is None else float(np.sqrt(best.heldout_square)),
-                "with": [] if best is None else sorted(best.names - {name}),
-                "train_rmse": None if best is None else _rms(best.fit.residual),
-                "alone_heldout_rmse": None
-                if single is None
-                else float(np.sqrt(single.heldout_square)),
-                "screen_gain": gain,
-            }
-        )
-    return sorted(entries, key=lambda e: -e["probability"])
-
-
-def _ladder(search: Search, found: Found) -> list[dict[str, Any]]:
+def _ladder(search: RigSearch, found: Found) -> list[dict[str, Any]]:
     rungs = []
     for model in found.rungs:
         names = [e.name() for e in model.effects]
@@ -158,9 +89,9 @@ def _ladder(search: Search, found: Found) -> list[dict[str, Any]]:
     return rungs
 
 
-def _flexible(search: Search, found: Found, rest: Ceiling) -> dict[str, Any]:
+def _flexible(search: RigSearch, found: Found, rest: Ceiling) -> dict[str, Any]:
     """The ceiling: what a flexible residual on top of the chosen model would reach."""
-    measured, held = search.train.measured(), search.heldout.measured()
+    measured, held = search.models.train.measured(), search.models.heldout.measured()
     before = found.chosen.fit.residual
     guess = before - rest.left
     left = before - worth(before, guess) * guess  # as on the held-out trials
@@ -175,13 +106,13 @@ def _flexible(search: Search, found: Found, rest: Ceiling) -> dict[str, Any]:
 
 
 def _intervals(
-    search: Search, train: np.ndarray, heldout: np.ndarray
+    search: RigSearch, train: np.ndarray, heldout: np.ndarray
 ) -> dict[str, dict[str, Interval]]:
     """95 % intervals of the scores of what a model misses on either role, (N,) and (M,)."""
     found = {}
     for role, problem, missed in (
-        ("train", search.train, train),
-        ("test", search.heldout, heldout),
+        ("train", search.models.train, train),
+        ("test", search.models.heldout, heldout),
     ):
         measured = problem.measured()
         found[role] = score_interval(measured, measured + missed, half_seconds(problem))
@@ -206,7 +137,7 @@ def plain(node: Any) -> Any:
 FORMAT = 1  # of the record; another one is refused by who reads it
 
 
-def standing(search: Search, model: Model, body: RigidBody | None) -> dict[str, Any]:
+def standing(search: RigSearch, model: Model, body: RigidBody | None) -> dict[str, Any]:
     """The record of a model, in SI, as plain data.
 
     numbers   of the rig;  effects  with `source`, the module or file of their law, and numbers
@@ -214,7 +145,7 @@ def standing(search: Search, model: Model, body: RigidBody | None) -> dict[str, 
     fitted    names, values, 95 % intervals, bounds, units and covariance of what was fitted
     trials    of the held-out logs: name, sample period, cutoff of the filter, thinning
     """
-    train, held, table = search.train, search.heldout, search.train.table
+    train, held, table = search.models.train, search.models.heldout, search.models.train.table
     p = table.vector(model.fit.changes)
     estimates = model.fit.estimates
     about = [table.about[name] for name in estimates]
@@ -251,7 +182,7 @@ def standing(search: Search, model: Model, body: RigidBody | None) -> dict[str, 
     }
 
 
-def heldout(search: Search, model: Model) -> pd.DataFrame:
+def heldout(search: RigSearch, model: Model) -> pd.DataFrame:
     """The held-out logs, a row for each sample, and what the model says of them.
 
     trial, piece   numbers of the log and of its piece;  used  rows that are compared
@@ -259,7 +190,7 @@ def heldout(search: Search, model: Model) -> pd.DataFrame:
     modelled, without  effort that the model asks for, unfiltered, with its effects and without
     carried, payload, offset, along, across  what the axis carries, N·m or N, and its own numbers
     """
-    problem = search.heldout
+    problem = search.models.heldout
     asked, table = problem.asked, problem.table
     p = table.vector(problem.completed(model.fit.changes))
     motion, bare = asked.motion, p.copy()

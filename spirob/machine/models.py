@@ -1,87 +1,141 @@
-"""Sets of effects, each fitted in full on the training trials and judged on data left out."""
+"""Sets of effects on a rig, each fitted in full on the training trials, judged on data left out."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.flexible import folds_of
+from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, label
+from spirob.diagnosis.search import Search
 from spirob.effects import Effect
-from spirob.identify.fit import Fit, fit
-from spirob.machine.flexible import left_out_linear
+from spirob.identify.fit import fit
+from spirob.machine.candidates import related, same_wave
+from spirob.machine.delays import DELAY, only_aligns
+from spirob.machine.filtering import noise_in_effort
+from spirob.machine.flexible import Ceiling, ceiling, left_out_linear
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
-from spirob.machine.screening import room
+from spirob.machine.leftovers import left_of, nothing, structured, unexplained
+from spirob.machine.screening import Screening, room
 from spirob.score import Score, score
 
 ITERATIONS = 40  # of a fit at most: one that has not arrived is taken for a poorer law
 # of differences, in scaled numbers: an inverse model is smooth, and the order of a ripple over many
 # turns needs a fine one
 STEP = 1e-3
-DELAY = "rig.delay"
 ROBUST = 10.0  # times the effort, where errors begin to count linearly: repairs took the outliers
 ROUGH = 0.02  # where blows come earlier or later by a number, and the residual is not smooth
 
 
-@dataclass(frozen=True)
-class Model:
-    """A set of effects, fitted; errors are mean squares by block.
+class Models(Predictor):
+    """Fits sets of effects and keeps every one: the `Predictor` of a rig.
 
-    left     residual of each training sample after a step that the other folds chose
-    heldout  residual on the held-out trials
-    """
-
-    effects: tuple[type[Effect], ...]
-    fit: Fit
-    left: np.ndarray
-    errors: np.ndarray
-    heldout: np.ndarray
-    heldout_errors: np.ndarray
-
-    @property
-    def mean_square(self) -> float:
-        """Of the folds left out."""
-        return float(np.mean(self.left**2))
-
-    @property
-    def heldout_square(self) -> float:
-        """Of the held-out trials."""
-        return float(np.mean(self.heldout**2))
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Names of its effects."""
-        return frozenset(e.name() for e in self.effects)
-
-    @property
-    def numbers(self) -> int:
-        """How rich it is: numbers of its effects, and one more for each that has a memory.
-
-        How many cells a memory takes is a matter of its program: a delay needs many, and one time.
-        """
-        return sum(len(e.parameters()) + bool(e.state) for e in self.effects)
-
-
-class Models:
-    """Fits sets of effects and keeps every one.
-
-    base   names of the numbers that every set fits
-    size   RMS of the measured effort
-    tried  names of the effects -> model
+    floor  least size of an effect, over the RMS effort
     """
 
     def __init__(
         self,
         train: InverseProblem,
         heldout: InverseProblem,
-        base: Sequence[str],
-        progress: Callable[[str], None] = lambda text: None,
+        names: Sequence[str],
+        floor: float = Criteria.floor,
     ):
-        self.train, self.heldout, self.base, self.progress = train, heldout, list(base), progress
+        self.train: InverseProblem = train
+        self.heldout: InverseProblem = heldout
+        self.names = list(names)
+        self.progress: Callable[[str], None] = lambda text: None
         self.folds = folds_of(_halves(train.edges))
         self.size = float(np.sqrt(np.mean(train.measured() ** 2)))
         self.tried: dict[frozenset[str], Model] = {}
+        self._screened: dict[frozenset[str], Screening] = {}
+        self._ceilings: dict[tuple[frozenset[str], bool], Ceiling] = {}
+        self._floor = floor
+
+    @cached_property
+    def least(self) -> float:
+        """The least size of an effect: a share of the effort, or the noise of the motion in it."""
+        bare = self.fitted((), {})
+        modelled = self.train.measured() + bare.fit.residual
+        squares = [p.noise**2 for r in self.train.recordings for p in r.pieces]
+        noise = float(np.sqrt(np.mean(squares)))
+        passed = noise_in_effort(noise, modelled, self.train.signals()["acceleration"])
+        return max(self._floor * self.size, passed)
+
+    def grown(
+        self, current: Model, sets: Sequence[tuple[Offer, ...]], counts: Counts
+    ) -> list[Model]:
+        """The model with each of these sets added; every fit ends where it settles."""
+        found = []
+        for added in sets:
+            start = dict(current.fit.changes)
+            for offer in added:
+                start |= offer.values
+            effects = (*current.effects, *(offer.effect for offer in added))
+            found.append(self.fitted(effects, start))
+        return found
+
+    def offers(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
+        """The effects beside a model, by a regression on their columns."""
+        screening = self._screening(model)
+        if new := screening.untried(effects):
+            self.progress(f"{len(new)} effects screened beside {label(model.effects)}")
+        return screening.offers(effects)
+
+    def pairs(self, model: Model, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
+        """Pairs of these, on the same columns."""
+        return self._screening(model).pairs(offers)
+
+    def _screening(self, model: Model) -> Screening:
+        if model.names not in self._screened:
+            made = Screening(self.train, model.fit, self.folds)
+            self._screened[model.names] = made
+        return self._screened[model.names]
+
+    def related(self, effect: type[Effect], others: Sequence[type[Effect]]) -> bool:
+        """Whether one of the others is the same kind of law, of which a machine has only one."""
+        return related(effect, others)
+
+    def plain(self, model: Model) -> bool:
+        """Whether a model is no wave twice, and no delay in other words."""
+        period = max(r.period for r in self.train.recordings)
+        return not same_wave(model, self.train.sizes) and not only_aligns(
+            model, self.train.rig, period
+        )
+
+    def complete(self, model: Model) -> bool:
+        """Never: what builds of a rig differ by is not known, and an inverse model is cheap."""
+        return False
+
+    def finished(self, model: Model) -> Model:
+        """The model itself: its fit has the intervals."""
+        return model
+
+    def left(self, model: Model) -> Left:
+        """What is left of a model, by the ceiling over it."""
+        return left_of(self, model, self.ceiling(model))
+
+    def lacks(self, bare: Model) -> bool:
+        """Whether what is left follows from the motion, or is far more than noise."""
+        return structured(self, bare, self.ceiling(bare, split=False)) or unexplained(self, bare)
+
+    def nothing(self, bare: Model) -> str:
+        """Why nothing is missing, in a sentence."""
+        return nothing(self, self.ceiling(bare, split=False))
+
+    def ceiling(self, model: Model, split: bool = True) -> Ceiling:
+        """What a flexible residual takes of what is left; `split` by signals, too."""
+        known = self._ceilings.get((model.names, True)) or self._ceilings.get((model.names, split))
+        if known:
+            return known
+        self.progress(f"what follows from the motion beside {label(model.effects)}")
+        made = ceiling(
+            self.train, self.heldout, model.fit.residual, model.heldout, self.folds, split
+        )
+        self._ceilings[model.names, split] = made
+        return made
 
     def fitted(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
         """The fitted model of a set; `start` holds where its numbers begin."""
@@ -98,7 +152,7 @@ class Models:
     ) -> Model:
         """The same with some numbers of the effects left at neutral; it is not kept."""
         own = (f"{e.name()}.{f}" for e in effects for f in e.fitted())
-        names = [*self.base, *(n for n in own if n not in silent)]
+        names = [*self.names, *(n for n in own if n not in silent)]
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = ROBUST * self.size  # plain least squares inside
@@ -127,7 +181,6 @@ class Models:
             left,
             block_errors(left, self.train.edges, self.train.block),
             held,
-            block_errors(held, self.heldout.edges, self.heldout.block),
         )
         share = np.sqrt(made.mean_square) / self.size
         self.progress(f"{label(effects)}: {share:.2%} of the effort left")
@@ -151,6 +204,4 @@ def _halves(edges: np.ndarray) -> np.ndarray:
     return np.unique(np.concatenate([edges, (edges[:-1] + edges[1:]) // 2]))
 
 
-def label(effects: Sequence[type[Effect]]) -> str:
-    """A set of effects in a line of progress."""
-    return " + ".join(e.name() for e in effects) or "the fitted numbers alone"
+RigSearch = Search[Models]

@@ -13,35 +13,35 @@ from itertools import pairwise
 
 import numpy as np
 
+from spirob.diagnosis.model import Model
 from spirob.machine.laws import LOAD_SIDE, for_axis
-from spirob.machine.models import Model
+from spirob.machine.models import RigSearch
 from spirob.machine.rig import RigFile
-from spirob.machine.search import Search
 
 KINDS = ("offset", "payload")
 
 
-def may_differ(kind: str, rig: RigFile, search: Search, chosen: Model) -> bool:
+def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> bool:
     """Whether a kind of number may differ between the training logs, by what is left of a model.
 
     It may where its columns, one set for each log, take more of the squared residual than the least
     share of an effect beyond what the same columns take for all logs together.
     """
-    logs = {r.log for r in search.train.recordings}
+    logs = {r.log for r in search.models.train.recordings}
     if rig.per_log is not None or rig.logs or len(logs) < 2:
         return False
     columns = _columns(kind, rig, search)
     if columns is None:
         return False
-    residual, edges = chosen.fit.residual, search.train.edges
+    residual, edges = chosen.fit.residual, search.models.train.edges
     together = _left(columns, residual)
     apart = sum(_left(columns[a:b], residual[a:b]) for a, b in pairwise(edges))
-    return together - apart > search.settings.share * float(np.dot(residual, residual))
+    return together - apart > search.criteria.share * float(np.dot(residual, residual))
 
 
-def _columns(kind: str, rig: RigFile, search: Search) -> np.ndarray | None:
+def _columns(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | None:
     """What a number of this kind does to the effort, to first order, (N, k); None where nothing."""
-    signals = search.train.signals()
+    signals = search.models.train.signals()
     ones = np.ones_like(signals["speed"])
     if kind == "offset":
         return ones[:, None]
@@ -64,13 +64,13 @@ AT_LOAD = (
 )
 
 
-def may_sit_at_load(rig: RigFile, search: Search, chosen: Model) -> bool:
+def may_sit_at_load(rig: RigFile, search: RigSearch, chosen: Model) -> bool:
     """Whether a description leaves the side open and enough is left for it to matter."""
     opened = rig.position is not None and rig.position.side is None and isinstance(rig.body, str)
     return opened and search.worth.possible(chosen, 0.0)
 
 
-def fits_at_load(at_load: Search, chosen: Model) -> bool:
+def fits_at_load(at_load: RigSearch, chosen: Model) -> bool:
     """Whether a law of the load's side halves what the model chosen for the motor's leaves.
 
     at_load  the search in which the sensor sits there

@@ -13,20 +13,21 @@ import numpy as np
 import pandas as pd
 
 from spirob.diagnosis.atlas import masks_of
+from spirob.diagnosis.model import Model
 from spirob.diagnosis.screen import without
+from spirob.diagnosis.search import Found
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem
 from spirob.machine.forward import Forward, Prediction
 from spirob.machine.forward.errors import WINDOW
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Model
-from spirob.machine.search import Found, Search
+from spirob.machine.models import RigSearch
 
 MOST = 3  # effects: seven combinations, of which the search has fitted most
 
 
-def switches(search: Search, found: Found, ranked: Sequence[str]) -> list[dict[str, Any]]:
+def switches(search: RigSearch, found: Found, ranked: Sequence[str]) -> list[dict[str, Any]]:
     """Every combination of the chosen effects and the next of `ranked`, fewer effects first.
 
     Each is fitted in full beside what the model holds.
@@ -58,9 +59,9 @@ def _of(model: Model, name: str) -> type[Effect]:
 
 
 def _entry(
-    search: Search, effects: Sequence[str], how: str, changes: Mapping[str, float]
+    search: RigSearch, effects: Sequence[str], how: str, changes: Mapping[str, float]
 ) -> dict[str, Any]:
-    left = {"train": search.train(changes), "test": search.heldout(changes)}
+    left = {"train": search.models.train(changes), "test": search.models.heldout(changes)}
     return {
         "effects": list(effects),
         "how": how,
@@ -69,9 +70,9 @@ def _entry(
     }
 
 
-def _by_regime(search: Search, left: Mapping[str, np.ndarray]) -> dict[str, float]:
+def _by_regime(search: RigSearch, left: Mapping[str, np.ndarray]) -> dict[str, float]:
     inside: dict[str, list[np.ndarray]] = {}
-    for role, problem in (("train", search.train), ("test", search.heldout)):
+    for role, problem in (("train", search.models.train), ("test", search.models.heldout)):
         for piece, values in _pieces(problem, left[role]):
             for name, mask in masks_of(piece).items():
                 inside.setdefault(name, []).append(values[mask])
@@ -89,10 +90,10 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def overlay(search: Search, base: Fit, named: Fit) -> pd.DataFrame:
+def overlay(search: RigSearch, base: Fit, named: Fit) -> pd.DataFrame:
     """Rows of both roles: trial, role, time, position, measured, base, named."""
     parts = []
-    for role, problem in (("test", search.heldout), ("train", search.train)):
+    for role, problem in (("test", search.models.heldout), ("train", search.models.train)):
         lines = {"base": problem(base.changes), "named": problem(named.changes)}
         measured, at = problem.measured(), 0
         for stretch in problem.stretches():
@@ -131,9 +132,9 @@ def laws(
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame({"effect": []})
 
 
-def parameters(search: Search, fit: Fit) -> dict[str, Any]:
+def parameters(search: RigSearch, fit: Fit) -> dict[str, Any]:
     """Fitted numbers of a model, with their bounds."""
-    about = search.train.table.about
+    about = search.models.train.table.about
     return {
         name.removeprefix("rig."): {
             "value": e.value,
@@ -150,7 +151,7 @@ def parameters(search: Search, fit: Fit) -> dict[str, Any]:
     }
 
 
-def predicted(search: Search, found: Found) -> tuple[dict[str, Any], pd.DataFrame | None]:
+def predicted(search: RigSearch, found: Found) -> tuple[dict[str, Any], pd.DataFrame | None]:
     """Errors of every rung and of guesses without a model, on both roles, and the motion drawn.
 
     Where a model cannot be run forward, {"absent": why} and no curves.  The curves are rows of both
@@ -158,7 +159,7 @@ def predicted(search: Search, found: Found) -> tuple[dict[str, Any], pd.DataFram
     MODEL_speed_KIND, with MODEL base or named, KIND whole (from the start of each piece) or window
     (half seconds); all in SI.
     """
-    runs = {"test": Forward(search.heldout), "train": Forward(search.train)}
+    runs = {"test": Forward(search.models.heldout), "train": Forward(search.models.train)}
     for model in found.rungs:
         for run in runs.values():
             if reason := run.absent(model.fit.changes):
@@ -176,11 +177,11 @@ def predicted(search: Search, found: Found) -> tuple[dict[str, Any], pd.DataFram
                 drawn[role]["named"] = made
         rungs.append(rung)
     guessed = {role: run.guessed() for role, run in runs.items()}
-    unit = search.train.sizes.axis_unit
+    unit = search.models.train.sizes.axis_unit
     written = {
         "unit": unit,
         "speed_unit": f"{unit}/s",
-        "effort_unit": search.train.effort.unit,
+        "effort_unit": search.models.train.effort.unit,
         "horizon": WINDOW,
         "rungs": rungs,
         "guesses": [

@@ -10,13 +10,14 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.search import Found
 from spirob.identify.identifiability import Identifiability
-from spirob.machine.delays import usual
+from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Model
+from spirob.machine.models import RigSearch
 from spirob.machine.rig import Bounded, RigFile
-from spirob.machine.search import Found, Search
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 SENSE = 0.3  # R² below which the effort does not follow from this motion
@@ -34,31 +35,30 @@ UNUSUAL = (
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 
 
-def doubts(search: Search, found: Found, rest: Ceiling) -> list[str]:
+def doubts(search: RigSearch, found: Found, rest: Ceiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
     said = [_senseless(search, found, rest), _turned(search), _out_of_scale(search)]
     residuals = found.chosen.fit.residual, found.chosen.heldout
-    said.append(strangers((search.train, search.heldout), residuals))
+    said.append(strangers((search.models.train, search.models.heldout), residuals))
     return [text for text in said if text]
 
 
-def oddities(search: Search, chosen: Model, gate: Identifiability, rig: RigFile) -> list[str]:
+def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFile) -> list[str]:
     """What a reader should know, though it changes no name: alignment, doubtful scales, bounds."""
     said = []
-    delay = chosen.fit.estimates.get("rig.delay")
-    if delay is not None and abs(delay.value) > SEEN * search.train.recordings[0].period:
+    delay, period = chosen.fit.estimates.get(DELAY), search.models.train.recordings[0].period
+    if delay is not None and abs(delay.value) > SEEN * period:
         way = "trails" if delay.value > 0 else "leads"
         more = " or more" if delay.at_bound else ""
         said.append(
             f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms{more} in the logs; "
-            "aligned."
-            + (UNUSUAL if abs(delay.value) > usual(search.train.recordings[0].period) else "")
+            "aligned." + (UNUSUAL if abs(delay.value) > usual(period) else "")
         )
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
     said += _outside(search, chosen, rig)
-    about = search.train.table.about
-    for name in search.models.base:
+    about = search.models.train.table.about
+    for name in search.models.names:
         found, nominal = chosen.fit.estimates[name], about[name].nominal
         if name in ("rig.inertia", "rig.scale") and nominal > 0 and found.low > 0:
             ratio = found.value / nominal
@@ -67,18 +67,18 @@ def oddities(search: Search, chosen: Model, gate: Identifiability, rig: RigFile)
                     f"{name.removeprefix('rig.')} comes out {ratio:.3g} times its nominal value: "
                     "is a unit or a factor wrong?"
                 )
-    signals = search.train.signals()
+    signals = search.models.train.signals()
     stroke, speed = float(np.ptp(signals["position"])), float(np.max(np.abs(signals["speed"])))
-    if search.train.sizes.axis_unit == "m" and stroke > LONG:
+    if search.models.train.sizes.axis_unit == "m" and stroke > LONG:
         said.append(f"The axis travels {stroke:.3g} m: is the position's unit right?")
-    if search.train.sizes.axis_unit == "rad" and speed > FAST:
+    if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
         said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
     return said
 
 
-def _senseless(search: Search, found: Found, rest: Ceiling) -> str:
+def _senseless(search: RigSearch, found: Found, rest: Ceiling) -> str:
     """The effort does not follow from the motion at all, even with a flexible model."""
-    spread = float(np.var(search.train.measured()))
+    spread = float(np.var(search.models.train.measured()))
     left = min(found.chosen.mean_square, float(np.mean(rest.left**2)))
     if spread > 0 and 1.0 - left / spread < SENSE:
         return (
@@ -131,15 +131,15 @@ def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
     return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
 
 
-def _turned(search: Search) -> str:
+def _turned(search: RigSearch) -> str:
     """Whether inertia and friction, which only resist, fit with the other sign alone."""
-    effort, signals = search.train.measured(), search.train.signals()
-    sliding = np.tanh(signals["speed"] / search.train.rest_speed)
+    effort, signals = search.models.train.measured(), search.models.train.signals()
+    sliding = np.tanh(signals["speed"] / search.models.train.rest_speed)
     resisting = [signals["acceleration"], signals["speed"], sliding]
     other = [np.ones_like(effort)]
-    if search.train.rig.position is not None:
+    if search.models.train.rig.position is not None:
         other.append(signals["position"])
-        if search.train.sizes.axis_unit == "rad":
+        if search.models.train.sizes.axis_unit == "rad":
             other += [np.sin(signals["position"]), np.cos(signals["position"])]
     design = np.column_stack([*resisting, *other])
     size = np.linalg.norm(design, axis=0) + 1e-300
@@ -158,12 +158,13 @@ def _turned(search: Search) -> str:
     )
 
 
-def _out_of_scale(search: Search) -> str:
+def _out_of_scale(search: RigSearch) -> str:
     """The effort is some orders of magnitude beside what the model file asks for."""
-    if isinstance(search.train.rig.body, str) or "scale" in search.train.rig.fit:
+    if isinstance(search.models.train.rig.body, str) or "scale" in search.models.train.rig.fit:
         return ""
-    zero = {name: 0.0 for name in search.models.base if name != "rig.scale"}
-    asked, measured = search.train(zero) + search.train.measured(), search.train.measured()
+    zero = {name: 0.0 for name in search.models.names if name != "rig.scale"}
+    measured = search.models.train.measured()
+    asked = search.models.train(zero) + measured
     power = float(np.dot(asked, asked))
     if power == 0.0:
         return ""
@@ -177,11 +178,11 @@ def _out_of_scale(search: Search) -> str:
     )
 
 
-def beyond_bounds(search: Search, chosen: Model) -> list[str]:
+def beyond_bounds(search: RigSearch, chosen: Model) -> list[str]:
     """Names of the rig's own numbers that ended at a bound, but for a 0 that they may be."""
     found = []
-    for name in search.models.base:
-        estimate, about = chosen.fit.estimates[name], search.train.table.about[name]
+    for name in search.models.names:
+        estimate, about = chosen.fit.estimates[name], search.models.train.table.about[name]
         at_zero = about.low == 0.0 and estimate.value < 0.5 * about.high
         if name.startswith("rig.") and estimate.at_bound and not at_zero and name != "rig.delay":
             found.append(name.removeprefix("rig."))
@@ -199,7 +200,7 @@ def released(rig: RigFile, names: Sequence[str]) -> RigFile:
     return rig.model_copy(update={"fit": fit})
 
 
-def _outside(search: Search, chosen: Model, rig: RigFile) -> list[str]:
+def _outside(search: RigSearch, chosen: Model, rig: RigFile) -> list[str]:
     """What came of numbers whose bounds in the description held them."""
     said = []
     for name, given in rig.fit.items():

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from spirob.diagnosis.criteria import Criteria
 from spirob.given_number import Size
 from spirob.machine.columns import (
     ANGLES,
@@ -22,7 +23,6 @@ from spirob.machine.columns import (
     MotionColumn,
     PositionColumn,
 )
-from spirob.machine.criteria import Criteria
 from spirob.units import units_of
 
 __all__ = [

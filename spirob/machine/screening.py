@@ -13,6 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
+from spirob.diagnosis.model import Offer
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
@@ -23,27 +24,9 @@ from spirob.parameter import Parameter, Table
 
 GRIDDED, WALK = 2, 6  # numbers of a shape that a grid still covers; places on a walk along one
 PROBE = 0.2  # of an amplitude's nominal value
-ABSORBED = (
-    1e-3  # share of a column outside the span of the fitted numbers: below, it is one of them
-)
 
 
 Columns = dict[tuple[object, ...], np.ndarray]  # amplitude, shape numbers that matter to it
-
-
-@dataclass(frozen=True)
-class Offer:
-    """An effect with the shape that suits it best.
-
-    values   all its numbers, by full name, to start a fit from
-    error    mean squared residual of folds left out
-    new      share of its columns that the fitted numbers cannot make
-    """
-
-    effect: type[Effect]
-    values: dict[str, float]
-    error: float
-    new: float
 
 
 @dataclass(frozen=True)

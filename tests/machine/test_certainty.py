@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from spirob.machine.figures import Ended, kin
+from spirob.machine.judgement import LIKELY, Words, likely, weigh
 
 from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
 from spirob.effects import all_effects
 from spirob.machine import judgement
-from spirob.machine.figures import Ended, kin
-from spirob.machine.judgement import LIKELY, Words, likely, weigh
 
 NAMES = ("coulomb_friction", "presliding_friction", "cogging")
 COULOMB = all_effects()["coulomb_friction"]

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from spirob.machine.criteria import Criteria, Worth
+from spirob.diagnosis.criteria import Criteria, Worth
 
 WORTH = Worth(Criteria(), 1e-3)
 BEFORE = np.random.default_rng(1).uniform(0.8, 1.2, 24)

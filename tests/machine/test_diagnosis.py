@@ -6,8 +6,8 @@ import pytest
 import yaml
 
 from spirob.cli.main import main
+from spirob.diagnosis.criteria import Criteria
 from spirob.errors import ConfigError, DataError, EffectError, MissingLog
-from spirob.machine.criteria import Criteria
 from spirob.machine.diagnosis import diagnose
 from tests.effects.test_declaration import GOOD
 from tests.machine.rigs import description

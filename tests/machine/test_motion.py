@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from spirob.diagnosis.dry import is_dry
 from spirob.effects import all_effects
-from spirob.machine.candidates import is_dry, related
+from spirob.machine.candidates import related
 from spirob.machine.motion import holds, without_holds
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from spirob.machine.criteria import Criteria
+from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.search import Search
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.plausibility import _mended, _turned, strangers
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
-from spirob.machine.search import Search
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

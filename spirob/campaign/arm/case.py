@@ -9,7 +9,7 @@ expected to do better, and where the oracle gains nothing, nothing can be named.
 not be what fails, so it begins at the base and from afar too, as that of a leader of the search.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -18,63 +18,38 @@ import numpy as np
 from spirob.campaign.arm.rates import ANSWERS, TOGETHER
 from spirob.campaign.arm.recording import recorded
 from spirob.campaign.arm.strength import RATIOS, drawn
-from spirob.diagnosis.backward import to_the_end
-from spirob.diagnosis.confirm import confirm
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.figures import Ended
+from spirob.diagnosis.fitting import begun
+from spirob.diagnosis.floors import floor_at, weighed_at
 from spirob.diagnosis.followup import Play, answered, asked
-from spirob.diagnosis.ladder import begun, climb
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.rungs import Ladder, Rung, Settings, floor_at, weighed_at
-from spirob.diagnosis.screen import screen
-from spirob.diagnosis.verdict import judge
+from spirob.diagnosis.simulated import Simulated
+from spirob.diagnosis.verdict import Verdict, searched
 from spirob.effects import Effect, all_effects
 from spirob.emulator.build import TYPICAL
-from spirob.identify.builds import Floor
-from spirob.identify.fit import STEPS, Fit
+from spirob.identify.fit import STEPS
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import FITTED, Problem, effort_rms
-from spirob.identify.residual import Residual, near
+from spirob.identify.problem import FITTED, effort_rms
 from spirob.machine.composed.arm import composed_for_arm
 from spirob.plant import Plant, Rig
 
 ENOUGH = 0.6  # of the base's error: with less the fit did not fail
 
 
-def oracle(
-    problems: Mapping[str, Problem],
-    search: Ladder,
-    effects: Sequence[type[Effect]],
-    settings: Settings,
-) -> float:
+def oracle(models: Simulated, effects: Sequence[type[Effect]]) -> float:
     """RMSE on held-out trials with `effects` added, at most the base's; in the effort's unit.
 
-    What the search has already fitted is not fitted again.
+    What the search has already fitted is not fitted again where that did not fail.
     """
-    base, wanted = search.rungs[0], set(effects)
-    # what the data did not tell without the effect they may tell with it
-    names = [*base.fit.estimates, *search.vague]
-    found = [r.scores for r in search.rungs if set(r.effects) == wanted]
-    found += [c.scores for tried in search.rounds[:1] for c in tried if set(c.effects) == wanted]
-    errors = [base.scores["heldout"].rmse, *(s["heldout"].rmse for s in found)]
-    if effects and (not found or min(errors) > ENOUGH * errors[0]):
-        errors.append(_fitted(problems, base, names, effects, settings))
-    return min(errors)
-
-
-def _fitted(
-    problems: Mapping[str, Problem],
-    base: Rung,
-    names: Sequence[str],
-    effects: Sequence[type[Effect]],
-    settings: Settings,
-) -> float:
-    train = near(problems["train"], base.fit.changes)
-    started = screen(train, base.fit, names, effects, settings.scale)
-    found = confirm(started, base, {**problems, "train": train}, settings, _silent)
-    return to_the_end(found, problems, settings, _silent).scores["heldout"].rmse
-
-
-def _silent(text: str) -> None:
-    pass
+    base, key = models.fitted((), {}), frozenset(e.name() for e in effects)
+    found = models.tried.get(key, base)
+    if effects and found.heldout_square > ENOUGH**2 * base.heldout_square:
+        if key not in models.tried:
+            sets = [tuple(models.offers(base, effects))]
+            models.grown(base, sets, lambda before, after: False)
+        found = models.settled(models.tried[key])
+    return float(np.sqrt(min(base.heldout_square, found.heldout_square)))
 
 
 @dataclass(frozen=True)
@@ -121,25 +96,23 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
     hidden, played, first = drawn(
         case.kind, case.seed, case.robot, plant, settings, case.ratios, case.build
     )
-    alone = first.base.fit
+    alone = first.fit
     problems = weighed_at(alone.changes, list(alone.estimates), played, settings.scale)
-    base = begun(problems, FITTED, alone.changes, settings, STEPS[-1:])
-
-    floors: dict[tuple[object, ...], Floor] = {}
-
-    def floor(found: Fit) -> Floor:
-        """Measured once for each fit: the search without the right names begins with the same."""
-        at = (*found.estimates, *found.changes.items())
-        if at not in floors:
-            floors[at] = floor_at(found, problems, settings.scale)
-        return floors[at]
-
-    search = climb(problems, FITTED, library, {}, settings, known=base, measure=floor)
-    best = oracle(problems, search, _counterparts(case), settings)
-    searches = {False: search}
+    start = begun(problems["train"], FITTED, alone.changes, settings, STEPS[-1:])
+    models = Simulated(
+        problems,
+        FITTED,
+        settings,
+        start,
+        lambda found: floor_at(found, problems, settings.scale),
+    )
+    right = _right_names(case)
+    kept = [e for e in library if e.name() not in right]
+    searches = {False: (models, library)}
     if case.without:
-        kept = [e for e in library if e.name() not in _right_names(case)]
-        searches[True] = climb(problems, FITTED, kept, {}, settings, known=search, measure=floor)
+        searches[True] = (models.without(right), kept)
+    ended = {w: searched(of, chosen, settings) for w, (of, chosen) in searches.items()}
+    best = oracle(models, _counterparts(case))
     about = {
         "kind": case.kind,
         "seed": case.seed,
@@ -156,28 +129,28 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         {
             **about,
             "without": without,
-            **_outcome(found, problems, play, best, found.settings(settings)),
+            **_outcome(*found, play, best, settings),
         }
-        for without, found in searches.items()
+        for without, found in ended.items()
     ]
 
 
 def _outcome(
-    search: Ladder,
-    problems: Mapping[str, Residual],
-    play: Play,
-    best: float,
-    settings: Settings,
+    ended: Ended, first: Verdict, play: Play, best: float, settings: Settings
 ) -> dict[str, Any]:
     """What is said of one robot once all that was asked for was played, and how large errors are.
 
     best  the oracle's error
     """
-    first = judge(search, problems, settings)
-    answer = answered(asked(search, first, problems, settings), problems, play, settings)
-    last, verdict = answer.search or search, answer.verdict
-    named = [e.name() for e in last.rungs[-1].effects] if verdict.kind == "named" else []
-    size = effort_rms(problems["heldout"])
+    models: Simulated = ended.search.models
+    floor = models.floor_of(ended.found.chosen).share
+    settings = replace(settings, floor=floor)
+    answer = answered(asked(ended, first), models.residuals, play, settings)
+    last, verdict = answer.ended or ended, answer.verdict
+    chosen, bare = last.found.chosen, ended.found.rungs[0]
+    named = [e.name() for e in chosen.effects] if verdict.kind == "named" else []
+    size = effort_rms(models.heldout)
+    errors = {"base": bare, "named": chosen if named else bare}
     return {
         "first_verdict": first.kind,
         "experiment": answer.experiment + ", set aside" * answer.aside,
@@ -185,29 +158,33 @@ def _outcome(
         "named": named,
         "rivals": list(verdict.rivals),
         "probability": float(verdict.probability),
-        "first": list(dict.fromkeys([*_first(last), *_first(search)])),
+        "first": _first(last, ended),
         "proof": None if answer.proof is None else asdict(answer.proof),
-        "composed": _composed(search, problems, settings) if verdict.kind == "unknown" else None,
-        "evidence": {"first": dict(first.evidence), "last": dict(verdict.evidence)},
-        "floor": settings.floor,
+        "composed": _composed(ended, settings) if verdict.kind == "unknown" else None,
+        "evidence": {"first": _evidence(first), "last": _evidence(verdict)},
+        "floor": floor,
         "heldout": {
-            "base": search.rungs[0].scores["heldout"].rmse / size,
-            "named": (last.rungs[-1] if named else search.rungs[0]).scores["heldout"].rmse / size,
+            **{key: float(np.sqrt(m.heldout_square)) / size for key, m in errors.items()},
             "oracle": best / size,
         },
     }
 
 
-def _composed(
-    search: Ladder, problems: Mapping[str, Residual], settings: Settings
-) -> dict[str, Any] | None:
+def _evidence(verdict: Verdict) -> dict[str, Any]:
+    return {name: one.as_dict() for name, one in verdict.weighed.items()}
+
+
+def _composed(ended: Ended, settings: Settings) -> dict[str, Any] | None:
     """The law of what the fitted numbers leave: its terms, and the error that it leaves."""
-    base, best = search.rungs[0].fit, min(search.rungs, key=lambda r: r.scores["validate"].rmse)
-    last = {role: score.rmse for role, score in best.scores.items()}
-    law = composed_for_arm(problems, list(base.estimates), base.changes, last, settings)
+    models, rungs = ended.search.models, ended.found.rungs
+    base = rungs[0].fit
+    best = models.scores(min(rungs, key=lambda m: m.mean_square))
+    last = {role: score.rmse for role, score in best.items()}
+    names = list(base.estimates)
+    law = composed_for_arm(models.residuals, names, base.changes, last, settings)
     if law is None:
         return None
-    error = law.document["rmse"]["test"] / effort_rms(problems["heldout"])
+    error = law.document["rmse"]["test"] / effort_rms(models.heldout)
     return {"terms": law.document["terms"], "heldout": error}
 
 
@@ -221,7 +198,11 @@ def _counterparts(case: Case) -> Sequence[type[Effect]]:
     return [all_effects()[name] for name in names if name]
 
 
-def _first(search: Ladder) -> list[str]:
-    """The candidates of the first round, best first."""
-    first = search.rounds[0] if search.rounds else []
-    return [e.name() for c in first for e in c.effects]
+def _first(*ended: Ended) -> list[str]:
+    """Names of the candidates that were fitted, those of what was decided last first."""
+    found: list[str] = []
+    for one in ended:
+        tried = one.search.models.tried.values()
+        ranked = sorted((m for m in tried if m.effects), key=lambda m: m.mean_square)
+        found += [e.name() for m in ranked for e in m.effects]
+    return list(dict.fromkeys(found))

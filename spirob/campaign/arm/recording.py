@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from spirob.diagnosis.proposals import bend
-from spirob.diagnosis.rungs import ROLES
+from spirob.diagnosis.simulated import ROLES
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.identify.measurement import Measurement

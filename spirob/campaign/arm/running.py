@@ -13,7 +13,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from spirob.campaign.arm.case import Case, run
 from spirob.campaign.arm.rates import ANSWERS, is_right
 from spirob.campaign.arm.strength import RATIOS
-from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.criteria import Settings
 from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, DataError

@@ -27,13 +27,13 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from spirob.campaign.arm.recording import problems_of, recorded
-from spirob.diagnosis.ladder import begun
-from spirob.diagnosis.rungs import Ladder, Rung, Settings
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.fitting import Begun, begun
 from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.emulator.rig import HiddenSettings
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
-from spirob.identify.fit import STEPS, fit
+from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.problem import FITTED, Problem, effort_rms
 from spirob.identify.residual import Residual, near
 from spirob.plant import Plant, Rig
@@ -148,22 +148,20 @@ def _between(below: tuple[float, float], above: tuple[float, float], wanted: flo
     return float(below[0] * (above[0] / below[0]) ** share)
 
 
-def left(base: Rung, problems: Mapping[str, Problem]) -> float:
-    """RMSE of the fitted model without any effect, in % of the effort's RMS.
+def left(base: Fit, problems: Mapping[str, Problem]) -> float:
+    """RMSE of the fitted numbers without any effect, in % of the effort's RMS.
 
     On trials that were not fitted, those that decide and those that are reported.
     """
-    shares = [
-        (base.scores[role].rmse / effort_rms(problems[role])) ** 2
-        for role in ("validate", "heldout")
-    ]
+    unseen = [problems[role] for role in ("validate", "heldout")]
+    shares = [float(np.mean(p(base.changes)[p.rows] ** 2)) / effort_rms(p) ** 2 for p in unseen]
     return 100.0 * float(np.sqrt(np.mean(shares)))
 
 
 def shown_by(hidden: HiddenSettings, seed: int) -> float:
     """The same of one robot, recorded and fitted for this."""
     problems = problems_of(recorded(hidden, seed), Plant(Rig(), []))
-    return left(begun(problems, FITTED, {}, Settings(intervals=False)).base, problems)
+    return left(begun(problems["train"], FITTED, {}, Settings(intervals=False)).fit, problems)
 
 
 def nothing(seed: int, build: str = AS_DESIGNED) -> float:
@@ -222,7 +220,7 @@ def drawn(
     settings: Settings,
     ratios: tuple[float, float] = RATIOS,
     build: str = TYPICAL,
-) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
+) -> tuple[HiddenSettings, Mapping[str, Residual], Begun]:
     """What is hidden, as strong as is wanted; the robot's trials; the fit without any effect.
 
     Of two kinds each is as strong as it would be alone in the same robot.
@@ -247,7 +245,7 @@ def _alone(
     settings: Settings,
     ratios: tuple[float, float],
     build: str,
-) -> tuple[HiddenSettings, Mapping[str, Residual], Ladder]:
+) -> tuple[HiddenSettings, Mapping[str, Residual], Begun]:
     """One kind in a robot: how it shows depends on the robot, so where that is less or more than is
     ever drawn the robot is recorded again, at the strength that its logs ask for."""
     known = kind == "none" or build == AS_DESIGNED
@@ -260,10 +258,10 @@ def _alone(
         effect = "none" if kind == "none" else f"{kind}:{strength:.6g}"
         hidden = HiddenSettings(effect, build=build)
         problems = problems_of(recorded(hidden, robot), plant)
-        search = _without_any(problems, settings)
-        tries.append((strength, beside(left(search.base, problems), own)))
+        first = _without_any(problems, settings)
+        tries.append((strength, beside(left(first.fit, problems), own)))
         beyond = _beyond(tries[-1][1], sizes(ratios, own))
-        played.append((beyond, hidden, problems, search))
+        played.append((beyond, hidden, problems, first))
         if kind == "none" or beyond == 0.0 or len(tries) == TRIES:
             break
         strength, before = adjusted(tries, wanted), strength
@@ -272,11 +270,11 @@ def _alone(
     return min(played, key=lambda p: p[0])[1:]
 
 
-def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Ladder:
+def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Begun:
     """The numbers fitted without any effect, with wide differences first, then to the end."""
     train = near(problems["train"], {})
     found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
-    return begun(problems, FITTED, found.changes, settings, STEPS[-1:])
+    return begun(problems["train"], FITTED, found.changes, settings, STEPS[-1:])
 
 
 def _beyond(shown: float, asked: tuple[float, float]) -> float:

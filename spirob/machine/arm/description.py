@@ -22,7 +22,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from spirob.control.law import Gains
-from spirob.diagnosis.rungs import Rules
+from spirob.diagnosis import criteria
 from spirob.effects import Effect
 from spirob.errors import ConfigError
 from spirob.given_number import Size
@@ -151,7 +151,7 @@ PLACELESS = {  # keys of other rigs -> why the arm has none
 
 
 @dataclass(frozen=True)
-class ArmCriteria(Rules):
+class ArmCriteria(criteria.ArmCriteria):
     """The rules of the arm's search; a fit gains next to nothing by further sets of differences."""
 
     patience: Annotated[int, Field(ge=1, le=1000)] = 3

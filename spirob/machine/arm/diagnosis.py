@@ -7,12 +7,16 @@ from typing import Any
 import pandas as pd
 
 from spirob.diagnosis.atlas import survey
-from spirob.diagnosis.document import SENSELESS, document
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.document import document
 from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.figures import Ended
+from spirob.diagnosis.fitting import Begun, begun
 from spirob.diagnosis.followup import asked
-from spirob.diagnosis.ladder import begun, climb
-from spirob.diagnosis.rungs import Ladder, Settings, rung_of
-from spirob.diagnosis.verdict import Verdict, judge
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.simulated import Simulated
+from spirob.diagnosis.verdict import Verdict
+from spirob.diagnosis.verdict import searched as searched_for
 from spirob.effects import Effect, all_effects
 from spirob.identify.builds import TOLERANCES, Floor
 from spirob.identify.fit import STEPS, fit_identifiable
@@ -28,7 +32,6 @@ from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.loading import chosen
-from spirob.parameter import Table as Parameters
 from spirob.plant import Plant
 from spirob.robot import MOTORS
 
@@ -52,12 +55,21 @@ def read(
 
 @dataclass(frozen=True)
 class Searched:
-    """A search with the rows, the rules and the floor that it stood on."""
+    """A search that ended and its verdict, with the floor that it stood on."""
 
-    search: Ladder
-    residuals: dict[str, Residual]
-    settings: Settings
+    ended: Ended
+    verdict: Verdict
     floor: Floor
+
+    @property
+    def models(self) -> Simulated:
+        """What was fitted."""
+        return self.ended.search.models  # type: ignore[no-any-return]
+
+    @property
+    def stands(self) -> Model:
+        """The model that stands: with what was named, or the fitted numbers alone."""
+        return self.ended.found.rungs[-1 if self.verdict.kind == "named" else 0]
 
 
 def searched(
@@ -68,7 +80,7 @@ def searched(
     candidates: Sequence[type[Effect]] | None = None,
     own: Sequence[type[Effect]] | None = None,
     said: list[str] | None = None,
-) -> "Searched":
+) -> Searched:
     """The search on these trials; candidates are those of the library where none are given.
 
     own   the effects that the model holds, where they are found already
@@ -98,27 +110,21 @@ def searched(
     ground = settled(residuals, names, start, free, settings, progress)
     if said is not None:
         said += ground.said
-    known = replace(settings, floor=ground.floor.share)
-    base = _base(ground, names, known)
-    found = climb(ground.residuals, names, absent, start, known, progress, known=base)
-    return Searched(found, ground.residuals, known, ground.floor)
+    known = replace(settings, floor=max(settings.floor, ground.floor.share))
+    models = Simulated(ground.residuals, names, known, _begun(ground, names, known))
+    doubts = _doubts(models)
+    ended, verdict = searched_for(models, absent, known, progress, doubts)
+    return Searched(ended, verdict, ground.floor)
 
 
-def _base(ground: Settled, names: Sequence[str], settings: Settings) -> Ladder:
-    """A search about to begin; beside another shape its numbers were just fitted."""
+def _begun(ground: Settled, names: Sequence[str], settings: Settings) -> Begun:
+    """The fit of the numbers alone; beside another shape they were just fitted."""
+    train, start = ground.residuals["train"], ground.numbers
     if ground.as_drawn:
-        return begun(ground.residuals, names, ground.numbers, settings, STEPS[-1:])
-    found, vague = fit_identifiable(
-        ground.residuals["train"],
-        names,
-        ground.numbers,
-        settings.scale,
-        settings.patience,
-        steps=STEPS[-1:],
-        exact=False,
-    )
-    base = rung_of("fitted parameters", [], found, ground.residuals)
-    return Ladder(base, [base], vague=vague)
+        return begun(train, names, start, settings, STEPS[-1:])
+    scale, patience = settings.scale, settings.patience
+    steps = STEPS[-1:]
+    return Begun(*fit_identifiable(train, names, start, scale, patience, steps=steps, exact=False))
 
 
 def _unseen(rig: ArmFile) -> dict[str, str]:
@@ -131,42 +137,32 @@ def _unseen(rig: ArmFile) -> dict[str, str]:
 
 def written(rig: ArmFile, found: Searched, said: list[str]) -> dict[str, Any]:
     """What `diagnosis.json` holds, with the keys of any rig's."""
-    search, residuals, settings = found.search, found.residuals, found.settings
-    verdict = judge(search, residuals, settings)
-    train, base = residuals["train"], search.rungs[0]
-    where = survey(train, base.fit.changes, base.fit.residual[train.rows])
-    question = asked(search, verdict, residuals, settings)
+    models, ended, verdict = found.models, found.ended, found.verdict
+    train, bare = models.train, ended.found.rungs[0]
+    where = survey(train, bare.fit.changes, bare.fit.residual[train.rows])
+    question = asked(ended, verdict)
     further = question.decide or question.prove
-    told = document(search, verdict, where, noise_floor(train), residuals, further)
-    least = min(base.scores[role].r2 for role in ("validate", "heldout"))
-    if least < SENSE:
-        told |= _senseless(least)
-    for effect in told["effects"]:
-        effect["rivals"] = list(verdict.rivals)
+    told = document(ended, verdict, where, noise_floor(train), further)
+    roles = {"train": "train", "test": "heldout"}
     return {
         **told,
         "floor": asdict(found.floor),
         "rig": rig.name,
         "predict": "effort",
         "effort": train.effort.name,
-        "effort_rms": {
-            r: effort_rms(residuals[h]) for r, h in (("train", "train"), ("test", "heldout"))
-        },
-        "effects": told["effects"] or _contested(verdict, search, told["verdict"]),
+        "effort_rms": {shown: effort_rms(models.residuals[r]) for shown, r in roles.items()},
         "ladder": [_tested(rung) for rung in told["ladder"]],
-        "repairs": [*said, *_strangers(search, residuals)],
+        "repairs": [*said, *_strangers(models)],
         "excluded": {},
-        "numbers": _numbers(search),
-        "model": _standing(rig, search, residuals, told["verdict"] == "named"),
+        "numbers": _numbers(ended.found.chosen),
+        "model": _standing(rig, found),
         "motion": None,
     }
 
 
-def _standing(
-    rig: ArmFile, search: Ladder, residuals: Mapping[str, Residual], named: bool
-) -> dict[str, Any]:
+def _standing(rig: ArmFile, found: Searched) -> dict[str, Any]:
     """The model that stands, as another program needs it; see `spirob.machine.document`."""
-    last, plant = search.rungs[-1 if named else 0], residuals["train"].plant
+    last, plant = found.stands, found.models.train.plant
     values = dict(
         zip(plant.table.names, plant.table.vector(last.fit.changes).tolist(), strict=True)
     )
@@ -182,32 +178,30 @@ def _standing(
         "rig": rig.arm,
         "effects": [e.name() for e in there],
         "changes": {n: v for n, v in values.items() if n.partition(".")[0] in owners},
-        "trials": kept.told(residuals["heldout"].trials),
+        "trials": kept.told(found.models.heldout.trials),
     }
 
 
-def _senseless(r2: float) -> dict[str, Any]:
-    return {
-        "verdict": "unknown",
-        "sentence": SENSELESS,
-        "explanation": (
-            f"With fitted numbers the arm's model explains {max(0.0, r2):.0%} of the current's "
-            f"variance: {SUSPECTS}"
-        ),
-        "effects": [],
-    }
+def _doubts(models: Simulated) -> list[str]:
+    """Why no name can be trusted: the fitted numbers explain too little of the current."""
+    scores = models.scores(models.fitted((), {}))
+    least = min(scores[role].r2 for role in ("validate", "heldout"))
+    if least >= SENSE:
+        return []
+    return [
+        f"With fitted numbers the arm's model explains {max(0.0, least):.0%} of the current's "
+        f"variance: {SUSPECTS}"
+    ]
 
 
-def _strangers(search: Ladder, residuals: Mapping[str, Residual]) -> list[str]:
+def _strangers(models: Simulated) -> list[str]:
     """A sentence for each log whose currents do not follow from its motion."""
-    base = search.rungs[0].fit
+    missed = models.missed(models.fitted((), {}))
     return [
         f"{name}: with fitted numbers the arm's model explains {max(0.0, r2):.0%} of its current's "
         f"variance: {SUSPECTS}"
-        for role, residual in residuals.items()
-        for name, r2 in explained(
-            residual, base.residual if role == "train" else residual(base.changes)
-        ).items()
+        for role, residual in models.residuals.items()
+        for name, r2 in explained(residual, missed[role]).items()
         if r2 < SENSE
     ]
 
@@ -222,54 +216,37 @@ def _tested(rung: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _contested(verdict: Verdict, search: Ladder, kind: str) -> list[dict[str, Any]]:
-    """The effects between which an undecided verdict could not choose."""
-    if kind != "undecided":
-        return []
-    rivals = set(verdict.rivals)
-    return [
-        {
-            "name": e.name(),
-            "title": e.title,
-            "probability": verdict.probability,
-            "equivalents": list(verdict.equivalents),
-            "rivals": sorted(rivals - {e.name()}),
-            "parameters": {},
-        }
-        for e in search.rungs[-1].effects
-    ]
-
-
-def _numbers(search: Ladder) -> dict[str, Any]:
+def _numbers(model: Model) -> dict[str, Any]:
     return {
         name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-        for name, e in search.rungs[-1].fit.estimates.items()
+        for name, e in model.fit.estimates.items()
     }
 
 
 PAGE_ROLES = {"heldout": "test", "train": "train"}
 
 
-def overlay(search: Ladder, residuals: Mapping[str, Residual], named: bool) -> pd.DataFrame:
+def overlay(found: Searched) -> pd.DataFrame:
     """Current of each working motor, measured and modelled: bare, and with the named effects."""
-    models = {"base": search.rungs[0], "named": search.rungs[-1 if named else 0]}
+    models = {"base": found.ended.found.rungs[0], "named": found.stands}
     parts = []
     for role, shown in PAGE_ROLES.items():
-        residual = residuals[role]
+        residual = found.models.residuals[role]
         for k, trial in enumerate(residual.trials):
-            found = {n: residual.respond(rung.fit.changes, k) for n, rung in models.items()}
+            played = {n: residual.respond(m.fit.changes, k) for n, m in models.items()}
             for m in residual.driven(trial):
                 columns: dict[str, Any] = {"trial": trial.name, "role": shown}
                 columns["time"] = trial.seconds[residual.cycles(trial)]
                 columns["position"] = residual.thin(trial.displacement[:, m], trial)
                 columns["measured"] = residual.thin(trial.current[:, m], trial)
-                columns |= {n: residual.thin(r.current[:, m], trial) for n, r in found.items()}
+                columns |= {n: residual.thin(r.current[:, m], trial) for n, r in played.items()}
                 parts.append(pd.DataFrame(columns).assign(motor=MOTORS[m]))
     return pd.concat(parts, ignore_index=True)
 
 
-def parameters(search: Ladder, table: Parameters) -> dict[str, Any]:
+def parameters(found: Searched) -> dict[str, Any]:
     """Fitted numbers of the bare model."""
+    table, bare = found.models.train.table, found.ended.found.rungs[0]
 
     def reach(name: str) -> tuple[float, float]:
         return table.about[name].reach(float(table.values[table.position(name)]))
@@ -286,5 +263,5 @@ def parameters(search: Ladder, table: Parameters) -> dict[str, Any]:
             "at_bound": e.at_bound,
             "meaning": table.about[name].meaning,
         }
-        for name, e in search.rungs[0].fit.estimates.items()
+        for name, e in bare.fit.estimates.items()
     }

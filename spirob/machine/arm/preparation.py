@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.evidence import complete
-from spirob.diagnosis.rungs import Settings
 from spirob.identify.builds import SCATTER, TOLERANCES, Builds, Floor, floor_of
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit

@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from spirob.diagnosis.rungs import Rung, Settings, rung_of
-from spirob.diagnosis.weighing import LESSER, counts
+from spirob.diagnosis.criteria import Settings, Worth
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.simulated import modelled, scores
 from spirob.effects import Effect, all_effects, load_file
 from spirob.effects.replay import contribution
 from spirob.errors import SimulationError
@@ -29,10 +30,11 @@ from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import Ground
 from spirob.machine.composed.law import Law, law_of
 from spirob.machine.composed.writing import told, written
-from spirob.machine.criteria import Criteria
 from spirob.machine.page_tables import laws
 
 PORT = "motor.torque"
+# of what the whole law takes, and of the floor: what each of its terms takes beside the others
+FURTHER, LESSER = 0.25, 0.5
 Errors = Mapping[str, float]  # RMSE by role
 
 
@@ -59,12 +61,12 @@ class _Fitted:
     effect: type[Effect]
     residuals: dict[str, Residual]
     start: dict[str, float]
-    rung: Rung
+    model: Model
 
     @property
     def own(self) -> dict[str, Estimate]:
         """Its fitted numbers by field."""
-        numbers = self.rung.fit.estimates
+        numbers = self.model.fit.estimates
         return {n.partition(".")[2]: e for n, e in numbers.items() if _is_of(n, self.effect)}
 
 
@@ -90,7 +92,7 @@ def composed_for_arm(
         return None
     ground, law, _ = min(drafted, key=lambda one: one[2])
     # fitted as far as with a law: what only that gains is the law's
-    below = rung_of("fitted parameters", [], _fit(bare, names, changes, settings), bare)
+    below = modelled([], _fit(bare, names, changes, settings), bare)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         progress(f"the arm plays a law of {law.terms} terms")
         try:
@@ -99,7 +101,7 @@ def composed_for_arm(
         except SimulationError as wrong:  # to first order a law may be one that throws the arm
             progress(f"no model of the arm can hold it: {wrong}")
             return None
-        if not _holds(one.rung, below, last, one.residuals, settings):
+        if not _holds(one.model, below, last, one.residuals, settings):
             return None
         return _told(one, below)
 
@@ -153,61 +155,62 @@ def _fitted(
     residuals = {role: lean(p, ground.changes, [effect]) for role, p in bare.items()}
     start = ground.changes | law.changes(name)
     both = [*names, *(f"{name}.{f}" for f in effect.fitted())]
-    rung = _rung(effect, residuals, both, [start], settings)
-    return _Fitted(ground, law, effect, residuals, start, rung)
+    model = _model(effect, residuals, both, [start], settings)
+    return _Fitted(ground, law, effect, residuals, start, model)
 
 
-def _rung(
+def _model(
     effect: type[Effect],
     residuals: Mapping[str, Residual],
     names: Sequence[str],
     starts: Sequence[Mapping[str, float]],
     settings: Settings,
-) -> Rung:
+) -> Model:
     """The model with the law, from where its fit ends lowest."""
     fits = [_fit(residuals, names, start, settings) for start in starts]
     found = min(fits, key=lambda one: one.cost)
-    return rung_of(f"+ {effect.name()}", [effect], found, residuals)
+    return modelled([effect], found, residuals)
 
 
 def _pruned(
     whole: _Fitted,
-    below: Rung,
+    below: Model,
     bare: Mapping[str, Residual],
     names: Sequence[str],
     settings: Settings,
     folder: Path,
 ) -> _Fitted:
     """The law without terms that do not matter beside the others, as effects beside another."""
-    rung, kept = whole.rung, list(range(whole.law.terms))
-    size = float(np.sqrt(max(0.0, below.errors.mean() - rung.errors.mean())))
-    least = max(LESSER * settings.floor * effort_rms(bare["validate"]), settings.further * size)
+    model, kept = whole.model, list(range(whole.law.terms))
+    size = float(np.sqrt(max(0.0, below.mean_square - model.mean_square)))
+    least = max(LESSER * settings.floor * effort_rms(bare["validate"]), FURTHER * size)
+    worth = Worth(settings, least)
     while len(kept) > 1:
-        lesser = {k: _only(whole, [j for j in kept if j != k], names, rung, settings) for k in kept}
+        others = {k: [j for j in kept if j != k] for k in kept}
+        lesser = {k: _only(whole, rest, names, model, settings) for k, rest in others.items()}
         weak = [
             k
             for k, one in lesser.items()
-            if not counts(rung, one, whole.residuals, settings, least)
-            or _heldout(rung) >= _heldout(one)
+            if not worth.matters(one, model) or _heldout(model) >= _heldout(one)
         ]
         if not weak:
             break
-        out = min(weak, key=lambda k: float(lesser[k].errors.mean()))
-        kept, rung = [k for k in kept if k != out], lesser[out]
+        out = min(weak, key=lambda k: lesser[k].mean_square)
+        kept, model = [k for k in kept if k != out], lesser[out]
     if len(kept) == whole.law.terms:
         return whole
     name = whole.effect.name()
     found = {
-        n.partition(".")[2]: v for n, v in rung.fit.changes.items() if n.startswith(f"{name}.")
+        n.partition(".")[2]: v for n, v in model.fit.changes.items() if n.startswith(f"{name}.")
     }
-    ground = replace(whole.ground, changes=_without(rung.fit.changes, name))
+    ground = replace(whole.ground, changes=_without(model.fit.changes, name))
     (folder / "pruned").mkdir()
     return _fitted(ground, whole.law.at(found).only(kept), bare, names, settings, folder / "pruned")
 
 
 def _only(
-    whole: _Fitted, kept: Sequence[int], names: Sequence[str], rung: Rung, settings: Settings
-) -> Rung:
+    whole: _Fitted, kept: Sequence[int], names: Sequence[str], model: Model, settings: Settings
+) -> Model:
     """The model with some terms of the law alone.
 
     A fit with the others may have ended where none leads on: it begins there, and as composed.
@@ -217,32 +220,33 @@ def _only(
     silent = {f"{name}.amplitude_{k + 1}" for k in range(law.terms) if k not in kept}
     starts = [
         {n: v for n, v in start.items() if n not in silent}
-        for start in (rung.fit.changes, whole.start)
+        for start in (model.fit.changes, whole.start)
     ]
-    return _rung(whole.effect, whole.residuals, [*names, *own], starts, settings)
+    return _model(whole.effect, whole.residuals, [*names, *own], starts, settings)
 
 
 def _holds(
-    rung: Rung, below: Rung, last: Errors, residuals: Mapping[str, Residual], settings: Settings
+    model: Model, below: Model, last: Errors, residuals: Mapping[str, Residual], settings: Settings
 ) -> bool:
     """Whether the law counts, beside the numbers alone and beside the best of the library.
 
     The held-out trials must not deny it, here as everywhere.
     """
-    if not counts(rung, below, residuals, settings):
-        return False
     least = settings.floor * effort_rms(residuals["validate"])
-    if last["validate"] ** 2 - rung.scores["validate"].rmse ** 2 < least**2:
+    worth = Worth(settings, least)
+    if not worth.matters(below, model) or worth.denied(below, model):
         return False
-    before = min(_heldout(below), last["heldout"])
-    return _heldout(rung) ** 2 <= (1.0 - Criteria().veto) * before**2
+    found = scores(model, residuals)
+    if last["validate"] ** 2 - found["validate"].rmse ** 2 < least**2:
+        return False
+    return found["heldout"].rmse ** 2 <= (1.0 - settings.veto) * last["heldout"] ** 2
 
 
-def _heldout(rung: Rung) -> float:
-    return float(rung.scores["heldout"].rmse)
+def _heldout(model: Model) -> float:
+    return float(np.sqrt(model.heldout_square))
 
 
-def _told(one: _Fitted, below: Rung) -> Composed:
+def _told(one: _Fitted, below: Model) -> Composed:
     """What a reader gets of a law."""
     law, units = (
         one.law.at({f: e.value for f, e in one.own.items()}),
@@ -250,8 +254,9 @@ def _told(one: _Fitted, below: Rung) -> Composed:
     )
     title, nearest = told(law, units), _nearest(one)
     rows = _drawn(one)
-    share = 1.0 - (_heldout(one.rung) / _heldout(below)) ** 2
-    rmse = {"train": one.rung.scores["train"].rmse, "test": _heldout(one.rung)}
+    share = 1.0 - (_heldout(one.model) / _heldout(below)) ** 2
+    found = scores(one.model, one.residuals)
+    rmse = {"train": found["train"].rmse, "test": found["heldout"].rmse}
     document = document_of(law, one.effect.name(), title, units, one.own, share, rmse, nearest)
     return Composed(document, written(law, title, nearest[0], one.own), rows)
 
@@ -259,7 +264,7 @@ def _told(one: _Fitted, below: Rung) -> Composed:
 def _drawn(one: _Fitted) -> pd.DataFrame:
     """Rows of held-out samples, over the place of the law: a length, or the angle of the motor."""
     heldout, ranges = one.residuals["heldout"].unweighted(), one.ground.ranges
-    rows = laws(heldout, [one.effect], one.rung.fit.changes, ranges.unit)
+    rows = laws(heldout, [one.effect], one.model.fit.changes, ranges.unit)
     if ranges.unit == "rad":
         rows["position"] = np.concatenate([p.angle for p in heldout.stretches()])  # type: ignore[misc]
         rows["velocity"] *= turn_of(heldout)
@@ -316,7 +321,7 @@ def _nearest(one: _Fitted) -> tuple[type[Effect], float]:
 
 def _band(one: _Fitted) -> np.ndarray:
     """Half the 95 % interval of the law's current on the held-out trials, (M,)."""
-    train, found = one.residuals["train"], one.rung.fit
+    train, found = one.residuals["train"], one.model.fit
     held = one.residuals["heldout"].unweighted()
     scaling = Scaling(held.table, list(found.estimates))
     fixed = {n: v for n, v in found.changes.items() if n not in found.estimates}

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spirob.diagnosis.criteria import Criteria, Settings, Worth
 from spirob.diagnosis.evidence import HALF
-from spirob.diagnosis.rungs import Settings
 from spirob.effects import Effect
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import STEPS
@@ -25,7 +25,6 @@ from spirob.identify.residual import Residual
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.ground import Ground, Side, room
 from spirob.machine.composed.track import Ranges, Track, ranges_of
-from spirob.machine.criteria import Criteria, Worth
 from spirob.plant import Plant
 from spirob.plant.motor import own
 from spirob.robot import MOTORS

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.search import Found
 from spirob.effects import Effect, load_file
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import Estimate, block_covariance
@@ -23,9 +25,8 @@ from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.law import Law, law_of
 from spirob.machine.composed.writing import Units, formula, told, written
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import STEP, Model, Models
+from spirob.machine.models import STEP, Models, RigSearch
 from spirob.machine.page_tables import laws
-from spirob.machine.search import Found, Search
 
 NAME = "law"
 SURE = 1.96  # deviations of a 95 % interval
@@ -65,7 +66,7 @@ class _Fitted:
         )
 
 
-def composed(search: Search, found: Found, base: Model) -> Composed | None:
+def composed(search: RigSearch, found: Found, base: Model) -> Composed | None:
     """The law of what `base` leaves; None where no term is needed, or the file does not hold.
 
     It has to explain what no set of effects explains: not the model alone, and not the one that the
@@ -75,7 +76,7 @@ def composed(search: Search, found: Found, base: Model) -> Composed | None:
     if drafted is None:
         return None
     drafts, draft = drafted
-    law = law_of(draft, drafts.ranges, search.train.sizes.torque)
+    law = law_of(draft, drafts.ranges, search.models.train.sizes.torque)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         beside = _Beside(search, base, drafts.ground.changes, found.offers[0].effect, Path(folder))
         one = _pruned(beside, law)
@@ -92,7 +93,7 @@ class _Beside:
     rival  that the files name until the nearest effect is known
     """
 
-    search: Search
+    search: RigSearch
     base: Model
     start: dict[str, float]
     rival: type[Effect]
@@ -118,19 +119,21 @@ def _fitted(beside: _Beside, law: Law, where: str) -> _Fitted:
     search, name = beside.search, _name(beside.search)
     path = beside.folder / where / f"{name}.py"
     path.parent.mkdir()
-    path.write_text(written(law, told(law, search.train.sizes), beside.rival), encoding="utf-8")
+    known = search.models
+    path.write_text(written(law, told(law, known.train.sizes), beside.rival), encoding="utf-8")
     (effect,) = load_file(path).values()
-    train, heldout = (_with(problem, effect) for problem in (search.train, search.heldout))
-    models = Models(train, heldout, search.models.base, search.progress)
+    train, heldout = (_with(problem, effect) for problem in (known.train, known.heldout))
+    models = Models(train, heldout, known.names)
+    models.progress = search.progress
     start = beside.start | law.changes(name)
     model = models.fitted((*beside.base.effects, effect), start)
     own = {n.split(".", 1)[1]: e.value for n, e in model.fit.estimates.items() if _of(n, name)}
     return _Fitted(law.at(own), name, effect, models, model)
 
 
-def _told(search: Search, found: Found, base: Model, one: _Fitted) -> Composed:
+def _told(search: RigSearch, found: Found, base: Model, one: _Fitted) -> Composed:
     """What a reader gets of a law."""
-    law, model, sizes = one.law, one.model, search.train.sizes
+    law, model, sizes = one.law, one.model, search.models.train.sizes
     problems = one.models.train, one.models.heldout
     own = {n.split(".", 1)[1]: e for n, e in model.fit.estimates.items() if _of(n, one.name)}
     shown = problems[0].added(one.effect, model.fit.changes, model.fit.residual)
@@ -183,9 +186,9 @@ def document_of(
     }
 
 
-def _name(search: Search) -> str:
+def _name(search: RigSearch) -> str:
     """A name that no effect of the model has."""
-    return free_name({e.name() for e in search.train.effects})
+    return free_name({e.name() for e in search.models.train.effects})
 
 
 def free_name(taken: set[str]) -> str:
@@ -214,7 +217,7 @@ def _of(full: str, owner: str) -> bool:
 
 
 def _nearest(
-    search: Search, found: Found, base: Model, law: np.ndarray
+    search: RigSearch, found: Found, base: Model, law: np.ndarray
 ) -> tuple[type[Effect], float]:
     """The effect of the library that makes most of the law, (N,), and the share that it makes.
 
@@ -229,7 +232,7 @@ def _nearest(
     own, best = beside(law), (found.offers[0].effect, 0.0)
     for offer in found.offers:
         point = {**base.fit.changes, **offer.values}
-        other = beside(search.train.added(offer.effect, point, base.fit.residual))
+        other = beside(search.models.train.added(offer.effect, point, base.fit.residual))
         power = float(np.dot(other, other) * np.dot(own, own))
         alike = float(np.dot(own, other) ** 2 / power) if power > 0.0 else 0.0
         best = max(best, (offer.effect, alike), key=lambda pair: pair[1])

@@ -6,17 +6,17 @@ beside the fitted law and numbers, each fold predicted from the others.  Near st
 turns round in its own way, which says nothing of its level.
 """
 
-from spirob.machine.candidates import is_dry
+from spirob.diagnosis.dry import is_dry
+from spirob.diagnosis.model import Model
 from spirob.machine.composed.draft import Draft, Drafts
 from spirob.machine.composed.grammar import WAY, Shape, Term
 from spirob.machine.composed.ground import ground_of
-from spirob.machine.models import Model
-from spirob.machine.search import Search
+from spirob.machine.models import RigSearch
 
 BUMPS = 5
 
 
-def freed(search: Search, model: Model) -> Draft:
+def freed(search: RigSearch, model: Model) -> Draft:
     """The model with a level that may follow any curve over the speed."""
     parts = tuple(
         f"way*(0.5 + 0.5*cos(pi*Max(-1.0, Min(1.0, {float(BUMPS)!r}*share**0.5 - {float(k)!r}))))"
@@ -26,7 +26,7 @@ def freed(search: Search, model: Model) -> Draft:
     return Drafts(ground).made((Term((Shape(WAY, "speed", parts),)),))
 
 
-def is_bent(search: Search, model: Model) -> bool:
+def is_bent(search: RigSearch, model: Model) -> bool:
     """Whether a free curve halves what is left of a model with dry friction, by what counts."""
     if not any(is_dry(effect) for effect in model.effects):
         return False

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spirob.diagnosis.criteria import Worth
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.track import Ranges, Track, ranges_of
-from spirob.machine.criteria import Worth
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import STEP
-from spirob.machine.search import Search
+from spirob.machine.models import STEP, RigSearch
 
 TINY = 1e-9  # of a coordinate: room that a bound leaves at least
 
@@ -68,7 +67,7 @@ def room(scaling: Scaling, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ground_of(
-    search: Search,
+    search: RigSearch,
     names: Sequence[str],
     changes: Mapping[str, float],
     ranges: Ranges | None = None,
@@ -77,7 +76,7 @@ def ground_of(
 
     ranges  that teach the law, where they are known already
     """
-    train = search.train
+    train = search.models.train
     scaling = Scaling(train.table, list(names))
     fixed = {name: value for name, value in changes.items() if name not in set(names)}
     at = np.clip(scaling.scaled(changes), scaling.low, scaling.high)
@@ -104,7 +103,7 @@ def ground_of(
 
     return Ground(
         own,
-        side(search.heldout),
+        side(search.models.heldout),
         inside,
         *room(scaling, at),
         taught,

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from spirob.diagnosis.document import SENSELESS
 from spirob.report.data import ReportData
 from spirob.report.sections.section import Section
 
@@ -40,7 +39,7 @@ class Home(Section):
         told = data.diagnosis
         named = told["effects"] if told["verdict"] == "named" else []
         return {
-            "senseless": told["sentence"] == SENSELESS,
+            "senseless": bool(told.get("doubts")),
             "goes": GOES.get(told["verdict"], GOES["unknown"]),
             "named": [effect["title"] for effect in named],
             "where": "DIR/diagnosis.json" if "rig" in told else "data/diagnosis/diagnosis.json",

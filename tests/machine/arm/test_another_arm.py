@@ -3,9 +3,9 @@
 import pandas as pd
 import pytest
 import yaml
+from spirob.diagnosis.rungs import Settings
 
 from spirob.diagnosis.proposals import bend
-from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import DataError

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
-
 from spirob.diagnosis.rungs import Settings
+
 from spirob.effects import all_effects
 from spirob.errors import DataError
 from spirob.identify.plausibility import SENSE, explained

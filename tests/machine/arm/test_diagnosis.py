@@ -2,8 +2,8 @@
 
 import pandas as pd
 import pytest
-
 from spirob.diagnosis.rungs import Settings
+
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis

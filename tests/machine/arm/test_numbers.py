@@ -2,9 +2,9 @@
 
 import pandas as pd
 import pytest
+from spirob.diagnosis.rungs import Settings
 
 from spirob.cli.main import main
-from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.identify.builds import TOLERANCES

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-
 from spirob.diagnosis.rungs import Settings
+
 from spirob.effects import all_effects
 from spirob.errors import DataError, TooShort
 from spirob.identify.residual import Residual

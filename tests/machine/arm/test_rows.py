@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from spirob.diagnosis.rungs import Settings
 
 from spirob.cli.main import main
 from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.orders import answers
-from spirob.diagnosis.rungs import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
 from spirob.identify.residual import STILL, Near, Residual, near

@@ -7,15 +7,14 @@ the held-out trials agree?
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from pydantic import ConfigDict, Field
 
 from spirob.diagnosis.evidence import improvement
-
-if TYPE_CHECKING:
-    from spirob.machine.models import Model
+from spirob.diagnosis.model import Model
+from spirob.identify.builds import RESOLUTION
 
 HALF = 0.5
 DRAWS, UNSURE = 2000, 0.025  # of blocks, and the share of draws that may deny what is sure
@@ -26,23 +25,64 @@ TINY = 1e-300
 class Criteria:
     """How the search decides: the key `criteria` of a description, or `settings` from Python.
 
-    From which probability a name is given is `LIKELY` in `judgement`.
+    From which probability a name is given is `LIKELY` in `certainty`.
 
-    floor    least size of an effect: √(fall of the mean square) over the RMS effort; more where
-             the noise of the motion makes more of the modelled effort
-    share    least fall of the squared error, relative
-    veto     least fall of the squared error on held-out trials, relative
-    better   relative fall that makes a richer effect worth its further numbers
-    most     effects in a set
+    floor      least size of an effect: √(fall of the mean square) over the RMS effort; more where
+               the noise of the motion makes more of the modelled effort, or where builds of a
+               machine that are drawn about it differ by more
+    share      least fall of the squared error, relative
+    veto       least fall of the squared error on held-out trials, relative
+    better     relative fall that makes a richer effect worth its further numbers
+    richer     least size, over the floor, of what a richer law explains beyond a simpler one
+    most       effects in a set
+    finalists  candidates of a round that are fitted in full
     """
 
     floor: Annotated[float, Field(gt=0, lt=1)] = 0.01
     share: Annotated[float, Field(ge=0, lt=1)] = 0.05
     veto: Annotated[float, Field(ge=0, lt=1)] = 0.05
     better: Annotated[float, Field(ge=0, lt=1)] = 0.10
+    richer: Annotated[float, Field(ge=0, le=10)] = 1.0
     most: Annotated[int, Field(ge=0, le=10)] = 4
+    finalists: Annotated[int, Field(ge=1, le=100)] = 4
     seed: Annotated[int, Field(ge=0)] = 0
     __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class ArmCriteria(Criteria):
+    """How the search on a simulated arm decides: `diagnose` of a configuration.
+
+    floor       the least that is taken where builds of the arm differ by less
+    iterations  sets of differences in the fit of a finalist
+    patience    sets of differences in a last fit, and in the fit of the numbers alone
+
+    Every model is a simulation: fewer effects are looked for, and more are tried in each round, as
+    its screening sees less.
+    """
+
+    floor: Annotated[float, Field(gt=0, lt=1)] = RESOLUTION
+    richer: Annotated[float, Field(ge=0, le=10)] = 0.0
+    most: Annotated[int, Field(ge=0, le=10)] = 2
+    finalists: Annotated[int, Field(ge=1, le=100)] = 6
+    iterations: Annotated[int, Field(ge=1, le=1000)] = 2
+    patience: Annotated[int, Field(ge=1, le=1000)] = 6
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class Settings(ArmCriteria):
+    """The criteria, and what a caller chooses.
+
+    scale      of the robust loss, in the unit of the effort
+    intervals  exact ones for the numbers of what was chosen; a trial of many robots does without
+    always     look for effects, for a report to show, even where the fitted numbers alone leave
+               less than counts; a trial of many robots does without
+    """
+
+    scale: float = 0.05
+    intervals: bool = True
+    always: bool = True
 
 
 class Judged(Protocol):
@@ -65,8 +105,11 @@ class Worth:
 
     def matters(self, before: Judged, after: Judged) -> bool:
         """Whether `after` explains more by a size that counts, surely."""
+        return self._falls(before, after, self.least)
+
+    def _falls(self, before: Judged, after: Judged, least: float) -> bool:
         fall = before.mean_square - after.mean_square
-        if fall <= 0.0 or np.sqrt(fall) < self.least:
+        if fall <= 0.0 or np.sqrt(fall) < least:
             return False
         if fall < self.settings.share * before.mean_square:
             return False
@@ -98,7 +141,7 @@ class Worth:
         draws = np.random.default_rng(seed).integers(0, len(falls), (DRAWS, len(falls)))
         return bool(np.quantile(falls[draws].mean(axis=1), UNSURE) > 0.0)
 
-    def possible(self, current: "Model", error: float) -> bool:
+    def possible(self, current: Model, error: float) -> bool:
         """Whether an addition could matter, judged by its screened error and half the floor."""
         return current.mean_square - error > (0.5 * self.least) ** 2
 
@@ -107,7 +150,7 @@ class Worth:
         least = 1.0 - (self.settings.veto if whole else 0.0)
         return after.heldout_square > least * before.heldout_square
 
-    def simplest(self, models: Sequence["Model"]) -> "Model":
+    def simplest(self, models: Sequence[Model]) -> Model:
         """The poorest model to which no other is clearly preferable.
 
         A richer model has to be better by the least size of an effect: the edges of a smooth sign
@@ -117,7 +160,7 @@ class Worth:
         equal = [m for m in models if m is best or not self._beaten(m, best)]
         return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
 
-    def _beaten(self, model: "Model", best: "Model") -> bool:
+    def _beaten(self, model: Model, best: Model) -> bool:
         if model.numbers < best.numbers:
-            return self.matters(model, best)
+            return self._falls(model, best, self.settings.richer * self.least)
         return self.clearly(model, best)

@@ -6,38 +6,41 @@ trials can only veto.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 import numpy as np
 
+from spirob.diagnosis.criteria import Criteria, Worth
+from spirob.diagnosis.dry import is_dry
+from spirob.diagnosis.model import Model, Offer, Predictor, label
 from spirob.effects import Effect
-from spirob.machine.candidates import is_dry, related, same_wave
-from spirob.machine.criteria import Criteria, Worth
-from spirob.machine.delays import only_aligns
-from spirob.machine.filtering import noise_in_effort
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Model, Models, label
-from spirob.machine.screening import ABSORBED, Offer, Screening
 from spirob.progress import Steps
 
-SINGLES, PAIRS, EXCHANGES = 4, 3, 3  # finalists of a round, fitted in full
+PAIRS, EXCHANGES = 3, 3  # finalists of a round, fitted in full
 EACH = 2 + EXCHANGES  # steps for an effect of a set: without it, what then is missing, exchanges
 CEILINGS = 2  # over the bare and the chosen model
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
+ABSORBED = 1e-3  # share of an effect outside of what the fitted numbers make: below, it is of these
+POOR = 0.25  # of a model's squared error, if a fit from elsewhere leaves less: another valley
+ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
+M = TypeVar("M", bound=Predictor)
 
 
 @dataclass
 class Found:
     """What the search ends with.
 
-    rungs   from the bare model to the chosen one, an effect at a time
-    offers  all candidates screened beside the bare model, best first
-    rivals  chosen effect -> models in which another takes its place about as well
-    vetoed  effects that the left-out folds wanted and the held-out trials did not
+    rungs        from the bare model to the chosen one, an effect at a time
+    offers       all candidates screened beside the bare model, best first
+    rivals       chosen effect -> others that take its place about as well
+    equivalents  the same, of those that say the same
+    vetoed       effects that the data left out wanted and the held-out trials did not
     """
 
     rungs: list[Model]
-    offers: list[Offer]
-    rivals: dict[str, list[Model]] = field(default_factory=dict)
+    offers: list[Offer] = field(default_factory=list)
+    rivals: dict[str, list[str]] = field(default_factory=dict)
+    equivalents: dict[str, list[str]] = field(default_factory=dict)
     vetoed: list[str] = field(default_factory=list)
 
     @property
@@ -46,36 +49,42 @@ class Found:
         return self.rungs[-1]
 
 
-class Search:
-    """Grows, prunes and exchanges sets of effects."""
+class Search(Generic[M]):
+    """Grows, prunes and exchanges sets of effects of one machine, its `models`."""
 
     def __init__(
         self,
-        train: InverseProblem,
-        heldout: InverseProblem,
-        names: Sequence[str],
+        models: M,
         candidates: Sequence[type[Effect]],
-        settings: Criteria,
+        criteria: Criteria,
         progress: Callable[[str], None] = lambda text: None,
     ):
-        self.train, self.heldout = train, heldout
-        self.progress = Steps(progress, _steps(0, settings.most))
-        self.models = Models(train, heldout, names, self.progress)
-        self.candidates, self.settings = list(candidates), settings
-        self.worth = Worth(settings, self._least())
+        self.models, self.criteria = models, criteria
+        self.candidates = list(candidates)
+        self.progress = models.progress = Steps(progress, _steps(0, criteria))
         self.vetoed: set[str] = set()
-        self._screened: dict[frozenset[str], Screening] = {}
+
+    @property
+    def worth(self) -> Worth:
+        """The questions of the criteria, for the least effect of the machine as it stands."""
+        return Worth(self.criteria, self.models.least)
 
     def run(self) -> Found:
         """Search from the bare model."""
-        bare = self.models.fitted((), {})
-        current, offers = bare, self._screen(bare, self.candidates)
+        current = self.models.fitted((), {})
+        first = offers = self._offers(current, self.candidates)
         # what the fitted numbers can say themselves is no effect, whatever is added later
         possible = {o.effect.name() for o in offers}
         self.candidates = [e for e in self.candidates if e.name() in possible]
-        first, seen = offers, {current.names}
-        while len(current.effects) < self.settings.most:
+        seen, afresh = {current.names}, False
+        while len(current.effects) < self.criteria.most and not self.models.complete(current):
             grown = self._grown(current, offers)
+            again = self.models.tried[current.names]
+            if not afresh and self._elsewhere(current, again, grown):
+                afresh, current = True, again
+                first = offers = self._offers(current, self.absent(current))
+                continue
+            current = again
             if grown is None:
                 break
             kept = self._pruned(grown)
@@ -86,10 +95,16 @@ class Search:
                 break
             seen.add(current.names)
             self.progress(f"chosen so far: {label(current.effects)}")
-            self.progress.expect(_steps(len(current.effects), self.settings.most))
-            offers = self._screen(current, self.absent(current))
+            self.progress.expect(_steps(len(current.effects), self.criteria))
+            if len(current.effects) < self.criteria.most and not self.models.complete(current):
+                offers = self._offers(current, self.absent(current))
         self.progress.expect(_last(len(current.effects)))
         return self._found(self._pruned(current, whole=True), first)
+
+    def _elsewhere(self, model: Model, again: Model, grown: Model | None) -> bool:
+        """Whether candidates were ranked beside a poor fit of a model, and rank otherwise now."""
+        poor = again.mean_square < POOR * model.mean_square
+        return not model.effects and again is not model and (poor or grown is None)
 
     def extended(
         self,
@@ -99,7 +114,7 @@ class Search:
     ) -> list[Model]:
         """Models of a set with each of the others that could matter beside it."""
         current = self.models.fitted(effects, start)
-        offers = [o for o in self._screen(current, others) if self.worth.possible(current, o.error)]
+        offers = [o for o in self._offers(current, others) if self.worth.possible(current, o.error)]
         return [
             self.models.fitted((*effects, o.effect), current.fit.changes | dict(o.values))
             for o in offers
@@ -117,9 +132,7 @@ class Search:
         chosen = found.chosen
         if len(chosen.effects) < 2:
             return None
-        lesser = min(
-            (self._without(chosen, e) for e in chosen.effects), key=lambda m: m.mean_square
-        )
+        lesser = min((self.without(chosen, e) for e in chosen.effects), key=lambda m: m.mean_square)
         fall = lesser.mean_square - chosen.mean_square
         if share * chosen.mean_square < max(IMITATED * fall, self.worth.least**2):
             return None
@@ -129,50 +142,42 @@ class Search:
         """The same with some of the chosen effects alone; their rivals stay what they were."""
         chosen = found.chosen
         effects = tuple(e for e in chosen.effects if e.name() in names)
-        model = self.models.fitted(effects, chosen.fit.changes)
-        rivals = {name: found.rivals[name] for name in names}
-        return Found(self._rungs(model), found.offers, rivals, found.vetoed)
+        model = self.models.finished(self.models.fitted(effects, chosen.fit.changes))
+        rivals, same = (
+            {name: of[name] for name in names} for of in (found.rivals, found.equivalents)
+        )
+        return Found(self.rungs(model), found.offers, rivals, same, found.vetoed)
 
     def _found(self, chosen: Model, offers: list[Offer]) -> Found:
-        found = Found(self._rungs(chosen), offers)
-        found.rivals = {e.name(): self._rivals(chosen, e) for e in chosen.effects}
-        found.vetoed = sorted(self.vetoed - chosen.names)
+        chosen = self.models.finished(chosen)
+        found = Found(self.rungs(chosen), offers, vetoed=sorted(self.vetoed - chosen.names))
+        for effect in chosen.effects:
+            same, other = equivalents(chosen, self._rivals(chosen, effect), self.worth.least)
+            found.equivalents[effect.name()], found.rivals[effect.name()] = same, other
         return found
-
-    def _least(self) -> float:
-        """The least size of an effect: a share of the effort, or the noise of the motion in it."""
-        bare = self.models.fitted((), {})
-        modelled = self.train.measured() + bare.fit.residual
-        squares = [p.noise**2 for r in self.train.recordings for p in r.pieces]
-        noise = float(np.sqrt(np.mean(squares)))
-        passed = noise_in_effort(noise, modelled, self.train.signals()["acceleration"])
-        return max(self.settings.floor * self.models.size, passed)
 
     def absent(self, model: Model) -> list[type[Effect]]:
         """Candidates that may be added to a model."""
         out = model.names | self.vetoed
-        return [e for e in self.candidates if e.name() not in out and not related(e, model.effects)]
+        return [
+            e
+            for e in self.candidates
+            if e.name() not in out and not self.models.related(e, model.effects)
+        ]
 
-    def _screen(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
-        if model.names not in self._screened:
-            made = Screening(self.train, model.fit, self.models.folds)
-            self._screened[model.names] = made
-        screening = self._screened[model.names]
-        if new := screening.untried(effects):
-            self.progress(f"{len(new)} effects screened beside {label(model.effects)}")
-        offers = screening.offers(effects)
-        return [o for o in offers if o.new > ABSORBED]
+    def _offers(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
+        return [o for o in self.models.offers(model, effects) if o.new > ABSORBED]
 
     def _grown(self, current: Model, offers: Sequence[Offer]) -> Model | None:
         """The best addition of one effect or of two, None where none matters."""
-        space = self.settings.most - len(current.effects)
-        singles = [(o,) for o in offers[:SINGLES] if self.worth.possible(current, o.error)]
+        space, most = self.criteria.most - len(current.effects), self.criteria.finalists
+        singles = [(o,) for o in offers[:most] if self.worth.possible(current, o.error)]
         best = self._best_of(current, singles)
         if best is not None or space < 2:
             return best
         # two true effects may each raise the error alone and lower it together
-        pairs = self._screened[current.names].pairs(offers)
-        pairs = [p for p in pairs if not related(p[1].effect, [p[2].effect])]
+        pairs = self.models.pairs(current, offers)
+        pairs = [p for p in pairs if not self.models.related(p[1].effect, [p[2].effect])]
         return self._best_of(
             current,
             [(a, b) for error, a, b in pairs[:PAIRS] if self.worth.possible(current, error)],
@@ -180,17 +185,17 @@ class Search:
 
     def _best_of(self, current: Model, sets: Sequence[tuple[Offer, ...]]) -> Model | None:
         """Fit each extension in full and take the simplest of the good ones."""
-        grown = []
-        for chosen in sets:
-            start = dict(current.fit.changes)
-            for offer in chosen:
-                start |= offer.values
-            added = (*current.effects, *(offer.effect for offer in chosen))
-            grown.append(self.models.fitted(added, start))
-        passed = [m for m in grown if self._plain(m) and self.worth.matters(current, m)]
+        grown = [m for m in self._extended(current, sets) if self.models.plain(m)]
+        current = self.models.tried[current.names]
+        passed = [m for m in grown if self.worth.matters(current, m)]
         return self.worth.simplest(passed) if passed else None
 
-    def _without(self, model: Model, effect: type[Effect]) -> Model:
+    def _extended(self, current: Model, sets: Sequence[tuple[Offer, ...]]) -> list[Model]:
+        # the least effect may be smaller beside what is added, so it is asked for each time
+        return self.models.grown(current, sets, lambda one, two: self.worth.matters(one, two))
+
+    def without(self, model: Model, effect: type[Effect]) -> Model:
+        """The model without one of its effects."""
         rest = tuple(e for e in model.effects if e is not effect)
         return self.models.fitted(rest, model.fit.changes)
 
@@ -201,7 +206,7 @@ class Search:
                the held-out trials, which deny it only where they contradict it
         """
         while model.effects:
-            lesser = {e: self._without(model, e) for e in model.effects}
+            lesser = {e: self.without(model, e) for e in model.effects}
             weak = [e for e in model.effects if not self.worth.matters(lesser[e], model)]
             denied = [e for e in model.effects if self.worth.denied(lesser[e], model, whole)]
             self.vetoed |= {e.name() for e in denied if e not in weak}
@@ -212,7 +217,9 @@ class Search:
 
     def _exchanged(self, model: Model) -> Model:
         """Exchange effects for better or simpler ones until none is left."""
-        for _ in range(self.settings.most):
+        for _ in range(self.criteria.most):
+            if self.models.complete(model):
+                return model
             others = [m for e in model.effects for m in self._exchanges(model, e)]
             chosen = self.worth.simplest([model, *others])
             if chosen is model:
@@ -222,24 +229,10 @@ class Search:
 
     def _exchanges(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Models with another effect in the place of this one."""
-        lesser = self._without(model, effect)
-        offers = [o for o in self._screen(lesser, self.absent(lesser)) if o.effect is not effect][
-            :EXCHANGES
-        ]
-        made = []
-        for offer in offers:
-            start = {**lesser.fit.changes, **offer.values}
-            effects = tuple(offer.effect if e is effect else e for e in model.effects)
-            if len({e.name() for e in effects}) == len(effects):
-                made.append(self.models.fitted(effects, start))
-        return [m for m in made if self._plain(m)]
-
-    def _plain(self, model: Model) -> bool:
-        """Whether a model says something that no simpler words would."""
-        period = max(r.period for r in self.train.recordings)
-        return not same_wave(model, self.train.sizes) and not only_aligns(
-            model, self.train.rig, period
-        )
+        lesser = self.without(model, effect)
+        offers = self._offers(lesser, self.absent(lesser))
+        others = [(o,) for o in offers if o.effect is not effect][:EXCHANGES]
+        return [m for m in self._extended(lesser, others) if self.models.plain(m)]
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse."""
@@ -259,12 +252,13 @@ class Search:
             if not is_dry(other) or other.name() in model.names:
                 continue
             rest = tuple(e for e in model.effects if e is not effect)
+            related = self.models.related
             kept = model.effects if not related(other, model.effects) else rest
             if not related(other, kept):
                 made.append(self.models.fitted((*kept, other), model.fit.changes))
-        return [m for m in made if self._plain(m) and self.worth.halves(model, m)]
+        return [m for m in made if self.models.plain(m) and self.worth.halves(model, m)]
 
-    def _rungs(self, model: Model) -> list[Model]:
+    def rungs(self, model: Model) -> list[Model]:
         """From the bare model upward, each time the effect that takes most off the error."""
         rungs, left = [self.models.fitted((), {})], list(model.effects)
         while left:
@@ -280,13 +274,34 @@ class Search:
         return rungs
 
 
-def _steps(effects: int, most: int) -> int:
+def alike(one: Model, two: Model, least: float) -> bool:
+    """Whether two models predict the same effort, within a tenth of the least effect's RMS."""
+    difference = one.fit.residual - two.fit.residual
+    return float(np.sqrt(np.mean(difference**2))) < ALIKE * least
+
+
+def equivalents(
+    chosen: Model, rivals: Sequence[Model], least: float
+) -> tuple[list[str], list[str]]:
+    """Names of the effects that say the same as the chosen one, and of those that are real rivals.
+
+    A rival counts as itself once, though it may be met several times.
+    """
+    same: list[str] = []
+    other: list[str] = []
+    for rival in rivals:
+        name = next(iter(rival.names - chosen.names))
+        (same if alike(chosen, rival, least) else other).append(name)
+    return sorted(set(same)), sorted(set(other) - set(same))
+
+
+def _steps(effects: int, criteria: Criteria) -> int:
     """Steps at most from a set of so many effects to the end of a diagnosis.
 
     A step is a model that is fitted, a screening, or a choice.
     """
-    grown = range(effects + 1, most + 1)
-    return sum(2 + SINGLES + PAIRS + n * EACH for n in grown) + _last(most)
+    grown = range(effects + 1, criteria.most + 1)
+    return sum(2 + criteria.finalists + PAIRS + n * EACH for n in grown) + _last(criteria.most)
 
 
 def _last(effects: int) -> int:

@@ -1,0 +1,151 @@
+"""Sets of effects, fitted, and who fits them: all that the search knows of a machine."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from spirob.effects import Effect
+from spirob.identify.fit import Fit
+from spirob.identify.problem import Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A set of effects, fitted; errors are mean squares by block.
+
+    left     residual on data that the fit has not seen, (N,) in the unit of the effort
+    errors   of these, and of the fitted ones where they count, too
+    heldout  residual on the held-out trials, which choose nothing
+    """
+
+    effects: tuple[type[Effect], ...]
+    fit: Fit
+    left: np.ndarray
+    errors: np.ndarray
+    heldout: np.ndarray
+
+    @property
+    def mean_square(self) -> float:
+        """Of the data that the fit has not seen."""
+        return float(np.mean(self.left**2))
+
+    @property
+    def heldout_square(self) -> float:
+        """Of the held-out trials."""
+        return float(np.mean(self.heldout**2))
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of its effects."""
+        return frozenset(e.name() for e in self.effects)
+
+    @property
+    def numbers(self) -> int:
+        """How rich it is: numbers of its effects, and one more for each that has a memory.
+
+        How many cells a memory takes is a matter of its program: a delay needs many, and one time.
+        """
+        return sum(len(e.parameters()) + bool(e.state) for e in self.effects)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """An effect as the screening beside a model sees it.
+
+    values   numbers to start a fit from, by full name, its own among them
+    error    mean squared residual that it promises
+    new      share of its columns that the fitted numbers cannot make
+    """
+
+    effect: type[Effect]
+    values: dict[str, float]
+    error: float
+    new: float = 1.0
+
+
+@dataclass(frozen=True)
+class Left:
+    """What is left of a model.
+
+    share    of its squared error that is neither noise nor what such machines differ by
+    late     ln(1 + how far effort and motion are apart, over what is usual)
+    said     a sentence, empty where there is nothing to say
+    unknown  sentence and explanation of the verdict, where nothing that was found says it
+    """
+
+    share: float
+    late: float
+    said: str
+    unknown: tuple[str, str]
+
+
+Counts = Callable[[Model, Model], bool]  # whether the second explains enough more than the first
+
+
+class Predictor(Protocol):
+    """Fits sets of effects to a machine's trials, and keeps every model that it fitted.
+
+    An arm is simulated (`simulated`), the inverse model of a rig is evaluated (`machine.models`).
+
+    train, heldout  the trials that are fitted, and those that choose nothing
+    names  of the numbers that every set fits
+    size   RMS of the measured effort;  least  size of the least effect that counts, in its unit
+    tried  names of the effects -> model
+    progress  is told each step of a search
+    """
+
+    train: Problem
+    heldout: Problem
+    progress: Callable[[str], None]
+    names: list[str]
+    size: float
+    tried: dict[frozenset[str], Model]
+
+    @property
+    def least(self) -> float: ...
+
+    def fitted(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
+        """The model of a set; its numbers begin at `start`."""
+
+    def grown(
+        self, current: Model, sets: Sequence[tuple[Offer, ...]], counts: Counts
+    ) -> list[Model]:
+        """The model with each of these sets added, those that count fitted until they settle.
+
+        Where one of them shows that the model itself was not fitted to its end, it is fitted again,
+        and the other one stands in `tried`.
+        """
+
+    def offers(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
+        """The effects beside a model, the best first."""
+
+    def pairs(self, model: Model, offers: Sequence[Offer]) -> list[tuple[float, Offer, Offer]]:
+        """Pairs of these with the mean square that they promise together, the best first."""
+
+    def related(self, effect: type[Effect], others: Sequence[type[Effect]]) -> bool:
+        """Whether one of the others is the same kind of law, of which a machine has only one."""
+
+    def plain(self, model: Model) -> bool:
+        """Whether a model says something that no simpler words would."""
+
+    def complete(self, model: Model) -> bool:
+        """Whether no more is left than of a machine from which nothing is missing."""
+
+    def finished(self, model: Model) -> Model:
+        """The model with the intervals of its numbers."""
+
+    def left(self, model: Model) -> Left:
+        """What is left of a model."""
+
+    def lacks(self, bare: Model) -> bool:
+        """Whether the fitted numbers alone leave too much for a machine that misses nothing."""
+
+    def nothing(self, bare: Model) -> str:
+        """Why nothing is missing, in a sentence."""
+
+
+def label(effects: Sequence[type[Effect]]) -> str:
+    """A set of effects in a line."""
+    return " + ".join(e.name() for e in effects) or "the fitted numbers alone"

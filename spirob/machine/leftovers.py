@@ -1,0 +1,84 @@
+"""What is left of a rig's model: how much follows from the motion, and from what, in words."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.flexible import share
+from spirob.diagnosis.model import Left, Model
+from spirob.machine.delays import DELAY, usual
+from spirob.machine.flexible import Ceiling, depends_on
+
+if TYPE_CHECKING:
+    from spirob.machine.models import Models
+
+SOME = 0.25  # of what is left follows from the motion: worth a sentence
+LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
+# of the effort's RMS, and times the noise: three quarters of the square are then no noise
+MUCH, NOISY = 0.1, 2.0
+TWICE = 2.0  # times the least effect: what counts where nothing names it
+
+
+def left_of(models: "Models", model: Model, rest: Ceiling) -> Left:
+    """What is left of a model; `rest` is the ceiling over it."""
+    delay = model.fit.estimates.get(DELAY)
+    period = max(r.period for r in models.train.recordings)
+    late = float(np.log1p(abs(delay.value) / usual(period))) if delay else 0.0
+    follows = max(rest.share, share(model.heldout, rest.heldout))
+    return Left(rest.share, late, _said(follows, rest), _unknown(models, model, follows, rest))
+
+
+def _said(follows: float, rest: Ceiling) -> str:
+    if follows < SOME:
+        return "What is left hardly follows from the motion."
+    return (
+        f"Of what is left, {follows:.0%} of the square still follows from the motion: it "
+        f"depends {depends_on(rest)}."
+    )
+
+
+def _unknown(models: "Models", model: Model, follows: float, rest: Ceiling) -> tuple[str, str]:
+    missed = f"{float(np.sqrt(model.mean_square)) / models.size:.1%}"
+    effort = models.train.effort.name
+    if follows < SOME:
+        return (
+            "Something is missing that the library does not hold: it follows from no signal "
+            "of the moment.",
+            f"The model misses {missed} of the {effort}'s RMS "
+            "on data left out, far more than the sensors' noise, and neither position, speed, "
+            "acceleration nor time explain it: blows, chatter or a memory would look so, and "
+            "so would logs that do not belong together.",
+        )
+    return (
+        f"Something is missing that the library does not hold: it depends {depends_on(rest)}.",
+        f"The model misses {missed} of the {effort}'s RMS on "
+        f"data left out. A flexible model of the motion explains {follows:.0%} of that "
+        f"squared error there; no effect of the library has its shape.",
+    )
+
+
+def nothing(models: "Models", rest: Ceiling) -> str:
+    """Why nothing is missing; `rest` is the ceiling over the fitted numbers alone."""
+    effort = models.train.effort.name
+    return (
+        "No likely effect of the library lowers the error of the fitted numbers on data left "
+        f"out by {models.least / models.size:.1%} of the {effort}'s RMS, and a flexible model of "
+        f"the motion explains {rest.share:.0%} of the squared residual."
+    )
+
+
+def structured(models: "Models", model: Model, rest: Ceiling) -> bool:
+    """Whether what a model leaves follows from the motion, by a share and a size that count."""
+    large = np.sqrt(rest.share * model.mean_square) >= TWICE * models.least
+    return bool(large) and rest.share > LEAST_SHARE
+
+
+def unexplained(models: "Models", model: Model) -> bool:
+    """Whether far more is left than any noise, though no signal of this moment explains it.
+
+    Blows, chatter and memories do not follow from the motion of this moment.
+    """
+    noise = max(float(noise_floor(models.train)), models.least)
+    left = np.sqrt(model.heldout_square)
+    return bool(left > max(MUCH * models.size, NOISY * noise))
