@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from spirob.diagnosis.confirm import Alone, together
-from spirob.diagnosis.rungs import label
 
 from pipeline.overlay import CHANNELS, table_of, write_table
+from spirob.diagnosis.model import label
 from spirob.diagnosis.screen import without
+from spirob.diagnosis.search import Found
+from spirob.diagnosis.simulated import Simulated
+from spirob.diagnosis.together import Alone, together
 from spirob.effects import Effect
 
 MOST = 5  # candidates: 31 combinations
