@@ -9,7 +9,7 @@ from spirob.report.ladder import ceiling_sentence, rows
 from spirob.report.sections.section import Section
 from spirob.report.words import column, interval, is_number, percent, unit_text
 
-SPLITS = ("train", "validate", "heldout")
+SPLITS = ("train", "left_out", "heldout")
 
 
 class Ladder(Section):
@@ -27,7 +27,8 @@ class Ladder(Section):
             "unit": diagnosis["unit"],
             "explanation": diagnosis.get("explanation", ""),
             "next_experiment": diagnosis.get("next_experiment", ""),
-            "candidates": candidates(diagnosis["candidates"], chosen),
+            "candidates": candidates(fitted(diagnosis), chosen),
+            "screened": len(diagnosis["candidates"]) - len(fitted(diagnosis)),
             "rungs": rows(diagnosis["ladder"], diagnosis.get("noise_floor")),
             "ceiling": ceiling_sentence(diagnosis["ladder"], left.get("share")),
             "effects": [effect_entry(effect, declared(data)) for effect in diagnosis["effects"]],
@@ -43,6 +44,11 @@ def declared(data: ReportData) -> dict[str, dict[str, Any]]:
     titles = {effect["name"]: effect["title"] for effect in data.diagnosis["effects"]}
     named = {n: known[n] for n, title in titles.items() if n in known and known[n].title == title}
     return {name: card(effect) for name, effect in named.items()}
+
+
+def fitted(diagnosis: dict[str, Any]) -> list[dict[str, Any]]:
+    """The candidates that were fitted in full; the screening ended the others."""
+    return [c for c in diagnosis["candidates"] if is_number(c.get("train_rmse"))]
 
 
 def candidates(found: list[dict[str, Any]], chosen: set[str]) -> list[dict[str, Any]]:

@@ -81,7 +81,9 @@ def rivals(name: str, data: ReportData) -> list[dict[str, str]]:
     """The other candidates: what each leaves, and the experiment that would tell them apart."""
     known = all_effects()
     chosen = {effect["name"] for effect in data.diagnosis["effects"]} | {name}
-    others = [c for c in data.diagnosis["candidates"] if c["name"] not in chosen]
+    others = [
+        c for c in data.diagnosis["candidates"] if c["name"] not in chosen and is_number(_milli(c))
+    ]
     errors = column([_milli(c) for c in others])
     found = []
     for other, error in zip(others, errors, strict=True):
@@ -92,11 +94,10 @@ def rivals(name: str, data: ReportData) -> list[dict[str, str]]:
             if a in known and b in known[a].tell_apart
         ]
         test = ways[0] if ways else "the library holds no experiment for these two"
-        left = f"{error} mA" if is_number(_milli(other)) else "not scored"
-        found.append({"title": other["title"], "left": left, "test": test})
+        found.append({"title": other["title"], "left": f"{error} mA", "test": test})
     return found
 
 
 def _milli(candidate: dict[str, Any]) -> float | None:
-    value = candidate.get("validate_rmse")
+    value = candidate.get("left_out_rmse")
     return 1e3 * value if is_number(value) else None
