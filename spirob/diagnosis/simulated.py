@@ -276,9 +276,9 @@ class Simulated(Predictor):
         return self.added(model.effects, found)
 
     def left(self, model: Model) -> Left:
-        """What is left of a model above noise and floor."""
-        enough = self._enough(self.floor_of(model).share)
-        square, effort = model.mean_square, self.train.effort.name
+        """What is left of a model above noise and floor, on trials that chose nothing."""
+        floor, effort = self.floor_of(model).share, self.train.effort.name
+        enough, square = self._enough(floor), model.heldout_square
         share, least = self._missed(model) / self.size, enough / self.size
         said = (
             f"Beside it {share:.1%} of the {effort} is left, more than the {least:.1%} that noise "
@@ -291,7 +291,7 @@ class Simulated(Predictor):
             "to, and no candidate explains enough of it to be likely. The regimes that hold the "
             "error say what it depends on.",
         )
-        above = max(0.0, square - enough**2) / max(square, 1e-300)
+        above = max(0.0, square - complete(self.heldout, floor) ** 2) / max(square, 1e-300)
         return Left(above, 0.0, said if share > least else "", unknown)
 
     def lacks(self, bare: Model) -> bool:
