@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import pytest
-
 from spirob.diagnosis.backward import anew, sides
 from spirob.diagnosis.rungs import ROLES, Confirmed, Settings, scores_of
+
 from spirob.effects import find_effects
 from spirob.identify.fit import STEPS, fit
 from tests.identify.known import residual, spirob

@@ -1,9 +1,9 @@
 """What was added is questioned again: exchanged for what explains more, taken out if not needed."""
 
 import pytest
-
 from spirob.diagnosis.backward import exchanged, pruned
 from spirob.diagnosis.rungs import ROLES, Ladder, Rung, Settings, label, parameters_of, scores_of
+
 from spirob.effects import find_effects
 from spirob.identify.fit import STEPS, fit
 from tests.identify.known import residual, spirob

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, rung_of, scores_of
+from spirob.diagnosis.weighing import with_probability
 
 from spirob.diagnosis.contest import (
     Contestant,
@@ -15,9 +17,7 @@ from spirob.diagnosis.contest import (
     proposed,
 )
 from spirob.diagnosis.proposals import TRIALS, propose, told
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, rung_of, scores_of
 from spirob.diagnosis.verdict import Verdict, judge
-from spirob.diagnosis.weighing import with_probability
 from spirob.effects.motor.coulomb_friction import CoulombFriction
 from spirob.effects.motor.load_dependent_friction import LoadDependentFriction
 from spirob.identify.fit import fit

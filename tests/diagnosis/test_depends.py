@@ -8,6 +8,7 @@ from spirob.diagnosis.atlas import lateness
 from spirob.diagnosis.document import described
 from spirob.diagnosis.flexible import TOGETHER, dependence, told
 from spirob.diagnosis.spectrum import Order
+from spirob.diagnosis.verdict import Verdict
 from tests.diagnosis.stretches import SECONDS, pair, problem, stretch
 
 PIECES = pair()
@@ -75,6 +76,7 @@ def test_an_error_in_step_with_the_command_is_the_commands():
 
 def test_only_an_unknown_effect_is_described_by_what_the_residual_depends_on():
     where = {"depends": {"sentence": "The residual depends on speed (40% by itself)."}}
-    assert described("unknown", "Much is left.", where).endswith("speed (40% by itself).")
-    assert described("named", "Much is left.", where) == "Much is left."
-    assert described("unknown", "Much is left.", {}) == "Much is left."
+    unknown, named = (Verdict(kind, {}, "", "Much is left.", "") for kind in ("unknown", "named"))
+    assert described(unknown, where).endswith("speed (40% by itself).")
+    assert described(named, where) == "Much is left."
+    assert described(unknown, {}) == "Much is left."

@@ -10,6 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
+from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, Settings, rung_of, scores_of
+from spirob.diagnosis.weighing import with_probability
 
 import pipeline.ask
 import pipeline.decide
@@ -21,9 +23,7 @@ from spirob.diagnosis import followup
 from spirob.diagnosis.contest import Contestant
 from spirob.diagnosis.followup import Answer, Proof, Question, answered, asked
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, Settings, rung_of, scores_of
 from spirob.diagnosis.verdict import Verdict, judge
-from spirob.diagnosis.weighing import with_probability
 from spirob.effects import find_effects
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from spirob.diagnosis import ladder as module
 from spirob.diagnosis.ladder import Rounds
 from spirob.diagnosis.rungs import Confirmed, Ladder, Settings
+
+from spirob.diagnosis import ladder as module
 from spirob.effects import find_effects
 from tests.diagnosis.test_verdict import PROBLEMS, rung
 

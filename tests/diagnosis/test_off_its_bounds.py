@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import pytest
-
 from spirob.diagnosis.ladder import off_its_bounds
 from spirob.diagnosis.rungs import Settings
+
 from spirob.identify.fit import fit
 from tests.identify.known import residual, spirob
 

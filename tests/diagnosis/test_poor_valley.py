@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from spirob.diagnosis.ladder import climb
 from spirob.diagnosis.rungs import ROLES, Ladder, Settings, rung_of
+
 from spirob.effects import find_effects
 from spirob.identify.fit import fit
 from tests.identify.known import residual, spirob

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from spirob.diagnosis.rungs import ROLES, Ladder, Rung, Settings, rung_of, scores_of
 
 from spirob.diagnosis.contest import Contestant, in_question, joined
 from spirob.diagnosis.followup import Proof, proved, put_to_proof, sifted, to_prove
 from spirob.diagnosis.proposals import told
-from spirob.diagnosis.rungs import ROLES, Ladder, Rung, Settings, rung_of, scores_of
 from spirob.diagnosis.verdict import AGAIN, Verdict, judge
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash

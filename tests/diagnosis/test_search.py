@@ -1,107 +1,215 @@
-"""The search names the effect that made the data, and nothing where nothing is missing."""
+"""The search on machines whose errors are known: it grows, prunes, exchanges, and stops."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from spirob.diagnosis.document import document, metrics
-from spirob.diagnosis.evidence import noise_floor
-from spirob.diagnosis.ladder import climb
-from spirob.diagnosis.rungs import ROLES, Settings, floor_at
-from spirob.diagnosis.verdict import judge
+from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.search import Search
 from spirob.effects import find_effects
-from spirob.identify.builds import Floor, hinges, holes
-from tests.identify.known import NOISE, residual, spirob
+from tests.diagnosis.machines import SAMPLES, Linear
 
-NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness"]
-OTHERS = {"winch.efficiency": 0.72, "motor.rotor_damping": 7e-5, "arm.base_stiffness": 0.17}
-CANDIDATES = ["capstan_friction", "current_offset", "stiffness_hardening"]
-SETTINGS = Settings(finalists=2, rounds=1, iterations=4, patience=6)
-
-
-def diagnose(true):
-    """Data by the model with the numbers `true`; the search starts at nominal numbers."""
-    plant = spirob(find_effects(CANDIDATES))
-    residuals = {role: residual(plant, {**OTHERS, **true}, role) for role in ROLES}
-    search = climb(residuals, NAMES, find_effects(CANDIDATES), {}, SETTINGS)
-    return search, judge(search, residuals, SETTINGS), residuals
-
-
-@pytest.mark.parametrize(
-    ("hidden", "value"), [("capstan_friction.friction", 0.1), ("current_offset.offset", 0.06)]
+ONE, TWO, THREE, FOUR, FIVE = find_effects(
+    ["current_offset", "quadratic_drag", "stretch", "mount_tilt", "supply_sag"]
 )
-def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
-    search, verdict, residuals = diagnose({hidden: value})
-    name = hidden.split(".")[0]
-    assert verdict.kind == "named"
-    assert [e.name() for e in search.rungs[1].effects] == [name]
-    before, after = search.rungs[0].scores["heldout"].rmse, search.rungs[1].scores["heldout"].rmse
-    assert after < 0.3 * before
-    assert search.rungs[1].fit.estimates[hidden].value == pytest.approx(value, rel=0.1)
-    train = residuals["train"]
-    written = document(search, verdict, {}, noise_floor(train), residuals)
-    assert written["effects"][0]["name"] == name
-    assert [rung.get("ceiling", False) for rung in written["ladder"]] == [False, False, True]
-    for rung in written["ladder"]:
-        for role in ROLES:
-            for score, (low, high) in rung["interval"][role].items():
-                assert low < rung[role][score] < high
-    assert metrics(search, verdict, train.effort)["effect"] == name
+RNG = np.random.default_rng(1)
+A, B, C, D = RNG.standard_normal((4, 2 * SAMPLES))
+EACH = {ONE: A, TWO: B, THREE: C, FOUR: D}
+CRITERIA = Criteria()
 
 
-def test_wrong_numbers_are_not_a_missing_effect():
-    search, verdict, _ = diagnose({})
-    assert verdict.kind == "nothing_missing"
-    assert len(search.rungs) == 1
+def searched(machine, criteria=CRITERIA, candidates=None):
+    search = Search(machine, candidates or list(machine.columns), criteria)
+    return search, search.run()
 
 
-def test_an_effect_outside_the_candidates_is_unknown():
-    plant = spirob(find_effects(["cogging", "current_offset"]))
-    true = {**OTHERS, "cogging.sine": 0.006, "cogging.order": 2.0}
-    residuals = {role: residual(plant, true, role) for role in ROLES}
-    search = climb(residuals, NAMES, find_effects(["current_offset"]), {}, SETTINGS)
-    assert judge(search, residuals, SETTINGS).kind == "unknown"
+def names(model):
+    return {e.name() for e in model.effects}
 
 
-def test_the_noise_floor_is_the_sensors():
-    data = residual(spirob(), OTHERS)
-    passed = np.std(data.filter(np.random.default_rng(1).standard_normal(20_000)))
-    assert noise_floor(data) == pytest.approx(NOISE * passed, rel=0.2)
+def test_nothing_is_found_where_nothing_is_missing():
+    search, found = searched(Linear(np.zeros(2 * SAMPLES), EACH))
+    assert found.chosen.effects == ()
+    assert found.rungs == [found.chosen] == [search.models.tried[frozenset()]]
+    assert {o.effect for o in found.offers} == set(EACH)
 
 
-@pytest.mark.parametrize(
-    ("alone", "with_it", "said"),
-    [(0.5, 0.004, "named"), (0.004, 0.5, "named"), (0.5, 0.5, "nothing_missing")],
-)
-def test_an_effect_has_to_beat_the_lower_of_both_floors(alone, with_it, said):
-    """Of the machine without it and of the one that has it; without a name the first stands."""
-    plant = spirob(find_effects(CANDIDATES))
-    true = {**OTHERS, "current_offset.offset": 0.06}
-    residuals = {role: residual(plant, true, role) for role in ROLES}
-
-    def measure(found):
-        there = any(n.split(".")[0] in CANDIDATES for n in found.estimates)
-        return Floor(with_it if there else alone, "so it was measured.")
-
-    search = climb(residuals, NAMES, find_effects(CANDIDATES), {}, SETTINGS, measure=measure)
-    settings = search.settings(SETTINGS)
-    assert settings.floor == (min(alone, with_it) if said == "named" else alone)
-    verdict = judge(search, residuals, settings)
-    assert verdict.kind == said
-    written = document(search, verdict, {}, noise_floor(residuals["train"]), residuals)
-    assert written["floor"] == {"share": settings.floor, "reason": "so it was measured."}
+def test_what_is_missing_is_found_the_largest_on_the_lowest_rung():
+    _, found = searched(Linear(0.03 * A + 0.1 * B, EACH))
+    assert [m.effects for m in found.rungs] == [(), (TWO,), (TWO, ONE)]
+    assert found.chosen.heldout_square < 0.01 * found.rungs[0].heldout_square
+    assert found.rivals == found.equivalents == {ONE.name(): [], TWO.name(): []}
+    assert found.offers[0].effect is TWO
 
 
-def test_a_typical_build_lacks_nothing_and_gets_no_name():
-    """Its hinges and holes are off, and it leaves more than the model's own resolution."""
-    plant, rng = spirob(find_effects(CANDIDATES)), np.random.default_rng(11)
-    built = plant.scattered(hinges(rng, 24), holes(rng, 24))
-    found = {role: residual(built, OTHERS, role) for role in ROLES}
-    residuals = {role: replace(of, plant=plant) for role, of in found.items()}
+@pytest.mark.parametrize("most", [1, 2])
+def test_no_more_effects_are_added_than_are_asked_for(most):
+    _, found = searched(
+        Linear(0.1 * A + 0.1 * B + 0.1 * C, EACH), replace(CRITERIA, most=most)
+    )
+    assert len(found.chosen.effects) == most
 
-    def measure(found):
-        return floor_at(found, residuals, SETTINGS.scale)
 
-    search = climb(residuals, NAMES, find_effects(CANDIDATES), {}, SETTINGS, measure=measure)
-    assert judge(search, residuals, search.settings(SETTINGS)).kind == "nothing_missing"
+def test_no_more_candidates_of_a_round_are_fitted_than_are_asked_for():
+    machine = Linear(0.03 * A + 0.05 * B + 0.07 * C + 0.09 * D, EACH)
+    searched(machine, replace(CRITERIA, most=1, finalists=2))
+    first = machine.rounds[0]
+    assert first == [(FOUR,), (THREE,)]
+
+
+def test_a_machine_that_is_complete_is_asked_nothing_more():
+    """Though another effect would count."""
+    machine = Linear(0.1 * A + 0.02 * B, EACH, enough=0.03**2)
+    _, found = searched(machine)
+    assert names(found.chosen) == {ONE.name()}
+    assert all(len(effects) == 1 for effects in machine.rounds[0])
+    _, whole = searched(Linear(0.1 * A + 0.02 * B, EACH))
+    assert names(whole.chosen) == {ONE.name(), TWO.name()}
+
+
+def test_a_complete_machine_is_not_searched_at_all():
+    machine = Linear(0.02 * A, EACH, enough=0.03**2)
+    _, found = searched(machine)
+    assert (found.chosen.effects, machine.rounds) == ((), [])
+
+
+def test_what_is_not_needed_beside_the_others_goes():
+    """The first makes nearly the sum of two: beside both of them nothing is left of it."""
+    both = {ONE: A + B + 0.2 * C, TWO: A, THREE: B}
+    machine = Linear(0.1 * (A + B), both)
+    search = Search(machine, list(both), CRITERIA)
+    kept = search._pruned(machine.fitted((ONE, TWO, THREE), {}))
+    assert names(kept) == {TWO.name(), THREE.name()}
+
+
+def test_the_first_effect_is_exchanged_for_what_explains_more():
+    """Alone it imitates both of the missing ones best; a pair is all that is looked for."""
+    both = {ONE: A + 0.5 * B + 0.3 * C, TWO: A, THREE: B}
+    machine = Linear(0.1 * A + 0.06 * B, both)
+    _, found = searched(machine, replace(CRITERIA, most=2))
+    assert frozenset({ONE.name(), THREE.name()}) in machine.tried
+    assert [names(m) for m in found.rungs] == [set(), {TWO.name()}, {TWO.name(), THREE.name()}]
+
+
+def test_a_pair_of_which_each_is_needed_stays():
+    search, found = searched(Linear(0.1 * A + 0.1 * B, EACH))
+    assert search._pruned(found.chosen, whole=True) is found.chosen
+    assert search._exchanged(found.chosen) is found.chosen
+
+
+def test_two_effects_that_only_count_together_are_found_as_a_pair():
+    """Almost opposite to each other: alone each makes a tenth of what both make."""
+    pair = {ONE: A + 0.1 * B, TWO: A - 0.1 * B, THREE: C}
+    machine = Linear(0.04 * B, pair)
+    search, found = searched(machine)
+    assert names(found.chosen) == {ONE.name(), TWO.name()}
+    assert not any(search.worth.matters(found.rungs[0], machine.fitted((e,), {})) for e in pair)
+
+
+def test_where_one_more_effect_is_allowed_no_pair_is_tried():
+    pair = {ONE: A + 0.1 * B, TWO: A - 0.1 * B, THREE: C}
+    machine = Linear(0.04 * B, pair)
+    _, found = searched(machine, replace(CRITERIA, most=1))
+    assert found.chosen.effects == ()
+
+
+def test_of_one_kind_of_law_a_machine_has_one():
+    same = {ONE: A, TWO: A + 0.3 * B}
+    free, held = (
+        searched(Linear(0.1 * A + 0.05 * B, same, only_one=only))[1].chosen
+        for only in ((), (ONE.name(), TWO.name()))
+    )
+    assert names(free) == {ONE.name(), TWO.name()}
+    assert len(held.effects) == 1
+
+
+def test_what_says_nothing_plain_is_not_chosen():
+    _, found = searched(Linear(0.1 * A, {ONE: A, TWO: A + 0.2 * B}, odd=[ONE.name()]))
+    assert names(found.chosen) == {TWO.name()}
+
+
+def test_what_the_fitted_numbers_make_themselves_is_no_candidate_later_either():
+    machine = Linear(0.1 * A + 0.1 * B, EACH, absorbed=[ONE.name()])
+    search, found = searched(machine)
+    assert names(found.chosen) == {TWO.name()}
+    assert ONE not in {o.effect for o in found.offers}
+    later = [asked for model, asked in machine.screened if model]
+    assert later
+    assert all(ONE.name() not in asked for asked in later)
+
+
+def test_what_held_out_trials_deny_is_told_and_not_chosen():
+    """It is there in the fitted half alone; held out it does harm."""
+    own = np.r_[np.ones(SAMPLES), np.zeros(SAMPLES)] * A + np.r_[np.zeros(SAMPLES), A[:SAMPLES]]
+    machine = Linear(0.1 * np.r_[A[:SAMPLES], np.zeros(SAMPLES)] + 0.1 * B, {ONE: own, TWO: B})
+    _, found = searched(machine)
+    assert names(found.chosen) == {TWO.name()}
+    assert found.vetoed == [ONE.name()]
+
+
+def test_who_takes_the_place_about_as_well_is_a_rival_and_who_says_the_same_an_equivalent():
+    near = {ONE: A, TWO: A + 0.009 * B, THREE: A + 0.014 * C, FIVE: A + 0.04 * D}
+    search, found = searched(Linear(0.1 * A, near, noise=0.005))
+    assert found.chosen.effects == (ONE,)
+    assert found.equivalents == {ONE.name(): [TWO.name()]}  # 0.9 of 1 mA that count as alike
+    assert found.rivals == {ONE.name(): [THREE.name()]}
+    clearly = search.worth.clearly(search.models.fitted((FIVE,), {}), found.chosen)
+    assert clearly, "who is no rival explains clearly less"
+
+
+def ranked(machine):
+    """How often all candidates were ranked beside the numbers alone."""
+    return sum(not model for model, _ in machine.screened)
+
+
+@pytest.mark.parametrize(("astray", "anew"), [(0.3, 1), (0.03, 0)])
+def test_candidates_that_were_ranked_beside_a_poor_fit_are_ranked_once_more(astray, anew):
+    """The numbers alone were astray, and what led them back is not needed any more."""
+    plain, machine = Linear(0.1 * B, EACH), Linear(0.1 * B, EACH, astray=astray * A)
+    (_, right), (_, found) = searched(plain), searched(machine)
+    assert machine.rounds[0][0] == ((ONE,) if anew else (TWO,))
+    assert ranked(machine) == ranked(plain) + anew
+    assert found.chosen.names == right.chosen.names == {TWO.name()}
+    assert found.rungs[0] is machine.tried[frozenset()]
+    assert (found.offers[0].error == right.offers[0].error) is bool(anew)
+
+
+def test_numbers_that_stay_astray_are_not_followed_for_ever():
+    class Lost(Linear):
+        def grown(self, current, sets, counts):
+            found = super().grown(current, sets, counts)
+            self.asked["astray"] = 0.4 ** len(self.rounds) * A
+            self.tried[frozenset()] = self._made(())
+            return found
+
+    plain, machine = Linear(0.3 * A, EACH), Lost(np.zeros(2 * SAMPLES), EACH, astray=A)
+    for one in (plain, machine):
+        searched(one, replace(CRITERIA, most=1))
+    assert ranked(machine) == ranked(plain) + 1
+
+
+def test_what_only_led_the_numbers_out_of_a_poor_fit_is_no_effect():
+    machine = Linear(np.zeros(2 * SAMPLES), EACH, astray=0.3 * A)
+    _, found = searched(machine)
+    assert found.chosen.effects == ()
+    assert found.chosen is machine.tried[frozenset()]
+
+
+def test_a_lesser_effect_stands_for_more_where_more_is_left_than_it_took():
+    """A law that is not quite the machine's leaves structure, and a second one takes some of it."""
+    search, found = searched(Linear(0.1 * A + 0.03 * B, EACH, noise=0.05))
+    assert names(found.chosen) == {ONE.name(), TWO.name()}
+    assert search.without_imitations(found, 0.1) is None
+    lesser = search.without_imitations(found, 0.9)
+    assert names(lesser.chosen) == {ONE.name()}
+    assert search.without_imitations(lesser, 1.0) is None, "the first effect stays"
+
+
+def test_a_narrowed_set_keeps_the_rivals_that_its_effects_had():
+    search, found = searched(Linear(0.1 * A + 0.03 * B, EACH))
+    found.rivals[ONE.name()] = ["creep"]
+    narrow = search.narrowed(found, [ONE.name()])
+    assert [m.effects for m in narrow.rungs] == [(), (ONE,)]
+    assert narrow.rivals == {ONE.name(): ["creep"]}
+    assert narrow.offers is found.offers

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-
 from spirob.diagnosis.confirm import shaped
 from spirob.diagnosis.rungs import ROLES, Confirmed, Settings, scores_of
+
 from spirob.effects.motor.cogging import Cogging
 from spirob.identify.fit import fit
 from tests.identify.known import residual, spirob

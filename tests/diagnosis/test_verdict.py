@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
 
 from spirob.diagnosis import ladder
 from spirob.diagnosis.certainty import LIKELY, MOST, probability
 from spirob.diagnosis.figures import weighed
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
 from spirob.diagnosis.verdict import judge
 from spirob.effects import find_effects
 from spirob.identify.fit import Estimate, Fit

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from spirob.diagnosis.rungs import Confirmed, Settings
 from spirob.diagnosis.weighing import counts, least_of, periodic, simplest
+
 from spirob.effects import find_effects
 
 SIMPLE, RICH = find_effects(["current_offset", "capstan_friction"])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
-from spirob.diagnosis.document import SENSELESS
+from spirob.diagnosis.verdict import SENSELESS
 from spirob.errors import ExportError
 from spirob.export import exporting, listed, targets
 from spirob.export.corrected import corrected, read_document

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.criteria import Settings
 from spirob.identify import builds
 from spirob.identify.builds import LEVEL, RESOLUTION, Builds, floor_of, hinges, holes, most_of
 from spirob.identify.fit import fit

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.criteria import Settings
 from spirob.identify.builds import WEIGHTS, Builds, counting, floor_of, weighted
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms

@@ -6,6 +6,7 @@ import pytest
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.models import Models
 from spirob.machine.plausibility import _mended, _turned, strangers
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
@@ -42,7 +43,7 @@ def search_of(effort):
     a = -9 * np.sin(3 * t) - 15.1 * np.sin(7.1 * t)
     made = [prepare("log", {"t": t, "q": q, "u": effort(q, v, a)}, rig)]
     problem = InverseProblem(rig, None, made, [], SIZES, 0.02)
-    return Search(problem, problem, ["rig.inertia", "rig.viscous"], [], Criteria())
+    return Search(Models(problem, problem, ["rig.inertia", "rig.viscous"]), [], Criteria())
 
 
 def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():

@@ -7,11 +7,11 @@ import pytest
 from spirob.campaign.arm import running
 from spirob.campaign.arm.case import Case, run
 from spirob.cli.main import main
-from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.criteria import Settings
 from spirob.errors import DataError
 from tests.campaign.arm.test_killed import fake
 
-QUICK = Settings(finalists=1, rounds=1, iterations=1, patience=1)
+QUICK = Settings(finalists=1, most=1, iterations=1, patience=1)
 
 
 def test_cases_hold_every_kind_with_every_seed_and_the_nulls():

@@ -20,7 +20,7 @@ from spirob.campaign.arm.strength import (
     sizes,
     strength_of,
 )
-from spirob.diagnosis.rungs import Settings
+from spirob.diagnosis.criteria import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
 

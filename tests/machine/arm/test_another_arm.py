@@ -3,8 +3,8 @@
 import pandas as pd
 import pytest
 import yaml
-from spirob.diagnosis.rungs import Settings
 
+from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.proposals import bend
 from spirob.effects import all_effects
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
@@ -86,10 +86,10 @@ def test_what_an_arm_of_13_measured_units_hides_is_named(folder):
     arm = arm.beside(beside)
     logs = [read_table(str(folder / f"{name}.csv")) for name in MOVES]
     trials, said = diagnosis.read(arm, logs[:3], logs[3:])
-    settings = Settings(finalists=2, rounds=1, iterations=1, intervals=False)
+    settings = Settings(finalists=2, most=1, iterations=1, intervals=False)
     library = [all_effects()[name] for name in NAMES]
     found = diagnosis.searched(arm, trials, settings, print, library, said=said)
-    assert found.residuals["train"].plant.rig.units == 13
+    assert found.models.train.plant.rig.units == 13
     document = diagnosis.written(arm, found, said)
     assert [effect["name"] for effect in document["effects"]] == ["load_dependent_friction"]
     before, after = (document["ladder"][k]["test"]["rmse"] for k in (0, 1))

@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
-from spirob.diagnosis.rungs import Settings
 
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.verdict import SENSELESS
 from spirob.effects import all_effects
 from spirob.errors import DataError
 from spirob.identify.plausibility import SENSE, explained
@@ -45,7 +46,7 @@ def diagnosed(folder, bad):
         paths.append(folder / f"{role}_{k}.csv")
         pd.DataFrame(exchanged(found) if bad(role) else found).to_csv(paths[-1], index=False)
     arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
-    settings = Settings(finalists=1, rounds=1, iterations=1, patience=2, intervals=False)
+    settings = Settings(finalists=1, most=1, iterations=1, patience=2, intervals=False)
     trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
     found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
     return diagnosis.written(arm, found, said)
@@ -55,7 +56,7 @@ def test_exchanged_motors_get_no_name_but_a_sentence(tmp_path):
     document = diagnosed(tmp_path, lambda role: True)
     assert document["verdict"] == "unknown"
     assert document["effects"] == []
-    assert document["sentence"] == diagnosis.SENSELESS
+    assert document["sentence"] == SENSELESS
     assert "are the columns of the two motors exchanged" in document["explanation"]
 
 

@@ -2,8 +2,8 @@
 
 import pandas as pd
 import pytest
-from spirob.diagnosis.rungs import Settings
 
+from spirob.diagnosis.criteria import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis
@@ -22,7 +22,7 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
         pd.DataFrame(log(role, k, TRUE, [FRICTION])).to_csv(paths[-1], index=False, sep=";")
     arm = rig(fit=["winch.efficiency", "motor.rotor_damping"])
     trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
-    settings = Settings(finalists=1, rounds=1, intervals=False)
+    settings = Settings(finalists=1, most=1, intervals=False)
     found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
     document = diagnosis.written(arm, found, said)
     assert document["verdict"] == "named"
@@ -36,13 +36,11 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     for rung in document["ladder"]:
         assert set(rung["interval"]) == {"train", "validate", "heldout", "test"}
     assert any("read with ';'" in text for text in document["repairs"])
-    assert document["floor"]["share"] == found.settings.floor
+    assert document["floor"]["share"] == found.floor.share
     assert "builds of this machine" in document["floor"]["reason"]
-    shown = overlay(found.search, found.residuals, named=True)
+    shown = overlay(found)
     assert {"trial", "role", "time", "measured", "base", "named"} <= set(shown.columns)
-    assert (
-        parameters(found.search, found.residuals["train"].table)["winch.efficiency"]["unit"] == "1"
-    )
+    assert parameters(found)["winch.efficiency"]["unit"] == "1"
 
 
 @pytest.mark.parametrize(

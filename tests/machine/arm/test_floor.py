@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from spirob.diagnosis.rungs import Settings
 
+from spirob.diagnosis.criteria import Settings
 from spirob.identify.builds import SCATTER, TOLERANCES, Builds, floor_of, hinges, holes
 from spirob.identify.fit import fit
 from spirob.identify.problem import effort_rms

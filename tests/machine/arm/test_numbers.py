@@ -2,9 +2,9 @@
 
 import pandas as pd
 import pytest
-from spirob.diagnosis.rungs import Settings
 
 from spirob.cli.main import main
+from spirob.diagnosis.criteria import Settings
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.identify.builds import TOLERANCES
@@ -22,7 +22,7 @@ DAMPING = {"motor.rotor_damping": 2e-4}
 BARE = {"winch.efficiency": None}
 TORQUE = "coulomb_friction.coulomb_torque"
 LOGS = (("train", 0), ("train", 1), ("validate", 0), ("heldout", 0))
-QUICK = Settings(finalists=1, rounds=0, intervals=False)
+QUICK = Settings(finalists=1, most=0, intervals=False)
 
 
 @pytest.fixture(scope="module")
@@ -35,11 +35,10 @@ def logs(tmp_path_factory):
 
 
 def fitted(logs, **changes):
-    """The fit of the numbers alone, and the residuals by role."""
+    """A search for nothing: the fit of the numbers alone."""
     arm = rig(**changes)
     trials, _ = diagnosis.read(arm, tables(logs[:3]), tables(logs[3:]))
-    found = diagnosis.searched(arm, trials, QUICK, print, [])
-    return found.search, found.residuals
+    return diagnosis.searched(arm, trials, QUICK, print, [])
 
 
 def plant(arm, own=()):
@@ -59,8 +58,8 @@ def test_a_list_and_a_mapping_without_bounds_are_the_same():
 def test_a_fit_stays_between_bounds_and_begins_at_what_is_nominal(logs):
     """The efficiency is 0.7: between 0.8 and 0.9 it ends at 0.8, and the page says so."""
     narrow = {"nominal": 0.85, "low": 0.8, "high": 0.9}
-    search, residuals = fitted(logs, fit={"winch.efficiency": narrow}, known=DAMPING)
-    shown = parameters(search, residuals["train"].table)["winch.efficiency"]
+    found = fitted(logs, fit={"winch.efficiency": narrow}, known=DAMPING)
+    shown = parameters(found)["winch.efficiency"]
     assert shown["value"] == pytest.approx(0.8, abs=1e-4)
     assert shown["at_bound"]
     assert (shown["nominal"], shown["bound_low"], shown["bound_high"]) == (0.85, 0.8, 0.9)
@@ -75,11 +74,10 @@ def test_bounds_may_be_wider_than_the_data_sheets_tolerance():
 
 def test_what_is_known_is_not_fitted_and_the_rest_is_right(logs):
     """With a damping that is known to be twice the nominal one the efficiency is found."""
-    search, residuals = fitted(logs, fit=["winch.efficiency"], known=DAMPING)
-    estimates = search.base.fit.estimates
+    found = fitted(logs, fit=["winch.efficiency"], known=DAMPING)
+    estimates, table = found.stands.fit.estimates, found.models.train.table
     assert set(estimates) == {"winch.efficiency"}
     assert estimates["winch.efficiency"].value == pytest.approx(0.7, rel=0.01)
-    table = residuals["train"].table
     assert table.values[table.position("motor.rotor_damping")] == 2e-4
     assert "motor.rotor_damping" not in rig(known=DAMPING).fitted()
 
@@ -94,10 +92,10 @@ def test_numbers_of_an_effect_that_the_model_holds(logs):
     """One is known, another fitted between bounds; of an absent effect neither can be."""
     known, chosen = "coulomb_friction.softness", "coulomb_friction.coulomb_torque"
     bounds = {chosen: {"nominal": 0.003, "low": 0.002, "high": 0.004}}
-    search, residuals = fitted(
+    found = fitted(
         logs, effects=["coulomb_friction"], fit={**BARE, **bounds}, known={known: 0.7}
     )
-    estimates, table = search.base.fit.estimates, residuals["train"].table
+    estimates, table = found.stands.fit.estimates, found.models.train.table
     assert set(estimates) == {*BARE, chosen}
     assert 0.002 <= estimates[chosen].value < 0.0025  # the truth, 0, is out of bounds
     assert table.values[table.position(known)] == 0.7

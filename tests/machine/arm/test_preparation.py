@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from spirob.diagnosis.rungs import ROLES, Settings
 
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.simulated import ROLES
 from spirob.identify.fit import fit
 from spirob.identify.residual import Residual, near
 from spirob.logs.readers import Table

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from spirob.diagnosis.rungs import Settings
 
+from spirob.diagnosis.criteria import Settings
 from spirob.effects import all_effects
 from spirob.errors import DataError, TooShort
 from spirob.identify.residual import Residual
@@ -134,15 +134,14 @@ def test_one_log_alone_is_searched_in_blocks(tmp_path):
     pd.DataFrame(long_log(TRUE, [FRICTION])).to_csv(tmp_path / "one.csv", index=False)
     arm = rig(fit=["winch.efficiency"])
     trials, said = diagnosis.read(arm, tables([tmp_path / "one.csv"]), [])
-    settings = Settings(finalists=1, rounds=1, intervals=False)
+    settings = Settings(finalists=1, most=1, intervals=False)
     found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
-    search = found.search
-    best = search.rounds[0][0]
-    assert best.scores["heldout"].rmse < 0.2 * search.base.scores["heldout"].rmse
+    bare, best = found.models.tried[frozenset()], found.models.tried[frozenset({FRICTION.name()})]
+    assert best.heldout_square < 0.04 * bare.heldout_square
     document = diagnosis.written(arm, found, said)
     assert any("the last 30% of each training log was kept aside" in t for t in document["repairs"])
     assert any("one.csv (50 to 70 %), which no fit has seen" in t for t in document["repairs"])
-    shown = overlay(search, found.residuals, named=True)
+    shown = overlay(found)
     times = {role: rows["time"] for role, rows in shown.groupby("role")}
     assert times["test"].min() == pytest.approx(7.0, abs=0.02)
     assert times["train"].max() < 5.0

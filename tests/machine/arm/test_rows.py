@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from spirob.diagnosis.rungs import Settings
 
 from spirob.cli.main import main
 from spirob.diagnosis.atlas import survey
+from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.orders import answers
 from spirob.effects import all_effects
 from spirob.errors import ConfigError, DataError
@@ -67,9 +67,9 @@ def test_where_a_drive_saturates_is_left_out_and_said(columns):
 def fitted(columns, arm):
     """The efficiency of this log."""
     trials = {role: [trial_of(columns, arm)[0]] for role in ("train", "validate", "heldout")}
-    quick = Settings(rounds=0, intervals=False)
+    quick = Settings(most=0, intervals=False)
     found = diagnosis.searched(arm, trials, quick, print, [])
-    return found.search.base.fit.estimates["winch.efficiency"].value
+    return found.stands.fit.estimates["winch.efficiency"].value
 
 
 def test_a_saturated_stretch_no_longer_bends_the_fit(columns):
@@ -104,12 +104,12 @@ def test_holds_are_dropped_where_it_is_asked_for(columns):
 def test_both_ends_are_dropped_and_every_nth_cycle_is_kept(columns):
     arm = rig(filter={"decimate": 16, "drop": 250})
     trials = {role: [trial_of(columns, arm)[0]] for role in ("train", "validate", "heldout")}
-    found = diagnosis.searched(arm, trials, Settings(rounds=0), print, [])
-    (stretch,) = found.residuals["train"].stretches()
+    found = diagnosis.searched(arm, trials, Settings(most=0), print, [])
+    (stretch,) = found.models.train.stretches()
     assert stretch.seconds[0] == pytest.approx(0.256)
     assert np.diff(stretch.seconds) == pytest.approx(0.016)
     assert stretch.seconds[-1] < 1e-3 * (len(trials["train"][0].current) - 250)
-    assert found.residuals["train"].block == 31
+    assert found.models.train.block == 31
 
 
 def test_what_is_compared_is_a_part_of_the_whole_residual(columns):

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from spirob.diagnosis.rungs import Settings
 
+from spirob.diagnosis.criteria import Settings
 from spirob.identify.fit import fit
 from spirob.identify.residual import Residual, near
 from spirob.logs.readers import Table

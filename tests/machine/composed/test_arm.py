@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from spirob.diagnosis.rungs import Settings
 
 from spirob.campaign.arm.recording import bends
+from spirob.diagnosis.criteria import Settings
 from spirob.effects import load_file
 from spirob.effects.check import check
 from spirob.errors import SimulationError
