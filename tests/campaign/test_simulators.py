@@ -33,6 +33,7 @@ LINKS = arm.Arm(
         6.0,
         400.0,
         12.0,
+        False,
     )
 )
 NOTHING = Hidden()
@@ -77,6 +78,19 @@ def test_the_effort_holds_the_hidden_law(simulator, axis, hidden, law):
     slow = np.ones(250) / 250  # the load swings on its shaft, the controller holds
     left = np.convolve(found - wanted, slow, "valid")
     assert np.sqrt(np.mean(left**2)) < 0.05 * np.sqrt(np.mean(wanted**2))
+
+
+@pytest.mark.parametrize("driven", [0, 1])
+def test_beside_a_clamped_joint_an_arm_is_one_inertia(driven):
+    """Held by a controller the other link swings, and passes for an elastic shaft."""
+    bare = LINKS._replace(gravity=0.0, driven=driven, locked=True)
+    motion = SIMULATORS["arm"].play(machine(bare), NOTHING, tones())
+    fore = bare.i2 + bare.m2 * (bare.c2 + (bare.l1 if driven == 0 else 0.0)) ** 2
+    inertia = fore + (bare.i1 + bare.m1 * bare.c1**2 if driven == 0 else 0.0) + bare.rotor
+    left = asked_beside(motion, inertia, bare.viscous)
+    assert np.sqrt(np.mean(left**2)) < 5e-3 * np.sqrt(np.mean(motion.effort**2))
+    swinging = SIMULATORS["arm"].play(machine(bare._replace(locked=False)), NOTHING, tones())
+    assert np.std(asked_beside(swinging, inertia, bare.viscous)) > 10 * np.std(left)
 
 
 @pytest.mark.parametrize(("simulator", "axis"), WHOLE[:2], ids=["rigid", "two_mass"])

@@ -151,9 +151,7 @@ class Linear(Known):
 
     def offers(self, model, effects):
         self.screened.append((model.names, [e.name() for e in effects]))
-        beside = {
-            e: self._made((*model.effects, e), model.effects).mean_square for e in effects
-        }
+        beside = {e: self._made((*model.effects, e), model.effects).mean_square for e in effects}
         new = {e: 0.0 if e.name() in self.asked["absorbed"] else 1.0 for e in effects}
         ranked = sorted(effects, key=lambda e: beside[e])
         return [Offer(e, {}, beside[e], new[e]) for e in ranked]

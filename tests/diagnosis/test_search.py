@@ -45,9 +45,7 @@ def test_what_is_missing_is_found_the_largest_on_the_lowest_rung():
 
 @pytest.mark.parametrize("most", [1, 2])
 def test_no_more_effects_are_added_than_are_asked_for(most):
-    _, found = searched(
-        Linear(0.1 * A + 0.1 * B + 0.1 * C, EACH), replace(CRITERIA, most=most)
-    )
+    _, found = searched(Linear(0.1 * A + 0.1 * B + 0.1 * C, EACH), replace(CRITERIA, most=most))
     assert len(found.chosen.effects) == most
 
 

@@ -1,181 +1,261 @@
 """A name is given where such names were right; trials that had no part in it say most."""
 
-from dataclasses import replace
-from types import SimpleNamespace
+import json
+from dataclasses import asdict
 
 import numpy as np
 import pytest
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings
 
-from spirob.diagnosis import ladder
-from spirob.diagnosis.certainty import LIKELY, MOST, probability
-from spirob.diagnosis.figures import weighed
-from spirob.diagnosis.verdict import judge
-from spirob.effects import find_effects
-from spirob.identify.fit import Estimate, Fit
-from spirob.identify.problem import Effort
-from spirob.score import Score
-
-SETTINGS = Settings()
-EFFECT = find_effects(["capstan_friction"])
-FIT = Fit({}, {}, np.full(100, 0.002), np.zeros((0, 0)), 0.0, 0)
-# of an effort of 1 A without noise: the floor is 3 mA
-TRIALS = SimpleNamespace(
-    measured=lambda: np.ones(100),
-    rows=np.ones(100, dtype=bool),
-    edges=np.array([0, 100]),
-    block=50,
-    raw=lambda: [np.ones(100)],
-    filter=lambda values: values,
-    effort=Effort("motor current", "A"),
+from spirob.diagnosis import verdict as module
+from spirob.diagnosis.certainty import LIKELY, probability
+from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.document import candidates, findings
+from spirob.diagnosis.model import Offer
+from spirob.diagnosis.verdict import (
+    AGAIN,
+    SENSELESS,
+    Verdict,
+    Weighed,
+    concluded,
+    judge,
+    likely,
+    searched,
+    weigh,
 )
-PROBLEMS = dict.fromkeys(("train", "validate", "heldout"), TRIALS)
+from spirob.effects import find_effects
+from tests.diagnosis.machines import SAMPLES, Linear, ended, model
+
+EFFECT, KIN, OTHER, FAR = find_effects(
+    ["coulomb_friction", "presliding_friction", "cogging", "load_dependent_friction"]
+)
+NAME = EFFECT.name()
+BARE = model([], 0.010)
 
 
-def fit_of(value=1.0, half=0.05):
-    """A fit of the effect's amplitude with its interval."""
-    one = Estimate(value, value - half, value + half, "1", False)
-    return replace(FIT, estimates={f"{EFFECT[0].name()}.friction": one})
+def found(heldout=0.002, decided=0.002, **told):
+    """One effect, 10 mA to 2 where that decides; on the held-out trials to `heldout`."""
+    return ended(BARE, model([EFFECT], decided, heldout), **told)
 
 
-def rung(effects, validate, heldout, found=FIT):
-    scores = {r: Score(e, e, 0.9) for r, e in (("validate", validate), ("heldout", heldout))}
-    scores["train"] = scores["validate"]
-    return Rung("", effects, found, scores, np.full(20, validate**2))
+def sure(*given, **told):
+    return weigh(found(*given, **told))[NAME].probability
 
 
-def search(heldout, before=0.010, found=None):
-    """Found on validation trials, 10 -> 2 mA; on the held-out ones from `before` to `heldout`."""
-    found = found or fit_of()
-    base, last = rung([], 0.010, before), rung(EFFECT, 0.002, heldout, found)
-    best = Confirmed(tuple(EFFECT), 0.9, found, np.zeros(100), last.errors, last.scores, 1.0)
-    return Ladder(base, [base, last], [[best]])
-
-
-def sure(found, settings=SETTINGS):
-    return weighed(found, PROBLEMS, settings)[EFFECT[0].name()].probability
+def judged(one):
+    return judge(one, weigh(one))
 
 
 def test_a_name_that_holds_on_held_out_trials_is_named():
-    verdict = judge(search(0.002), PROBLEMS, SETTINGS)
-    assert verdict.kind == "named"
-    assert verdict.probability == sure(search(0.002)) >= LIKELY
+    verdict = judged(found())
+    assert (verdict.kind, verdict.named) == ("named", [NAME])
+    assert verdict.sentence == f"Missing: {EFFECT.title}."
+    assert verdict.probability == sure() >= LIKELY
+    assert "falls from 10 to 2 mA, from 1.0% to 0.2% of the motor current's" in verdict.explanation
 
 
 @pytest.mark.parametrize("heldout", [0.010, 0.02])
 def test_a_name_that_does_not_is_unknown(heldout):
-    verdict = judge(search(heldout), PROBLEMS, SETTINGS)
-    assert verdict.kind == "unknown"
-    assert EFFECT[0].title in verdict.explanation
-    assert f"({sure(search(heldout)):.0%})" in verdict.explanation  # how unlikely it is, is said
+    verdict = judged(found(heldout))
+    assert (verdict.kind, verdict.probability, verdict.named) == ("unknown", 0.0, [])
+    assert EFFECT.title in verdict.sentence
+    assert f"coulomb friction ({sure(heldout):.0%})" in verdict.explanation  # how unlikely, is said
+    assert verdict.next_experiment == AGAIN
+
+
+@pytest.mark.parametrize(("veto", "said"), [(0.3, True), (0.6, False)])
+def test_what_held_out_trials_do_not_confirm_by_the_veto_is_not_likely_at_all(veto, said):
+    """It takes half of their square."""
+    one = found(np.sqrt(0.5) * 0.010, criteria=Criteria(veto=veto))
+    (told,) = weigh(one).values()
+    assert (told.probability > 0.0) is said
+    assert not told.probability or told.probability == probability(told.figures)
 
 
 def test_the_more_a_name_leaves_the_less_likely_it_is():
-    told = [sure(search(heldout)) for heldout in (0.002, 0.004, 0.006, 0.008, 0.010)]
+    told = [sure(heldout) for heldout in (0.002, 0.004, 0.006, 0.008, 0.010)]
     assert told == sorted(told, reverse=True)
     assert told[0] > LIKELY > told[-1]
-
-
-def test_figures_are_of_the_held_out_errors():
-    """What is left counts above the floor alone: so much do builds of the machine differ by."""
-    shown = weighed(search(0.006), PROBLEMS, SETTINGS)[EFFECT[0].name()].figures
-    fall = np.log((0.010 / 0.006) ** 2)
-    assert shown["fall_heldout"] == pytest.approx(fall, rel=1e-5)
-    assert shown["ahead_heldout"] == pytest.approx(fall, rel=1e-5)  # none was tried besides
-    left = np.log((0.006**2 - 0.003**2) / (0.010**2 - 0.006**2))
-    assert shown["left"] == pytest.approx(left, rel=1e-5)
-    complete = weighed(search(0.0029), PROBLEMS, SETTINGS)[EFFECT[0].name()].figures
-    assert complete["left"] == -MOST
+    assert sure(0.004, share=0.9) < sure(0.004, share=0.0)
 
 
 def test_another_that_does_as_well_on_held_out_trials_makes_it_less_likely():
-    other = find_effects(["coulomb_friction"])
-    found = search(0.002)
-    scores = {**found.rungs[-1].scores, "heldout": Score(0.0035, 0.0035, 0.9)}
-    far = replace(
-        found.rounds[0][0], effects=tuple(other), missed=np.full(100, 0.01), scores=scores
-    )
-    found.rounds = [[found.rounds[0][0], replace(far, probability=0.0)]]
-    assert sure(found) < sure(search(0.002))
-    twin = replace(far, missed=np.zeros(100))  # what says the same is no other
-    found.rounds = [[found.rounds[0][0], twin]]
-    assert sure(found) == sure(search(0.002))
+    rival = model([OTHER], 0.0035, 0.0035, np.full(SAMPLES, 0.01))
+    with_it = weigh(ended(BARE, rival, model([EFFECT], 0.002)))[NAME].probability
+    assert with_it < sure()
 
 
-def test_the_sharper_its_number_the_surer_a_name():
-    vague, clear = (sure(search(0.003, found=fit_of(half=half))) for half in (0.8, 0.02))
-    assert vague < clear
-
-
-def added(*rungs):
-    """A ladder of these rungs above the fitted numbers alone, with what was tried beside each."""
-    found = search(0.002)
-    tried = [
-        [replace(found.rounds[0][0], effects=(r.effects[-1],), scores=r.scores, errors=r.errors)]
-        for r in rungs
-    ]
-    return Ladder(found.base, [found.base, *rungs], tried)
-
-
-@pytest.mark.parametrize(("second", "kind"), [(0.0019, "unknown"), (0.0001, "named")])
-def test_of_several_the_least_sure_one_decides(second, kind):
-    """Each is as sure as its own figures say; one that is unlikely withholds the name of all."""
-    other = find_effects(["coulomb_friction"])
-    both = added(
-        rung(EFFECT, 0.002, 0.002, fit_of()), rung([*EFFECT, *other], 0.002, second, fit_of())
-    )
-    told = weighed(both, PROBLEMS, SETTINGS)
-    assert [w.figures["place"] for w in told.values()] == [0.0, 1.0]
-    verdict = judge(both, PROBLEMS, SETTINGS)
+@pytest.mark.parametrize(
+    ("alone", "whole", "rivals", "kind"),
+    [
+        (0.3, 0.8, [KIN.name()], "undecided"),
+        (0.3, 0.4, [], "unknown"),
+        (0.7, 0.9, [], "named"),
+        (0.0, 0.9, [], "unknown"),
+    ],
+)
+def test_a_name_that_is_unlikely_alone_may_be_likely_with_its_kin(
+    monkeypatch, alone, whole, rivals, kind
+):
+    """It is then one of several, between which nothing is decided; one that is denied is none."""
+    told = {"fall_heldout": 1.0 if alone else -1.0}
+    monkeypatch.setattr(module, "figures", lambda *a: told | {"kin": len(a[2]) if a[2:] else 0})
+    monkeypatch.setattr(module, "probability", lambda f: whole if f["kin"] else alone)
+    one = ended(BARE, model([KIN], 0.003), model([EFFECT], 0.002))
+    verdict = judged(one)
+    assert verdict.weighed[NAME].probability == alone
+    assert verdict.weighed[NAME].rivals == rivals
     assert verdict.kind == kind
-    least = min(w.probability for w in told.values())
-    assert verdict.probability == (least if kind == "named" else 0.0)
-    own = verdict.evidence[EFFECT[0].name()]
-    assert own["probability"] == probability(own["figures"])
+    assert bool(likely(verdict.weighed)) is (kind != "unknown")
 
 
-def test_an_effect_that_made_another_needless_is_weighed_against_the_model_without_both():
-    other = find_effects(["coulomb_friction"])
-    first, last = rung(other, 0.004, 0.004), rung(EFFECT, 0.0038, 0.0038, fit_of())
-    told = weighed(added(first, last), PROBLEMS, SETTINGS)
-    (own,) = told.values()
-    assert own.figures["fall_heldout"] == pytest.approx(2 * np.log(0.010 / 0.0038), rel=1e-5)
-    assert own.figures["place"] == 0.0
-    kept = added(first, last)
-    ladder._without_unlikely(kept, PROBLEMS, SETTINGS)
-    assert kept.rungs[-1] is last  # what is not needed does not come back
+@pytest.mark.parametrize(("effect", "said"), [(EFFECT, False), (OTHER, True)])
+def test_dry_friction_of_another_shape_is_withheld_and_nothing_else_is(effect, said):
+    one = ended(BARE, model([effect], 0.002))
+    told = weigh(one, lambda chosen: True)
+    assert bool(likely(told)) is said
+    assert bool(likely(weigh(one)))
 
 
-def test_an_unlikely_second_effect_is_taken_away():
-    other = find_effects(["coulomb_friction"])
-    first = rung(EFFECT, 0.002, 0.002, fit_of())
-    both = added(first, rung([*EFFECT, *other], 0.002, 0.0019, fit_of()))
-    ladder._without_unlikely(both, PROBLEMS, SETTINGS)
-    assert both.rungs[-1] is first
+def both(second, **told):
+    """A second effect that takes 4 mA to 2 where that decides, and to `second` held out."""
+    first = model([EFFECT], 0.004, 0.004)
+    return ended(BARE, first, model([OTHER], 0.009), model([EFFECT, OTHER], 0.002, second), **told)
+
+
+@pytest.mark.parametrize(("second", "names"), [(0.0039, [NAME]), (0.0015, [NAME, OTHER.name()])])
+def test_what_is_unlikely_beside_what_is_likely_goes_and_is_said(second, names):
+    one = both(second)
+    last, weighed = concluded(one.search, one.found)
+    verdict = judge(last, weighed)
+    assert (verdict.kind, verdict.named) == ("named", names)
+    assert [e.name() for e in last.found.chosen.effects] == names
+    assert list(verdict.weighed) == [NAME, OTHER.name()]
+    unlikely = f"cogging ({verdict.weighed[OTHER.name()].probability:.0%})"
+    assert (unlikely in verdict.explanation) is (len(names) == 1)
+    assert verdict.probability == min(verdict.weighed[n].probability for n in names)
+
+
+def test_a_sentence_names_what_the_verdict_names_and_no_more():
+    """Of a contest that was settled, too, which narrows nothing."""
+    one = both(0.0039)
+    verdict = judged(one)
+    assert verdict.named == [NAME]
+    assert OTHER.title not in verdict.sentence
+
+
+@pytest.mark.parametrize(("share", "names"), [(1.0, [NAME]), (0.1, [NAME, OTHER.name()])])
+def test_what_stands_for_more_than_it_took_is_not_even_weighed(share, names):
+    """More is left above noise than the second effect explains."""
+    last = model([EFFECT, OTHER], 0.0035, 0.0015)
+    first = model([EFFECT], 0.004, 0.004)
+    one = ended(BARE, first, model([OTHER], 0.009), last, share=share, least=0.001)
+    assert list(concluded(one.search, one.found)[1]) == names
 
 
 def test_what_is_left_beside_a_name_is_said():
-    found = search(0.002)
-    assert "Beside it" not in judge(found, PROBLEMS, SETTINGS).explanation
-    scores = {**found.rungs[-1].scores, "validate": Score(0.004, 0.004, 0.9)}
-    found.rungs[-1] = replace(found.rungs[-1], scores=scores)
-    verdict = judge(found, PROBLEMS, SETTINGS)
-    assert verdict.kind == "named"
-    assert "Beside it 0.4% of the motor current is left" in verdict.explanation
+    assert judged(found()).explanation.endswith("RMS.")
+    assert judged(found(said="More is left.")).explanation.endswith("RMS. More is left.")
 
 
-@pytest.mark.parametrize(("beside", "kind"), [(EFFECT, "named"), ([], "undecided")])
-def test_what_holds_the_name_and_more_is_no_rival(beside, kind):
-    """Two effects of which one was not needed say the name that is left."""
-    other = find_effects(["coulomb_friction"])
-    found = search(0.002)
-    one = replace(found.rounds[0][0], probability=0.1)
-    rest = {**one.scores, "heldout": Score(0.009, 0.009, 0.9)}
-    both = replace(
-        one, effects=(*other, *beside), probability=0.9, missed=np.full(100, 0.01), scores=rest
-    )
-    found.rounds = [[both, one]]
-    verdict = judge(found, PROBLEMS, SETTINGS)
+@pytest.mark.parametrize(
+    ("missing", "chosen", "kind"),
+    [
+        (False, 0.0019, "nothing_missing"),
+        (True, 0.0019, "unknown"),
+        (False, 0.0001, "unknown"),  # an effect takes twice the least size, though no name does
+    ],
+)
+def test_without_a_name_what_counts_is_missing_or_nothing_is(missing, chosen, kind):
+    bare = model([], 0.002, 0.002)
+    one = ended(bare, model([EFFECT], chosen, 0.003), missing=missing, least=0.0009)
+    verdict = judged(one)
     assert verdict.kind == kind
-    if kind == "named":
-        assert verdict.equivalents == ()
+    assert verdict.probability == (1.0 if kind == "nothing_missing" else 0.0)
+    if kind == "nothing_missing":
+        assert (
+            verdict.sentence == "Nothing is missing: the model is within 0.2% of the motor current."
+        )
+        assert verdict.explanation.startswith("Nothing is left.")
+
+
+def test_where_nothing_was_found_what_is_left_says_what_it_is():
+    verdict = judged(ended(BARE))
+    assert (verdict.kind, verdict.sentence) == ("unknown", "It is not known.")
+    assert verdict.explanation == "Nothing says what it is."
+
+
+def test_what_was_vetoed_is_said():
+    verdict = judged(found(vetoed=[OTHER.name()]))
+    assert verdict.kind == "named"
+    assert "cogging would lower the error on the training trials, but not" in verdict.explanation
+
+
+DOUBTS = ("The sign is turned.", "A log is of another machine.")
+
+
+def test_whoever_doubts_gives_no_name_and_says_why():
+    one = found()
+    verdict = judge(one, weigh(one), DOUBTS)
+    assert (verdict.kind, verdict.sentence, verdict.doubts) == ("unknown", SENSELESS, DOUBTS)
+    assert (verdict.named, verdict.probability) == ([], 0.0)
+    assert verdict.explanation == " ".join(DOUBTS)
+    assert verdict.weighed[NAME].probability >= LIKELY, "what the errors say stays to be read"
+    assert findings(verdict, one.found.chosen)["effects"] == []
+    assert json.loads(json.dumps(asdict(verdict)))["doubts"] == list(DOUBTS)
+
+
+@pytest.mark.parametrize(
+    ("rival", "said"),
+    [
+        (KIN, "dry friction by one of its laws (coulomb friction or presliding friction)."),
+        (FAR, "Undecided: coulomb friction or load dependent friction."),
+    ],
+)
+def test_where_only_laws_of_dry_friction_are_in_question_dry_friction_is_said(rival, said):
+    one = found(rivals={NAME: [rival.name()]})
+    one.search.candidates = [EFFECT, KIN, FAR]
+    verdict = judged(one)
+    assert (verdict.kind, verdict.rivals) == ("undecided", [rival.name()])
+    assert said in verdict.sentence
+    assert verdict.named == []
+    assert verdict.contested
+    assert verdict.next_experiment.startswith("To decide: ")
+
+
+def test_who_says_the_same_is_told_beside_the_name():
+    verdict = judged(found(equivalents={NAME: [FAR.name()]}))
+    assert (verdict.kind, verdict.equivalents) == ("named", [FAR.name()])
+    assert "(on this rig the same as load dependent friction)" in verdict.sentence
+    assert verdict.contested
+    assert not judged(found()).contested
+
+
+@pytest.mark.parametrize(
+    ("one", "chance"),
+    [
+        (Weighed(0.8, 0.8, [], [KIN.name(), FAR.name()]), 0.1),  # each half of what is left of 1
+        (Weighed(0.3, 0.7, [], [KIN.name(), FAR.name()]), 0.2),  # of what they are together
+    ],
+)
+def test_rivals_share_what_is_left_of_the_probability(one, chance):
+    known = found()
+    known.found.offers = [Offer(e, {}, 0.5 * BARE.mean_square) for e in (EFFECT, KIN, FAR, OTHER)]
+    entries = candidates(known.search, known.found, Verdict("undecided", {NAME: one}, "", "", ""))
+    told = {entry["name"]: entry["probability"] for entry in entries}
+    assert told[NAME] == one.probability
+    assert told[KIN.name()] == told[FAR.name()] == pytest.approx(chance)
+    assert told[OTHER.name()] == 0.0
+
+
+def test_pipeline_trial_and_arm_are_judged_in_one_go():
+    """With what must be doubted, and with every step told."""
+    rng = np.random.default_rng(2)
+    one, two = rng.standard_normal((2, 2 * SAMPLES))
+    told: list[str] = []
+    machine = Linear(0.1 * one, {EFFECT: one, OTHER: two})
+    last, verdict = searched(machine, [EFFECT, OTHER], Criteria(), told.append)
+    assert (verdict.kind, verdict.named) == ("named", [NAME])
+    assert last.found.chosen.effects == (EFFECT,)
+    assert any("chosen so far: coulomb_friction" in line for line in told)
+    again = Linear(0.1 * one, {EFFECT: one, OTHER: two})
+    assert searched(again, [EFFECT, OTHER], Criteria(), doubts=DOUBTS)[1].doubts == DOUBTS

@@ -105,19 +105,19 @@ def test_too_few_rows_tell_no_delay():
 @pytest.mark.parametrize("period", [2.0004e-3, 2.0012e-3, 2.0026e-3])
 def test_a_place_that_is_usual_but_for_rounding_is_usual(monkeypatch, period):
     """Three thirds of the usual delay are more than it by 4e-19 s."""
-    monkeypatch.setattr(delays, "valley", lambda left, usual: (31, 31, 32))
+    monkeypatch.setattr(delays, "valley", lambda left, usual: (32, 32, 33))
     assert placed(0.0, [none], period).low == pytest.approx(-usual(period), abs=1e-9)
 
 
 @pytest.mark.parametrize(
     ("where", "bounds"),
     [
-        ((28, 20, 32), (-8, 4)),  # flat, with the usual ones in it
-        ((28, 27, 29), (-3, 3)),
-        ((28, 0, 32), (-3, 3)),  # no end to one side: told by nothing
+        ((29, 21, 33), (-8, 4)),  # flat, with the usual ones in it
+        ((29, 28, 30), (-3, 3)),
+        ((29, 0, 33), (-3, 3)),  # no end to one side: told by nothing
         ((0, 0, 9), (-3, 3)),  # the best one may lie farther
-        ((10, 4, 12), (-27, -13)),
-        ((1, 0, 12), (-31, -13)),
+        ((11, 5, 13), (-27, -13)),
+        ((2, 1, 13), (-31, -13)),
     ],
 )
 def test_bounds_hold_all_delays_that_leave_hardly_more(monkeypatch, where, bounds):

@@ -1,0 +1,95 @@
+"""The figures of a name: what a search shows of it, and what says most of the same."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spirob.diagnosis.certainty import FIGURES, LEARNED, MOST, probability
+from spirob.diagnosis.figures import figures, kin
+from spirob.effects import find_effects
+from tests.diagnosis.machines import SAMPLES, ended, model
+
+EFFECT, OTHER, THIRD = find_effects(["coulomb_friction", "presliding_friction", "cogging"])
+BARE = model([], 0.010)
+WAVE = np.tile([1.0, -1.0], SAMPLES // 2)
+
+
+def found(heldout=0.002, share=0.5, half=0.05, beside=()):
+    """The effect takes 10 mA to 2 where that decides, and to `heldout` on the held-out trials."""
+    return ended(BARE, *beside, model([EFFECT], 0.002, heldout, half=half), share=share)
+
+
+def shown(*given, **told):
+    return figures(found(*given, **told), EFFECT)
+
+
+def test_figures_are_of_the_held_out_errors():
+    told = shown(0.006)
+    fall = np.log((0.010 / 0.006) ** 2)
+    assert told["fall_heldout"] == pytest.approx(fall, rel=1e-5)
+    assert told["ahead_heldout"] == pytest.approx(fall, rel=1e-5)  # none was tried besides
+    assert told["left"] == pytest.approx(np.log(0.5 * 0.002**2 / (0.010**2 - 0.002**2)), rel=1e-5)
+    assert set(told) == set(FIGURES)
+    assert shown(share=0.0)["left"] == -MOST
+
+
+def test_the_best_other_that_says_something_else_is_what_a_name_is_ahead_of():
+    far = np.full(SAMPLES, 0.01)
+    rival = model([OTHER], 0.003, 0.003, far)
+    assert shown(0.002, beside=[rival])["ahead_heldout"] == pytest.approx(2 * np.log(1.5), rel=1e-5)
+    twin = replace(rival, fit=replace(rival.fit, residual=np.full(SAMPLES, 0.002)))
+    assert shown(0.002, beside=[twin]) == shown(0.002)
+    richer = model([OTHER, THIRD], 0.003, 0.003, far)
+    assert shown(0.002, beside=[richer]) == shown(0.002), "it holds two"
+    both = model([OTHER, EFFECT], 0.003, 0.003, far)
+    assert shown(0.002, beside=[both]) == shown(0.002), "it holds the name itself"
+
+
+def test_of_several_names_the_best_other_is_outside_of_all_of_them():
+    one = found(0.002, beside=[model([OTHER], 0.003, 0.003, np.full(SAMPLES, 0.01))])
+    alone, whole = figures(one, EFFECT), figures(one, EFFECT, [OTHER.name()])
+    assert whole["ahead_heldout"] > alone["ahead_heldout"]
+
+
+def test_the_place_is_that_of_the_rung():
+    first, last = model([EFFECT], 0.004), model([EFFECT, OTHER], 0.002)
+    both = ended(BARE, first, model([OTHER], 0.008), last)
+    assert [figures(both, e)["place"] for e in (EFFECT, OTHER)] == [0.0, 1.0]
+    assert figures(both, EFFECT)["fall_heldout"] == pytest.approx(2 * np.log(4.0), rel=1e-5)
+
+
+def test_an_effect_is_weighed_against_the_chosen_model_without_it():
+    """Whatever was tried on the way: what made another needless is ahead of the bare model."""
+    way = ended(
+        BARE, model([OTHER], 0.004), model([OTHER, EFFECT], 0.0038), model([EFFECT], 0.0038)
+    )
+    told = figures(way, EFFECT)
+    assert told["fall_heldout"] == pytest.approx(2 * np.log(0.010 / 0.0038), rel=1e-5)
+    assert told["place"] == 0.0
+
+
+def test_the_sharper_its_number_the_surer_a_name():
+    vague, clear = (probability(shown(0.003, half=half)) for half in (0.8, 0.02))
+    assert vague < clear
+
+
+def test_more_of_what_speaks_for_a_name_makes_it_likelier():
+    middle = dict(zip(FIGURES, LEARNED["mean"], strict=True))
+    for figure in ("fall_heldout", "ahead_heldout", "sharp"):
+        more = middle | {figure: middle[figure] + 1.0}
+        assert probability(more) > probability(middle)
+    assert probability(middle | {"left": middle["left"] + 1.0}) < probability(middle)
+
+
+@pytest.mark.parametrize(
+    ("apart", "far", "said"),
+    [(0.1, 0.9, [OTHER]), (0.2, 0.1, [OTHER, THIRD]), (0.9, 0.9, [])],
+    ids=["one", "both", "none"],
+)
+def test_what_makes_most_of_an_effect_is_of_its_kin(apart, far, said):
+    """Of a law of one, by half the square that it takes; the best on held-out trials first."""
+    near, third = model([OTHER], 1.0, 0.2, apart * WAVE), model([THIRD], 1.0, 0.5, far * WAVE)
+    chosen = model([EFFECT], 0.0, 0.1, 0.0 * WAVE)
+    one = ended(model([], 1.0), near, third, chosen)
+    assert kin(one.search, chosen, EFFECT) == [e.name() for e in said]
