@@ -147,7 +147,8 @@ def place(
     period = max(r.period for r in problem.recordings)
     most, here = usual(period), model.fit.changes.get(DELAY, 0.0)
     pace = max(period, most / FINE)
-    delays = pace * np.arange(-int(FARTHEST / pace), int(FARTHEST / pace) + 1)
+    far = round(FARTHEST / pace) + 1  # what lies at an end is a best place only if beyond is worse
+    delays = pace * np.arange(-far, far + 1)
     rows, efforts = problem.later(delays - here, max(1, len(model.left) // ENOUGH))
     if len(rows) < FEWEST:
         return as_usual(period)

@@ -90,7 +90,7 @@ def test_beside_a_clamped_joint_an_arm_is_one_inertia(driven):
     left = asked_beside(motion, inertia, bare.viscous)
     assert np.sqrt(np.mean(left**2)) < 5e-3 * np.sqrt(np.mean(motion.effort**2))
     swinging = SIMULATORS["arm"].play(machine(bare._replace(locked=False)), NOTHING, tones())
-    assert np.std(asked_beside(swinging, inertia, bare.viscous)) > 10 * np.std(left)
+    assert np.std(asked_beside(swinging, inertia, bare.viscous)) > 5 * np.std(left)
 
 
 @pytest.mark.parametrize(("simulator", "axis"), WHOLE[:2], ids=["rigid", "two_mass"])

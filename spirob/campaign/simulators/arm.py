@@ -42,6 +42,7 @@ class Arm(NamedTuple):
 
     rotor   inertia of the driven joint's motor;  viscous, held  of the driven joint, of the other
     driven  0 for the shoulder, 1 for the elbow;  gains of both joints
+    locked  whether the other joint is clamped: held by a controller it would swing as on a spring
     """
 
     m1: float
@@ -61,10 +62,11 @@ class Arm(NamedTuple):
     damped: float
     other_stiff: float
     other_damped: float
+    locked: bool
 
 
 def draw(rng: np.random.Generator, kinds: frozenset[str], fastest: float) -> Machine:
-    """A joint whose body is described; or a bare one, whose other joint keeps its place."""
+    """A joint whose body is described; or a bare one, whose other joint is clamped."""
     bare = bool(rng.uniform() < (0.5 if "tip_payload" in kinds else 0.25))
     m1, m2 = rng.uniform(0.5, 3.0), rng.uniform(0.3, 2.0)
     l1, l2 = rng.uniform(0.2, 0.5), rng.uniform(0.2, 0.4)
@@ -84,6 +86,7 @@ def draw(rng: np.random.Generator, kinds: frozenset[str], fastest: float) -> Mac
         1.6 * (inertia + rotor) * own,
         4.0 * other * own**2,
         3.2 * other * own,
+        bare,
     )
     effort, constant, origin = drawn_effort(rng, kinds, True, voltage=False)
     names = ["shoulder", "elbow"]
@@ -194,6 +197,8 @@ def _played(wanted, p, h, cells, warming, period):
             push[1] -= spin * v[0] * v[0] + fore
             m00 = flat + 2.0 * cross * math.cos(q[1]) + p.rotor
             m01, m11 = near + cross * math.cos(q[1]), near + p.rotor
+            if p.locked:
+                m01, push[j] = 0.0, 0.0
             whole = m00 * m11 - m01 * m01
             free[0] = v[0] + dt * (m11 * push[0] - m01 * push[1]) / whole
             free[1] = v[1] + dt * (m00 * push[1] - m01 * push[0]) / whole
