@@ -118,7 +118,8 @@ class Linear(Known):
 
     def __init__(self, missing, columns, noise=0.002, **told):
         super().__init__()
-        self.asked = dict(absorbed=(), only_one=(), odd=(), enough=0.0, astray=None) | told
+        none = {"absorbed": (), "only_one": (), "odd": (), "enough": 0.0, "astray": None}
+        self.asked = none | told
         rng = np.random.default_rng(5)
         self.wanted = missing + noise * rng.standard_normal(2 * SAMPLES)
         self.columns = columns

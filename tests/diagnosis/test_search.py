@@ -129,7 +129,7 @@ def test_what_says_nothing_plain_is_not_chosen():
 
 def test_what_the_fitted_numbers_make_themselves_is_no_candidate_later_either():
     machine = Linear(0.1 * A + 0.1 * B, EACH, absorbed=[ONE.name()])
-    search, found = searched(machine)
+    _, found = searched(machine)
     assert names(found.chosen) == {TWO.name()}
     assert ONE not in {o.effect for o in found.offers}
     later = [asked for model, asked in machine.screened if model]

@@ -1,0 +1,177 @@
+"""The search names the effect that made an arm's data, and nothing where nothing is missing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.document import document, metrics
+from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.fitting import Begun, begun
+from spirob.diagnosis.floors import floor_at
+from spirob.diagnosis.simulated import ROLES, Simulated
+from spirob.diagnosis.verdict import SENSELESS, judge, searched, weigh
+from spirob.effects import find_effects
+from spirob.identify.builds import Floor, hinges, holes
+from spirob.identify.fit import fit
+from tests.identify.known import NOISE, residual, spirob
+
+NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness"]
+OTHERS = {"winch.efficiency": 0.72, "motor.rotor_damping": 7e-5, "arm.base_stiffness": 0.17}
+CANDIDATES = ["capstan_friction", "current_offset", "stiffness_hardening"]
+SETTINGS = Settings(finalists=2, most=1, iterations=4, patience=6)
+
+
+def trials(true, candidates=CANDIDATES):
+    """Data by the model with the numbers `true`."""
+    plant = spirob(find_effects(candidates))
+    return {role: residual(plant, {**OTHERS, **true}, role) for role in ROLES}
+
+
+def diagnosed(residuals, candidates=CANDIDATES, measure=None, **told):
+    """A search that starts at nominal numbers."""
+    start = begun(residuals["train"], NAMES, {}, SETTINGS)
+    models = Simulated(residuals, NAMES, SETTINGS, start, measure)
+    return searched(models, find_effects(candidates), SETTINGS, **told)
+
+
+def written(ended, verdict):
+    return document(ended, verdict, {}, noise_floor(ended.search.models.train))
+
+
+@pytest.mark.parametrize(
+    ("hidden", "value"), [("capstan_friction.friction", 0.1), ("current_offset.offset", 0.06)]
+)
+def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
+    ended, verdict = diagnosed(trials({hidden: value}))
+    found, name = ended.found, hidden.split(".")[0]
+    assert (verdict.kind, verdict.named) == ("named", [name])
+    assert [e.name() for e in found.chosen.effects] == [name]
+    assert found.chosen.heldout_square < 0.09 * found.rungs[0].heldout_square
+    assert found.chosen.fit.estimates[hidden].value == pytest.approx(value, rel=0.1)
+    told = written(ended, verdict)
+    assert told["effects"][0]["name"] == name
+    assert told["doubts"] == []
+    assert [rung.get("ceiling", False) for rung in told["ladder"]] == [False, False, True]
+    for rung in told["ladder"]:
+        for role in ROLES:
+            for score, (low, high) in rung["interval"][role].items():
+                assert low < rung[role][score] < high
+    first = told["candidates"][0]
+    assert (first["name"], first["with"]) == (name, [])
+    assert first["heldout_rmse"] == pytest.approx(np.sqrt(found.chosen.heldout_square))
+    assert first["left_out_rmse"] == pytest.approx(np.sqrt(found.chosen.mean_square))
+    assert {c["name"] for c in told["candidates"]} == set(CANDIDATES)
+    few = metrics(ended, verdict)
+    assert (few["effect"], few["before"]) == (name, told["ladder"][0]["heldout"])
+
+
+def test_whoever_doubts_gets_no_name_and_the_document_says_why():
+    doubts = ["The motors are exchanged."]
+    ended, verdict = diagnosed(trials({"current_offset.offset": 0.06}), doubts=doubts)
+    told = written(ended, verdict)
+    assert (told["verdict"], told["sentence"], told["doubts"]) == ("unknown", SENSELESS, doubts)
+    assert told["effects"] == []
+    assert (metrics(ended, verdict)["effect"], verdict.probability) == ("", 0.0)
+    assert told["evidence"][0]["name"] == "current_offset"
+
+
+def test_wrong_numbers_are_not_a_missing_effect():
+    ended, verdict = diagnosed(trials({}))
+    assert verdict.kind == "nothing_missing"
+    assert ended.found.chosen.effects == ()
+
+
+def test_an_effect_outside_the_candidates_is_unknown():
+    residuals = trials({"cogging.sine": 0.006, "cogging.order": 2.0}, ["cogging", "current_offset"])
+    assert diagnosed(residuals, ["current_offset"])[1].kind == "unknown"
+
+
+def test_the_noise_floor_is_the_sensors():
+    data = residual(spirob(), OTHERS)
+    passed = np.std(data.filter(np.random.default_rng(1).standard_normal(20_000)))
+    assert noise_floor(data) == pytest.approx(NOISE * passed, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("alone", "with_it", "said"),
+    [(0.5, 0.004, "named"), (0.004, 0.5, "named"), (0.5, 0.5, "nothing_missing")],
+)
+def test_an_effect_has_to_beat_the_lower_of_both_floors(alone, with_it, said):
+    """Of the machine without it and of the one that has it; without a name the first stands."""
+
+    def measure(found):
+        there = any(n.split(".")[0] in CANDIDATES for n in found.estimates)
+        return Floor(with_it if there else alone, "so it was measured.")
+
+    ended, verdict = diagnosed(trials({"current_offset.offset": 0.06}), measure=measure)
+    assert verdict.kind == said
+    share = min(alone, with_it) if said == "named" else alone
+    told = written(ended, verdict)
+    assert told["floor"] == {"share": share, "reason": "so it was measured."}
+
+
+def test_a_typical_build_lacks_nothing_and_gets_no_name():
+    """Its hinges and holes are off, and it leaves more than the model's own resolution."""
+    plant, rng = spirob(find_effects(CANDIDATES)), np.random.default_rng(11)
+    built = plant.scattered(hinges(rng, 24), holes(rng, 24))
+    found = {role: residual(built, OTHERS, role) for role in ROLES}
+    residuals = {role: replace(of, plant=plant) for role, of in found.items()}
+
+    def measure(found):
+        return floor_at(found, residuals, SETTINGS.scale)
+
+    assert diagnosed(residuals, measure=measure)[1].kind == "nothing_missing"
+
+
+FEW = ["winch.efficiency", "arm.base_stiffness"]
+
+
+def astray(true, most):
+    """A search that begins in a poor valley: the stiffness is four times what fits best."""
+    effects = find_effects(["capstan_friction", "current_offset"])
+    plant = spirob(effects)
+    residuals = {role: residual(plant, true, role) for role in ROLES}
+    found = fit(residuals["train"], FEW, {}, 0.05, 3, exact=False)
+    far = found.changes | {"arm.base_stiffness": 4.0 * found.changes["arm.base_stiffness"]}
+    poor = replace(found, changes=far, residual=residuals["train"](far), cost=100.0 * found.cost)
+    settings = Settings(intervals=False, always=False, most=most)
+    models = Simulated(residuals, FEW, settings, Begun(poor))
+    before, told = models.fitted((), {}), []
+    ended, verdict = searched(models, effects, settings, told.append)
+    return before, ended, verdict, told
+
+
+@pytest.mark.parametrize("most", [1, 2])
+def test_what_was_ranked_in_a_poor_valley_is_ranked_again(most):
+    before, ended, _, told = astray({"capstan_friction.friction": 0.04}, most)
+    chosen, bare = ended.found.chosen, ended.found.rungs[0]
+    assert [e.name() for e in chosen.effects] == ["capstan_friction"]
+    assert bare.mean_square < 0.25 * before.mean_square
+    assert bare is ended.search.models.tried[frozenset()]
+    ranked = [k for k, line in enumerate(told) if "screened beside the fitted numbers" in line]
+    again = [k for k, line in enumerate(told) if line.startswith("the fitted numbers alone:")]
+    assert ranked[0] < again[0] < ranked[1]
+    assert len(again) == 1
+
+
+@pytest.mark.parametrize("most", [1, 2])
+def test_what_only_led_the_numbers_out_of_a_poor_valley_is_no_effect(most):
+    before, ended, verdict, _ = astray({}, most)
+    assert ended.found.chosen.effects == ()
+    assert ended.found.chosen.mean_square < 0.25 * before.mean_square
+    assert verdict.kind == "nothing_missing"
+
+
+def test_a_second_search_without_some_names_is_as_if_they_had_never_been():
+    """What was fitted in the first one with others is taken over."""
+    residuals = trials({"current_offset.offset": 0.06})
+    start = begun(residuals["train"], NAMES, {}, SETTINGS)
+    models = Simulated(residuals, NAMES, SETTINGS, start)
+    first, verdict = searched(models, find_effects(CANDIDATES), SETTINGS)
+    assert verdict.named == ["current_offset"]
+    rest = [n for n in CANDIDATES if n != "current_offset"]
+    again = searched(models.without({"current_offset"}), find_effects(rest), SETTINGS)[1]
+    assert "current_offset" not in {*again.named, *again.rivals, *again.equivalents}
+    assert judge(first, weigh(first)) == verdict
