@@ -5,159 +5,178 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from spirob.diagnosis.rungs import Confirmed, Ladder, Rung, Settings, rung_of, scores_of
-from spirob.diagnosis.weighing import with_probability
 
+from spirob.diagnosis import contest
 from spirob.diagnosis.contest import (
     Contestant,
-    contest,
-    contestants,
+    beside,
     decided_again,
+    in_question,
     joined,
     proposed,
 )
 from spirob.diagnosis.proposals import TRIALS, propose, told
-from spirob.diagnosis.verdict import Verdict, judge
+from spirob.diagnosis.verdict import Verdict, Weighed, judge, weigh
 from spirob.effects.motor.coulomb_friction import CoulombFriction
 from spirob.effects.motor.load_dependent_friction import LoadDependentFriction
-from spirob.identify.fit import fit
-from spirob.identify.measurement import Measurement
 from spirob.trials import Trial
-from spirob.trials.simulation import simulate
-from tests.identify.known import residual, spirob
+from tests.diagnosis.contested import SETTINGS, Robot
+from tests.diagnosis.contested import beside as contested
+from tests.diagnosis.machines import SAMPLES, Known, model
 
+CONSTANT, GROWS = CoulombFriction, LoadDependentFriction
 TRUE = {"coulomb_friction.coulomb_torque": 5e-4}
-OTHER = "load_dependent_friction.loss_ratio"
-SETTINGS = Settings()
+NUMBERS = {CONSTANT: next(iter(TRUE)), GROWS: "load_dependent_friction.loss_ratio"}
 
 
 @pytest.fixture(scope="module")
-def plant():
-    return spirob([CoulombFriction, LoadDependentFriction])
+def robot():
+    return Robot(NUMBERS, TRUE)
 
 
 @pytest.fixture(scope="module")
-def trials(plant):
-    return {r: residual(plant, TRUE, r, seed=3) for r in ("train", "validate", "heldout")}
+def ended(robot):
+    """Friction that is constant, and friction that grows with the load."""
+    return robot.ended()
 
 
 @pytest.fixture(scope="module")
-def search(trials):
-    """As if the first round had ended: friction that is constant, and that grows with the load."""
-    train = trials["train"]
-    base = rung_of("fitted parameters", [], fit(train, ["winch.efficiency"], {}, 0.05), trials)
-    tried = []
-    for effect, name in ((CoulombFriction, next(iter(TRUE))), (LoadDependentFriction, OTHER)):
-        found = fit(train, ["winch.efficiency", name], {}, 0.05)
-        scores, missed, errors = scores_of(found, trials)
-        tried.append(Confirmed((effect,), 0.0, found, missed, errors, scores))
-    tried = with_probability(tried, base, train, SETTINGS)
-    best = tried[0]
-    rung = Rung("+ one", list(best.effects), best.fit, best.scores, best.errors)
-    return Ladder(base, [base, rung], [tried])
+def best(ended):
+    return proposed(ended, contested(ended))[0]
 
 
-def undecided(search):
-    other = search.rounds[0][1].effects[0].name()
-    return Verdict("undecided", 0.5, [other], "", "", "")
+def models_of(ended):
+    """As another process gets them."""
+    models = in_question(ended, contested(ended))
+    return [Contestant.from_dict(json.loads(json.dumps(one.as_dict()))) for one in models]
 
 
-def test_the_rivals_are_the_best_and_who_stands_against_it(search):
-    one, other = contestants(search, undecided(search))
-    assert {*one.effects, *other.effects} == {CoulombFriction, LoadDependentFriction}
-    assert list(one.effects) == search.rungs[-1].effects
+def named(ended, **beside):
+    (effect,) = ended.found.chosen.effects
+    return Verdict("named", {effect.name(): Weighed(0.99, 0.99, **beside)}, "", "", "")
 
 
-def test_experiments_are_ordered_by_what_they_would_show(search, trials):
-    found = proposed(search, undecided(search), trials["validate"], SETTINGS)
+def test_in_question_are_nothing_what_was_found_and_who_stands_beside_it(ended):
+    bare, one, other = in_question(ended, contested(ended))
+    assert bare == Contestant.of(ended.found.rungs[0])
+    assert one == Contestant.of(ended.found.chosen)
+    assert {*one.effects, *other.effects} == set(NUMBERS)
+    assert models_of(ended) == [bare, one, other]
+
+
+def test_experiments_are_ordered_by_what_they_would_show(ended, robot):
+    found = proposed(ended, contested(ended))
     apart = [p.share for p in found]
     assert len(found) == len(TRIALS)
     assert apart == sorted(apart, reverse=True)
     assert apart[0] > 2.0 * apart[-1]
     for proposal in found:
         assert [Trial.from_plain(t).role for t in proposal.trials] == ["train", "validate"]
-    line = told(found, trials["validate"].effort)
+    line = told(found, robot.trials["validate"].effort)
     assert f"'{found[0].name}'" in line
     assert "mA" in line
 
 
-def test_models_that_say_the_same_do_not_differ(trials, search):
-    same = search.rungs[0].fit.changes
-    assert max(p.difference for p in propose(trials["validate"], same, same)) < 1e-3  # a count
+def test_models_that_say_the_same_do_not_differ(ended, robot):
+    same = ended.found.rungs[0].fit.changes
+    assert max(p.difference for p in propose(robot.trials["validate"], same, same)) < 1e-3  # counts
 
 
-def test_nothing_is_proposed_where_a_verdict_stands(search, trials):
-    named = Verdict("named", 0.99, [], "", "", "")
-    assert proposed(search, named, trials["validate"], SETTINGS) == []
+def test_nothing_is_proposed_where_a_verdict_stands(ended):
+    assert proposed(ended, named(ended)) == []
+    assert in_question(ended, named(ended)) == in_question(ended, contested(ended))[:2]
 
 
-def test_two_names_of_one_law_are_not_asked_about(search, trials):
-    loose = replace(SETTINGS, floor=10.0)  # more than any experiment could tell them apart by
-    assert proposed(search, undecided(search), trials["validate"], loose) == []
+def test_two_names_of_one_law_are_not_asked_about(robot):
+    """The floor is more than any experiment could tell them apart by."""
+    loose = robot.ended(settings=replace(SETTINGS, floor=10.0))
+    assert proposed(loose, contested(loose)) == []
 
 
-def test_a_name_beside_which_another_says_the_same_is_contested(search, trials):
-    other = search.rounds[0][1].effects[0].name()
-    named = Verdict("named", 0.99, [], "", "", "", equivalents=(other,))
-    assert contestants(search, named) == contestants(search, undecided(search))
-    assert proposed(search, named, trials["validate"], SETTINGS)
+def test_a_name_beside_which_another_says_the_same_is_contested(ended):
+    other = contested(ended).rivals
+    same = named(ended, equivalents=other)
+    assert in_question(ended, same) == in_question(ended, contested(ended))
+    assert proposed(ended, same)
 
 
-def test_with_more_added_since_the_first_round_is_not_in_question(search, trials):
-    further = Ladder(search.base, list(search.rungs), search.rounds)
-    both = [CoulombFriction, LoadDependentFriction]
-    further.rungs.append(Rung("+ both", both, *[None] * 3))
-    assert proposed(further, undecided(search), trials["validate"], SETTINGS) == []
+def test_who_was_never_fitted_in_the_place_of_what_was_found_is_not_in_question(ended):
+    assert beside(ended, named(ended, equivalents=["creep"])) == []
+    assert beside(ended, replace(contested(ended), kind="unknown")) == []
 
 
-@pytest.mark.parametrize(
-    ("truth", "right"),
-    [(TRUE, CoulombFriction), (None, LoadDependentFriction)],
-    ids=["constant", "grows"],
-)
-def test_who_foretells_the_further_trial_wins(search, trials, plant, truth, right):
+@pytest.mark.parametrize("right", NUMBERS, ids=["constant", "grows"])
+def test_who_foretells_the_further_trial_wins(ended, robot, best, right):
     """Once the machine is the one rival, once the other: the further trial says which."""
-    one = next(c for c in search.rounds[0] if c.effects == (right,))
-    best = proposed(search, undecided(search), trials["validate"], SETTINGS)[0]
-    played = [
-        simulate(plant, Trial.from_plain(t), truth or one.fit.changes, 0.002, seed=k)
-        for k, t in enumerate(best.trials)
-    ]
-    logs = [Measurement.from_trace(trace) for trace in played]
-    known = joined(trials, {r: [log] for r, log in zip(("train", "validate"), logs, strict=True)})
-    plain = json.loads(json.dumps([c.as_dict() for c in contest(search, undecided(search))]))
-    again = decided_again([Contestant.from_dict(one) for one in plain], trials, known, SETTINGS)
-    assert again.rungs[-1].effects == [right]
+    truth = TRUE if right is CONSTANT else robot.fits[(right,)].changes
+    known = joined(robot.trials, robot.played(best, truth))
     for role in ("train", "validate"):
-        assert len(known[role].trials) == len(trials[role].trials) + 1
-    assert known["heldout"] is trials["heldout"]
-    assert again.rounds[0][0].effects == (right,)
+        assert len(known[role].trials) == len(robot.trials[role].trials) + 1
+    assert known["heldout"] is robot.trials["heldout"]
+    again = decided_again(models_of(ended), robot.trials, known, SETTINGS)
+    chosen = again.found.chosen
+    assert chosen.effects == (right,)
+    assert again.found.offers[0].effect in NUMBERS
     # judged where the effect was found: what the further trial holds besides does not count
-    verdict = judge(again, trials, SETTINGS)
-    assert verdict.kind == "named" or right is LoadDependentFriction, "the trials hold the other"
-    own = trials["validate"](again.rungs[-1].fit.changes)[trials["validate"].rows]
-    assert again.rungs[-1].scores["validate"].rmse == pytest.approx(np.sqrt(np.mean(own**2)))
+    verdict = judge(again, weigh(again))
+    assert verdict.kind == "named" or right is GROWS, "the trials hold the other"
+    validate = robot.trials["validate"]
+    own = validate(chosen.fit.changes)[validate.rows]
+    assert again.search.models.scores(chosen)["validate"].rmse == pytest.approx(
+        np.sqrt(np.mean(own**2))
+    )
 
 
-def test_a_trial_that_nobody_explains_is_set_aside(search, trials, plant):
+def test_a_trial_that_nobody_explains_is_set_aside(ended, robot, best):
     """Something else happens there, ten times as large as what is in question."""
-    best = proposed(search, undecided(search), trials["validate"], SETTINGS)[0]
     rng, further = np.random.default_rng(1), {}
-    for role, plain in zip(("train", "validate"), best.trials, strict=True):
-        log = Measurement.from_trace(simulate(plant, Trial.from_plain(plain), TRUE, 0.002))
+    for role, (log,) in robot.played(best).items():
         slow = np.cumsum(rng.standard_normal((len(log.current), 1)), axis=0) * 0.05
         further[role] = [replace(log, current=log.current + slow)]
-    known = joined(trials, further)
-    assert decided_again(contest(search, undecided(search)), trials, known, SETTINGS) is None
+    known = joined(robot.trials, further)
+    assert decided_again(models_of(ended), robot.trials, known, SETTINGS) is None
 
 
 @pytest.mark.parametrize(("before", "aside"), [("named", True), ("undecided", False)])
 def test_a_further_trial_does_not_leave_open_what_was_named(
-    search, trials, monkeypatch, before, aside
+    ended, robot, monkeypatch, before, aside
 ):
     """Both foretell it about as well: of two that say the same where they were found one stands."""
-    monkeypatch.setitem(decided_again.__globals__, "judge", lambda *_: undecided(search))
-    models = contest(search, undecided(search))
-    known = joined(trials, {role: trials[role].trials[:1] for role in ("train", "validate")})
-    again = decided_again(models, trials, known, SETTINGS, before)
+    monkeypatch.setattr(contest, "judge", lambda *_: contested(ended))
+    further = {role: robot.trials[role].trials[:1] for role in ("train", "validate")}
+    known = joined(robot.trials, further)
+    again = decided_again(models_of(ended), robot.trials, known, SETTINGS, before)
     assert (again is None) is aside
+
+
+def settled(*others, alike=False):
+    """A contest of friction that leaves 2 of 10 mA with others, by what each of them leaves."""
+    errors = [0.002, *(error for _, error in others)]
+    signs = [1.0] * len(errors) if alike else [1.0, *[-1.0] * len(others)]
+    sets = [[CONSTANT], *(effects for effects, _ in others)]
+    made = [
+        model(effects, error, residual=np.full(SAMPLES, sign * error))
+        for effects, error, sign in zip(sets, errors, signs, strict=True)
+    ]
+    machines = [Known(model([], 0.010), *made, least=0.001) for _ in range(2)]
+    found = contest.settled(*machines, SETTINGS).found
+    assert found.chosen.effects == (CONSTANT,)
+    return found.rivals[CONSTANT.name()], found.equivalents[CONSTANT.name()]
+
+
+@pytest.mark.parametrize(
+    ("left", "rivals"),
+    [(0.00201, [GROWS.name()]), (0.0030, []), (0.00999, [])],
+    ids=["as well", "clearly worse", "nothing"],
+)
+def test_who_counts_and_is_not_clearly_worse_is_a_rival(left, rivals):
+    assert settled(([GROWS], left)) == (rivals, [])
+
+
+def test_who_says_the_same_where_it_is_settled_is_an_equivalent():
+    assert settled(([GROWS], 0.00201), alike=True) == ([], [GROWS.name()])
+
+
+def test_what_holds_the_found_and_more_is_no_rival():
+    """It was left for being hardly better."""
+    assert settled(([CONSTANT, GROWS], 0.00199)) == ([], [])
