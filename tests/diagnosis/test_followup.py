@@ -10,8 +10,6 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from spirob.diagnosis.rungs import ROLES, Confirmed, Ladder, Rung, Settings, rung_of, scores_of
-from spirob.diagnosis.weighing import with_probability
 
 import pipeline.ask
 import pipeline.decide
@@ -21,22 +19,20 @@ from pipeline.schema import validated
 from spirob.campaign.arm import case as trial
 from spirob.diagnosis import followup
 from spirob.diagnosis.contest import Contestant
+from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.followup import Answer, Proof, Question, answered, asked
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.verdict import Verdict, judge
+from spirob.diagnosis.verdict import Verdict, Weighed, judge
 from spirob.effects import find_effects
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash
-from spirob.identify.fit import fit
-from spirob.identify.measurement import Measurement
-from spirob.trials import Trial
-from spirob.trials.simulation import simulate
-from tests.identify.known import residual, spirob
+from tests.diagnosis.contested import Robot, beside
 
 ROOT = Path(__file__).parents[2]
 BEST = Proposal("hold", ({"name": "hold_left"},), 0.01, 0.1)
 OTHER = replace(BEST, name="deep bend")
-VERDICT = Verdict("named", 0.8, [], "Missing: friction.", "It rubs.", "")
+WEIGHED = {"coulomb_friction": Weighed(0.8, 0.8)}
+VERDICT = Verdict("named", WEIGHED, "Missing: friction.", "It rubs.", "")
 BASE = Contestant((), ("winch.efficiency",), {})
 FRICTION = replace(BASE, effects=tuple(find_effects(["coulomb_friction"])))
 NAME = frozenset(FRICTION.effects)
@@ -63,8 +59,9 @@ def protocol(monkeypatch):
             "decided_again": lambda models, own, known, settings, before: again,
             "put_to_proof": lambda name, models, own, known, settings: {NAME: Proof(name, share)},
             "sifted": lambda models, proofs, own, settings: held,
-            "judge": lambda search, own, settings: replace(VERDICT, kind=kind),
-            "in_question": lambda search, verdict: [BASE, FRICTION],
+            "weigh": lambda ended: WEIGHED,
+            "judge": lambda ended, weighed: replace(VERDICT, kind=kind),
+            "in_question": lambda ended, verdict: [BASE, FRICTION],
         }
         for name, found in judged.items():
             monkeypatch.setattr(followup, name, found)
@@ -74,17 +71,17 @@ def protocol(monkeypatch):
 
 
 def test_the_best_experiment_decides(protocol):
-    search = SimpleNamespace()
-    answer, played = protocol(question("undecided", decide=(BEST, OTHER)), again=search)
+    ended = SimpleNamespace()
+    answer, played = protocol(question("undecided", decide=(BEST, OTHER)), again=ended)
     assert played == [BEST]
-    assert (answer.search, answer.verdict.kind, answer.experiment) == (search, "named", "hold")
+    assert (answer.ended, answer.verdict.kind, answer.experiment) == (ended, "named", "hold")
     assert not answer.aside
 
 
 def test_what_tells_nothing_is_set_aside(protocol):
     asked = question("undecided", decide=(BEST,))
     answer, _ = protocol(asked, again=None)
-    assert (answer.search, answer.verdict, answer.aside) == (None, asked.verdict, True)
+    assert (answer.ended, answer.verdict, answer.aside) == (None, asked.verdict, True)
 
 
 @pytest.mark.parametrize(("share", "kind"), [(0.95, "named"), (0.5, "unknown")])
@@ -92,7 +89,7 @@ def test_the_trial_that_would_show_a_name_most_is_played(protocol, share, kind):
     answer, played = protocol(question(prove=(BEST, OTHER)), share)
     assert played == [BEST]
     assert (answer.verdict.kind, answer.proof) == (kind, Proof("hold", share))
-    assert answer.search is None
+    assert answer.ended is None
 
 
 def test_who_is_decided_upon_is_put_to_the_proof(protocol):
@@ -106,7 +103,7 @@ def test_who_is_decided_upon_is_put_to_the_proof(protocol):
 def test_who_holds_is_judged_without_the_others(protocol):
     held = SimpleNamespace()
     answer, _ = protocol(question("undecided", prove=(BEST,)), held=held, kind="undecided")
-    assert (answer.search, answer.verdict.kind) == (held, "undecided")
+    assert (answer.ended, answer.verdict.kind) == (held, "undecided")
 
 
 @pytest.mark.parametrize("kind", ["unknown", "nothing_missing"])
@@ -123,54 +120,35 @@ def test_what_cannot_be_played_leaves_the_verdict(protocol):
     assert answer == Answer(asked.verdict, models=asked.models)
 
 
-@pytest.fixture(scope="module")
-def robot():
-    """A robot with play in its gear, and a search that took it for a soft tendon or for either."""
-    plant = spirob([Backlash, Stretch])
-    true = {"backlash.play": 1.5e-3}
-    own = {role: residual(plant, true, role, seed=3) for role in ROLES}
-    names, tried = ["winch.efficiency"], []
-    base = rung_of("fitted parameters", [], fit(own["train"], names, {}, 0.05), own)
-    for effect, number in ((Stretch, "stretch.toe"), (Backlash, "backlash.play")):
-        found = fit(own["train"], [*names, number], {}, 0.05)
-        scores, missed, errors = scores_of(found, own)
-        tried.append(Confirmed((effect,), 0.0, found, missed, errors, scores))
-    tried = with_probability(tried, base, own["train"], SETTINGS)
-
-    def play(experiment):
-        logs = {"train": [], "validate": []}
-        for k, plain in enumerate(experiment.trials):
-            trace = simulate(plant, Trial.from_plain(plain), true, 0.002, seed=k)
-            logs[plain["role"]].append(Measurement.from_trace(trace))
-        return logs
-
-    one = next(c for c in tried if c.effects == (Stretch,))
-    rung = Rung("+ stretch", [Stretch], one.fit, one.scores, one.errors)
-    return Ladder(base, [base, rung], [tried]), own, play
-
-
-def test_the_pipeline_and_the_trial_give_one_robot_the_same_answer(robot):
+def test_the_pipeline_and_the_trial_give_one_robot_the_same_answer():
     """Through files as in one go; and both take the play for what it is."""
-    search, own, play = robot
-    undecided = replace(VERDICT, kind="undecided", rivals=["backlash"])
-    at_once = asked(search, undecided, own, SETTINGS)
+    robot = Robot({Stretch: "stretch.toe", Backlash: "backlash.play"}, {"backlash.play": 1.5e-3})
+    ended = robot.ended(Stretch)
+    at_once = asked(ended, beside(ended))
     filed = Question.from_dict(json.loads(json.dumps(at_once.as_dict())))
     assert filed == at_once
     assert [one.name for one in filed.wanted] == [at_once.decide[0].name, "soft pull"]
-    one, other = (answered(each, own, play, SETTINGS) for each in (at_once, filed))
+    one, other = (answered(each, robot.trials, robot.played, SETTINGS) for each in (at_once, filed))
     assert asdict(one.verdict) == asdict(other.verdict)
     assert (one.experiment, one.aside, one.proof) == (other.experiment, other.aside, other.proof)
-    assert one.search.rungs[-1].effects == other.search.rungs[-1].effects == [Backlash]
-    assert one.search.rungs[-1].fit.changes == other.search.rungs[-1].fit.changes
+    chosen = [each.ended.found.chosen for each in (one, other)]
+    assert [m.effects for m in chosen] == [(Backlash,), (Backlash,)]
+    assert chosen[0].fit.changes == chosen[1].fit.changes
+
+
+def test_a_question_of_a_verdict_that_is_doubted_comes_back_as_it_was():
+    doubted = Question(Verdict("unknown", WEIGHED, "None.", "Why.", "", ("A sign is turned.",)))
+    assert Question.from_dict(json.loads(json.dumps(doubted.as_dict()))) == doubted
+    assert doubted.wanted == []
 
 
 def test_what_the_pipeline_runs_is_what_the_trial_scores():
     """The same search, verdict, question and answer, by the same rules."""
     stages = (pipeline.diagnose, pipeline.ask, pipeline.decide)
-    for name in ("climb", "judge", "asked", "answered"):
+    for name in ("Simulated", "begun", "searched", "asked", "answered"):
         own = [getattr(stage, name) for stage in stages if hasattr(stage, name)]
         assert own == [getattr(trial, name)], name
-    assert trial.judge is judge is followup.judge
+    assert followup.judge is judge
     config = validated(composed(ROOT, []), "conf")
     assert pipeline.diagnose.settings_of(config) == Settings()
     told = yaml.safe_load((ROOT / "conf/diagnose/default.yaml").read_text())
@@ -180,10 +158,10 @@ def test_what_the_pipeline_runs_is_what_the_trial_scores():
 def test_the_trial_of_the_pipeline_follows_its_rules(tmp_path, monkeypatch):
     import pipeline.trial as stage
 
-    rules = ["diagnose.further=0.3", "identify.scale=0.07"]
+    rules = ["diagnose.veto=0.3", "identify.scale=0.07"]
     config = validated(composed(ROOT, rules), "conf")
     given = {}
     monkeypatch.setattr(stage, "public_config", lambda root: config)
     monkeypatch.setattr(stage, "play", lambda *called: given.update(settings=called[3]) or [])
     stage.stage(tmp_path)
-    assert given["settings"] == Settings(further=0.3, scale=0.07, intervals=False, always=False)
+    assert given["settings"] == Settings(veto=0.3, scale=0.07, intervals=False, always=False)

@@ -109,5 +109,7 @@ def test_a_name_that_does_not_hold_is_told_and_taken_away():
 
 @pytest.mark.parametrize("share", [0.4, 0.95])
 def test_what_is_undecided_stays_so_and_says_what_would_decide(share):
-    undecided = replace(NAMED, kind="undecided", weighed={"creep": Weighed(0.6, 0.6, [], ["stretch"])})
+    undecided = replace(
+        NAMED, kind="undecided", weighed={"creep": Weighed(0.6, 0.6, [], ["stretch"])}
+    )
     assert proved(undecided, Proof("hold", share)) == undecided

@@ -92,9 +92,7 @@ def test_numbers_of_an_effect_that_the_model_holds(logs):
     """One is known, another fitted between bounds; of an absent effect neither can be."""
     known, chosen = "coulomb_friction.softness", "coulomb_friction.coulomb_torque"
     bounds = {chosen: {"nominal": 0.003, "low": 0.002, "high": 0.004}}
-    found = fitted(
-        logs, effects=["coulomb_friction"], fit={**BARE, **bounds}, known={known: 0.7}
-    )
+    found = fitted(logs, effects=["coulomb_friction"], fit={**BARE, **bounds}, known={known: 0.7})
     estimates, table = found.stands.fit.estimates, found.models.train.table
     assert set(estimates) == {*BARE, chosen}
     assert 0.002 <= estimates[chosen].value < 0.0025  # the truth, 0, is out of bounds
