@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
-from spirob.diagnosis.verdict import SENSELESS
 from spirob.errors import ExportError
 from spirob.export import exporting, listed, targets
 from spirob.export.corrected import corrected, read_document
@@ -244,7 +243,7 @@ CHANGES = {
     "axis": lambda d: d["model"].update(axis="furlong"),
     "moves no inertia": lambda d: d["model"]["numbers"].update(inertia=0.0),
     "number": lambda d: d["model"].update(angle=None),
-    "no model to take home": lambda d: d.update(sentence=SENSELESS, explanation="A.\nB."),
+    "no model to take home": lambda d: d.update(doubts=["A."], explanation="A.\nB."),
 }
 
 

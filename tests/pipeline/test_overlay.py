@@ -9,6 +9,9 @@ import pytest
 from pipeline import switches as module
 from pipeline.overlay import overlay
 from pipeline.switches import candidates, laws, switches
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.model import Offer
+from spirob.diagnosis.search import Found
 from spirob.identify.residual import Filter
 
 SAMPLES = 3000
@@ -41,16 +44,28 @@ class Named:
 CREEP, COGGING, SAG = Named("creep"), Named("cogging"), Named("sag")
 
 
-def search(confirmed=((CREEP, 0.5), (COGGING, 0.25)), screened=((SAG, 0.1, 0.3),)):
-    fits = [
-        SimpleNamespace(
-            effects=(e,), fit=SimpleNamespace(changes={"level": v}, residual=np.full(5, v))
-        )
-        for e, v in confirmed
-    ]
-    ranked = [SimpleNamespace(effect=e, changes={"level": v}, gain=g) for e, v, g in screened]
-    rung = SimpleNamespace(effects=[CREEP], fit=SimpleNamespace(changes={"level": 0.7}))
-    return SimpleNamespace(rounds=[fits], screened=[ranked], rungs=[rung])
+def model(level, *effects, square=1.0):
+    fit = SimpleNamespace(changes={"level": level}, residual=np.full(5, level))
+    names = frozenset(e.name() for e in effects)
+    return SimpleNamespace(effects=effects, names=names, fit=fit, mean_square=square)
+
+
+def search(machines, fitted=((CREEP, 0.5), (COGGING, 0.25)), screened=((SAG, 0.1, 0.7),), pairs=()):
+    """What was fitted, the best first, and what it found: the first with another number.
+
+    screened  with the mean square that it promises, of 1 beside the numbers alone
+    """
+    alone = [model(level, e, square=0.1 * (k + 1)) for k, (e, level) in enumerate(fitted)]
+    tried = [model(0.0), *reversed(alone), *(model(9.0, *two, square=0.0) for two in pairs)]
+    offers = [Offer(e, {"level": level}, error) for e, level, error in screened]
+    offers += [Offer(e, {}, 0.5) for e, _ in fitted]
+    models = SimpleNamespace(
+        residuals=machines,
+        train=machines["train"],
+        settings=Settings(),
+        tried={m.names: m for m in tried},
+    )
+    return models, Found([tried[0], model(0.7, CREEP)], offers)
 
 
 @pytest.fixture
@@ -65,7 +80,7 @@ def machines(monkeypatch):
 
 def test_every_combination_has_every_sample_of_the_overlay(tmp_path, machines):
     overlay(tmp_path, machines, {"level": 0.0}, {"level": 1.0})
-    switches(tmp_path, machines, search(), 0.05)
+    switches(tmp_path, *search(machines))
     drawn = pd.read_parquet(tmp_path / "overlay.parquet")
     found = pd.read_parquet(tmp_path / "combinations.parquet")
     expected = {
@@ -90,25 +105,36 @@ def test_every_combination_has_every_sample_of_the_overlay(tmp_path, machines):
 
 
 def test_what_made_nothing_better_in_the_screening_is_not_offered(machines):
-    alone = candidates(machines["train"], search(screened=((SAG, 0.1, -0.01),)))
+    alone = candidates(*search(machines, screened=((SAG, 0.1, 1.01),)))
     assert [one.effect for one in alone] == [CREEP, COGGING]
 
 
 def test_pairs_that_were_fitted_jointly_are_made_of_their_parts(machines):
-    tried = search()
-    tried.rounds[0].append(SimpleNamespace(effects=(CREEP, COGGING)))
-    assert [one.effect for one in candidates(machines["train"], tried)] == [CREEP, COGGING, SAG]
+    tried = search(machines, pairs=[(CREEP, COGGING)])
+    assert [one.effect for one in candidates(*tried)] == [CREEP, COGGING, SAG]
+
+
+def test_what_another_search_fitted_is_not_offered(machines):
+    """Of the same models, among more candidates."""
+    models, found = search(machines)
+    models.tried[frozenset({"gone"})] = model(3.0, Named("gone"), square=0.0)
+    assert [one.effect for one in candidates(models, found)] == [CREEP, COGGING, SAG]
+
+
+def test_no_more_are_offered_than_a_page_can_combine(machines):
+    many = [(Named(f"e{k}"), 0.1) for k in range(module.MOST + 2)]
+    assert len(candidates(*search(machines, fitted=many))) == module.MOST
 
 
 def test_without_candidates_there_is_no_file(tmp_path, machines):
-    empty = search(confirmed=())
-    switches(tmp_path, machines, empty, 0.05)
-    laws(tmp_path, machines, empty, named=False)
+    empty = search(machines, fitted=(), screened=())
+    switches(tmp_path, *empty)
+    laws(tmp_path, *empty, named=False)
     assert not list(tmp_path.iterdir())
 
 
 def test_a_law_is_the_named_model_with_and_without_the_effect(tmp_path, machines):
-    laws(tmp_path, machines, search(), named=True)
+    laws(tmp_path, *search(machines), named=True)
     rows = pd.read_parquet(tmp_path / "laws.parquet")
     assert set(rows["effect"]) == {"creep"}
     assert np.allclose(rows["with_current"], 0.7)
@@ -116,7 +142,7 @@ def test_a_law_is_the_named_model_with_and_without_the_effect(tmp_path, machines
 
 
 def test_where_none_is_named_the_leading_candidates_show_theirs(tmp_path, machines):
-    laws(tmp_path, machines, search(), named=False)
+    laws(tmp_path, *search(machines), named=False)
     rows = pd.read_parquet(tmp_path / "laws.parquet")
     assert list(rows["effect"].unique()) == ["creep", "cogging"]
     assert np.allclose(rows.groupby("effect")["with_current"].first(), [0.25, 0.5])

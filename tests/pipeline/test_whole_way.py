@@ -135,8 +135,11 @@ def asking(finished, folder, decide=(), prove=(), effects=(), verdict=None, off=
     ]
     question = project.root / "data/search/question.json"
     told = json.loads(question.read_text()) | {"decide": decide, "prove": prove}
-    told["models"] = [{**m, "gain": 0.1} for m in models]
-    told["verdict"] |= {k: v for k, v in (verdict or {}).items() if k != "verdict"}
+    told["models"] = models
+    sure = {"probability": 0.6, "together": 0.6, "equivalents": [], "figures": {}}
+    weighed = {name: {**sure, "rivals": list(effects[1:])} for name in effects[:1]}
+    said = {k: v for k, v in (verdict or {}).items() if k != "verdict"}
+    told["verdict"] |= {"weighed": weighed, **said}
     question.write_text(json.dumps(told))
     for file in ("diagnosis.json", "metrics.json"):
         path = project.root / "data/search" / file

@@ -240,7 +240,8 @@ def _candidate(name, title, probability, rmse, gain) -> dict:
         "title": title,
         "probability": probability,
         "train_rmse": 0.92 * rmse,
-        "validate_rmse": 0.97 * rmse,
+        "left_out_rmse": 0.97 * rmse,
+        "with": [],
         "heldout_rmse": rmse,
         "screen_gain": gain,
     }
@@ -261,6 +262,7 @@ DIAGNOSIS = {
     "verdict": "named",
     "sentence": "The model lacks friction of the tendon in its guides (capstan friction): the "
     "missing current grows with load and bend and changes sign with the direction of travel.",
+    "doubts": [],
     "effects": [
         {
             "name": "capstan_friction",
@@ -278,6 +280,8 @@ DIAGNOSIS = {
         _candidate("load_dependent_friction", "load-dependent friction", 0.06, 0.0794, 0.66),
         _candidate("coulomb_friction", "Coulomb friction", 0.01, 0.1213, 0.41),
         _candidate("cogging", "cogging", 0.0, 0.1829, 0.004),
+        _candidate("creep", "creep", 0.0, 0.2, 0.001)
+        | dict.fromkeys(("train_rmse", "left_out_rmse", "heldout_rmse")),
     ],
     "ladder": [
         _rung("base model", [], 0.149, 0.171, 0.1834),

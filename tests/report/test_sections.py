@@ -218,6 +218,24 @@ def test_the_named_candidate_is_marked(data):
     assert [row["title"] for row in rows if row["chosen"]] == ["capstan friction"]
 
 
+def test_candidates_are_those_that_were_fitted_with_the_errors_that_decide(data):
+    """How many the screening ended is said."""
+    context = SECTIONS["ladder"].get_context(data)
+    assert len(context["candidates"]) == 4
+    assert context["candidates"][0]["errors"] == ["0.047", "0.050", "0.051"]
+    assert "The screening ended 1 more." in text("ladder", data)
+    every = data.diagnosis | {"candidates": data.diagnosis["candidates"][:4]}
+    assert "The screening ended" not in text("ladder", replace(data, diagnosis=every))
+
+
+def test_a_diagnosis_that_is_doubted_has_no_model_to_take_home(data):
+    doubted = {"doubts": ["The sign is turned."], "verdict": "unknown", "effects": []}
+    assert not SECTIONS["home"].get_context(data)["senseless"]
+    shown = replace(data, diagnosis=data.diagnosis | doubted)
+    assert SECTIONS["home"].get_context(shown)["senseless"]
+    assert text("home", shown) != text("home", data)
+
+
 def test_a_parameter_at_its_bound_is_flagged_at_the_end_of_its_track(data):
     rows = {row["name"]: row for row in SECTIONS["parameters"].get_context(data)["rows"]}
     assert rows["rotor damping"]["at_bound"]
