@@ -115,7 +115,7 @@ def exported_model(folder, names, body=False, zero=(), **more):
     )
     model = SimpleNamespace(fit=fitted)
     size = float(np.sqrt(np.mean(problem.measured() ** 2)))
-    search = SimpleNamespace(train=problem, heldout=problem, models=SimpleNamespace(size=size))
+    search = SimpleNamespace(models=SimpleNamespace(train=problem, heldout=problem, size=size))
     document = {"rig": "elbow", "verdict": "named", "sentence": "Missing: something."}
     document["model"] = plain(standing(search, model, problem.body))
     (folder / "diagnosis.json").write_text(json.dumps(document))

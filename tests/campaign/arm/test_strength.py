@@ -96,7 +96,7 @@ def names(monkeypatch):
     names = drawn.__globals__
     monkeypatch.setitem(names, "recorded", lambda hidden, seed: played.append(hidden) or hidden)
     monkeypatch.setitem(names, "problems_of", lambda trials, plant: trials)
-    monkeypatch.setitem(names, "_without_any", lambda *_: SimpleNamespace(base=None))
+    monkeypatch.setitem(names, "_without_any", lambda *_: SimpleNamespace(fit=None))
     monkeypatch.setitem(names, "played", played)
     return names
 
