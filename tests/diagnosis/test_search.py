@@ -105,6 +105,13 @@ def test_two_effects_that_only_count_together_are_found_as_a_pair():
     assert not any(search.worth.matters(found.rungs[0], machine.fitted((e,), {})) for e in pair)
 
 
+def test_no_pair_is_of_one_kind_of_law():
+    pair = {ONE: A + 0.1 * B, TWO: A - 0.1 * B, THREE: C}
+    machine = Linear(0.04 * B, pair, only_one=[ONE.name(), TWO.name()])
+    _, found = searched(machine)
+    assert found.chosen.effects == ()
+
+
 def test_where_one_more_effect_is_allowed_no_pair_is_tried():
     pair = {ONE: A + 0.1 * B, TWO: A - 0.1 * B, THREE: C}
     machine = Linear(0.04 * B, pair)
@@ -177,6 +184,7 @@ def test_numbers_that_stay_astray_are_not_followed_for_ever():
     class Lost(Linear):
         def grown(self, current, sets, counts):
             found = super().grown(current, sets, counts)
+            assert len(self.rounds) < 20, "it has no end"
             self.asked["astray"] = 0.4 ** len(self.rounds) * A
             self.tried[frozenset()] = self._made(())
             return found

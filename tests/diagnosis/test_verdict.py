@@ -200,6 +200,8 @@ def test_whoever_doubts_gives_no_name_and_says_why():
     assert (verdict.named, verdict.probability) == ([], 0.0)
     assert verdict.explanation == " ".join(DOUBTS)
     assert verdict.weighed[NAME].probability >= LIKELY, "what the errors say stays to be read"
+    unlikely = found(0.02)
+    assert judge(unlikely, weigh(unlikely), DOUBTS).explanation == " ".join(DOUBTS)
     assert findings(verdict, one.found.chosen)["effects"] == []
     assert json.loads(json.dumps(asdict(verdict)))["doubts"] == list(DOUBTS)
 

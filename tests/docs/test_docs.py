@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import pytest
 from jinja2 import Environment, StrictUndefined
 
-from spirob.cli.doc_tables import renewed
+from spirob.cli.doc_tables import SCHEMA, renewed, schema
+from spirob.diagnosis.schema import Document
 from spirob.perceive.features import FEATURES
 from tests.docs.blocks import BLOCK, follow
 
@@ -48,6 +49,15 @@ def test_the_features_of_a_wrap_are_those_of_the_program():
         assert text.count(f"| {one.kind} | `{name}` | {one.unit} | ") == 1
     gone = text.replace("`stall_time`", "`stalled`")
     assert renewed("size.md", gone) != gone
+
+
+def test_the_keys_and_the_schema_of_a_diagnosis_are_those_of_the_program():
+    text = (DOCS / "result.md").read_text(encoding="utf-8")
+    assert renewed("result.md", text) == text
+    assert (DOCS / SCHEMA).read_text(encoding="utf-8") == schema()
+    for name, field in Document.model_fields.items():
+        assert f"| `{name}` | " in text
+        assert str(field.description) in text
 
 
 def anchors(page):
