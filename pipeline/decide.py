@@ -24,6 +24,7 @@ from spirob.diagnosis.document import document, metrics, restated
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import Answer, Question, answered
 from spirob.diagnosis.proposals import Proposal
+from spirob.diagnosis.schema import checked
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
@@ -57,7 +58,7 @@ def stage(root: Path) -> None:
     if told["verdict"] == "unknown":
         changes = read_json(root / OUT / "model.json", "diagnose")["changes"]
         told = {**told, "composed": composed(root, config, settings, told, changes)}
-    write_json(root / OUT / "diagnosis.json", told)
+    write_json(root / OUT / "diagnosis.json", checked(told))
     write_json(root / "reports/metrics/diagnose.json", found)
 
 

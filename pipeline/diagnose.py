@@ -18,6 +18,7 @@ from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.fitting import begun
 from spirob.diagnosis.floors import floor_at
 from spirob.diagnosis.followup import asked
+from spirob.diagnosis.schema import checked
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict, searched
 from spirob.effects import all_effects, find_effects
@@ -52,7 +53,8 @@ def stage(root: Path) -> None:
     question = asked(ended, verdict)
     noise, further = noise_floor(residuals["train"]), question.decide or question.prove
     named = verdict.kind == "named"
-    write_json(root / OUT / "diagnosis.json", document(ended, verdict, where, noise, further))
+    written = checked(document(ended, verdict, where, noise, further))
+    write_json(root / OUT / "diagnosis.json", written)
     write_json(root / OUT / "question.json", question.as_dict())
     write_json(root / OUT / "model.json", model_of(ended, verdict, config))
     write_json(root / OUT / "metrics.json", metrics(ended, verdict))

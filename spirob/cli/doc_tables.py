@@ -1,13 +1,16 @@
 """Tables of the docs that are made from the program; `python -m spirob.cli.doc_tables` renews them.
 
 Ports and signals stand in docs/conventions.md, the features of a wrap in docs/size.md, the library
-of effects in docs/effects.md, each between two comments; tests hold them against the program.
+of effects in docs/effects.md, the keys of a diagnosis in docs/result.md, each between two comments,
+and the schema of a diagnosis in docs/diagnosis.schema.json; tests hold them against the program.
 """
 
 import argparse
+import json
 import re
 from pathlib import Path
 
+from spirob.diagnosis.schema import Document, keys
 from spirob.effects.discovery import table
 from spirob.logs.atomic import write_text
 from spirob.perceive.features import FEATURES
@@ -41,10 +44,18 @@ def features() -> str:
     return "\n".join([head, *rows]) + "\n\n"
 
 
+def schema() -> str:
+    """The JSON schema of `diagnosis.json`."""
+    made = Document.model_json_schema(by_alias=True)
+    return json.dumps(made, indent=1, ensure_ascii=False) + "\n"
+
+
+SCHEMA = "diagnosis.schema.json"
 PAGES = {
     "conventions.md": ("ports", ports),
     "size.md": ("features", features),
     "effects.md": ("effects", table),
+    "result.md": ("keys", keys),
 }
 
 
@@ -63,6 +74,7 @@ def main() -> None:
     for page in PAGES:
         text = (folder / page).read_text(encoding="utf-8")
         write_text(folder / page, renewed(page, text))
+    write_text(folder / SCHEMA, schema())
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from spirob.diagnosis.schema import unknown
 from spirob.effects import all_effects
 from spirob.errors import ExportError
 from spirob.export.law import Law, law_of
@@ -111,12 +112,14 @@ def read_document(path: Path) -> dict[str, Any]:
         raise ExportError(f"{path}: is no diagnosis: no JSON") from None
     if not isinstance(found, dict) or "verdict" not in found:
         raise ExportError(f"{path}: is no diagnosis: it states no verdict")
+    if why := unknown(found):
+        raise ExportError(f"{path}: is no diagnosis of this version: {why}")
     return found
 
 
 def require_sense(document: Mapping[str, Any], folder: Path) -> None:
     """Raise ExportError where a diagnosis says that its numbers describe no machine."""
-    if document.get("doubts"):
+    if document["doubts"]:
         why = " ".join(str(document.get("explanation", "")).split())[:200]
         raise ExportError(
             f"{folder / 'diagnosis.json'}: has no verdict, so there is no model to take home: "

@@ -18,6 +18,7 @@ import pandas as pd
 import yaml
 
 from spirob.diagnosis.criteria import Criteria, Settings
+from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
 from spirob.errors import ConfigError, DataError
 from spirob.given_file import named
@@ -102,7 +103,8 @@ def diagnose(
             found = diagnose_recordings(told, folder, *trials, settings, progress, own)
     found.document["repairs"][:0] = ran
     paths = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
-    return replace(found, sources=_sources(rig, paths, command))
+    sources = _sources(rig, paths, command)
+    return replace(found, document=checked(found.document), sources=sources)
 
 
 def _read(rig: RigFile | ArmFile, folder: Path, logs: Sequence[Log], role: str) -> list[Table]:
