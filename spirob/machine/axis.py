@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from spirob.diagnosis.atlas import atlas
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.model import Model
+from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.verdict import concluded, judge
 from spirob.effects import Effect, all_effects
@@ -299,7 +300,7 @@ def _finish(done: _Searched) -> Diagnosis:
         motion, curves = predicted(search, found)
         written["motion"] = plain(motion)
     return Diagnosis(
-        written,
+        checked(written),
         overlay(search, bare.fit, chosen.fit),
         parameters(search, bare.fit),
         gate.sentence,

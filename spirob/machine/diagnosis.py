@@ -104,7 +104,7 @@ def diagnose(
     found.document["repairs"][:0] = ran
     paths = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
     sources = _sources(rig, paths, command)
-    return replace(found, document=checked(found.document), sources=sources)
+    return replace(found, sources=sources)
 
 
 def _read(rig: RigFile | ArmFile, folder: Path, logs: Sequence[Log], role: str) -> list[Table]:
@@ -143,7 +143,7 @@ def _arm(
     found = arm.searched(rig, trials, settings, progress, own=own, said=said)
     last, heldout = found.ended.found.chosen, found.models.heldout
     return Diagnosis(
-        arm.written(rig, found, said),
+        checked(arm.written(rig, found, said)),
         arm.overlay(found),
         arm.parameters(found),
         "",

@@ -16,6 +16,7 @@ from spirob.machine.loading import described
 from spirob.machine.numbers import log_numbers
 from spirob.machine.recording import prepare
 from spirob.machine.scaling import sizes_of
+from tests.documents import document
 
 PENDULUM = """
 <mujoco>
@@ -116,8 +117,7 @@ def exported_model(folder, names, body=False, zero=(), **more):
     model = SimpleNamespace(fit=fitted)
     size = float(np.sqrt(np.mean(problem.measured() ** 2)))
     search = SimpleNamespace(models=SimpleNamespace(train=problem, heldout=problem, size=size))
-    document = {"rig": "elbow", "verdict": "named", "sentence": "Missing: something."}
-    document["model"] = plain(standing(search, model, problem.body))
-    (folder / "diagnosis.json").write_text(json.dumps(document))
+    told = document(rig="elbow", model=plain(standing(search, model, problem.body)))
+    (folder / "diagnosis.json").write_text(json.dumps(told))
     heldout(search, model).to_parquet(folder / "heldout.parquet")
     return corrected(read_document(folder / "diagnosis.json"), folder)

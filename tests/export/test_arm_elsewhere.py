@@ -12,6 +12,7 @@ from spirob.errors import ExportError
 from spirob.export.arm import corrected_arm
 from spirob.export.corrected import read_document
 from spirob.machine.arm import kept
+from tests.documents import document
 from tests.export.test_arm_heldout import COMPILER, arm_of
 
 FROM = 100  # of the cycles that are compared
@@ -31,8 +32,8 @@ def home(tmp_path_factory):
         "changes": model.changes,
         "trials": kept.told([trial]),
     }
-    said = {"rig": "spirob", "verdict": "named", "sentence": "Missing.", "effects": []}
-    (folder / "diagnosis.json").write_text(json.dumps(said | {"model": told}))
+    said = document(rig="spirob", model=told)
+    (folder / "diagnosis.json").write_text(json.dumps(said))
     kept.rows([trial]).to_parquet(folder / "heldout.parquet")
     return folder, trial
 

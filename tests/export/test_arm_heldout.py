@@ -19,6 +19,7 @@ from spirob.identify.measurement import Measurement
 from spirob.logs.atomic import write_text
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
+from tests.documents import document
 
 CYCLES = 900
 SAID = 0.05
@@ -140,7 +141,7 @@ def test_numbers_that_do_the_same_are_correlated(monkeypatch):
 
 @pytest.mark.parametrize("target", ["mjcf", "bam"])
 def test_a_lossy_arm_says_so_in_its_first_line(target, tmp_path, monkeypatch):
-    (tmp_path / "diagnosis.json").write_text(json.dumps({"verdict": "named"}))
+    (tmp_path / "diagnosis.json").write_text(json.dumps(document()))
     model = arm_of(["capstan_friction", "cogging"])
     monkeypatch.setattr(exporting, "_model", lambda document, folder: model)
     out = tmp_path / "out"
