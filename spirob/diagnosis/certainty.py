@@ -2,10 +2,9 @@
 
     p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
 
-x are six figures of what a search shows of one chosen effect; w, m, s stand in `certainty.json`
-beside this file, with the cases that they were learned from (`spirob.campaign.calibration`).  Of a
-plain rig `spirob.machine.figures` takes them, of the arm `spirob.diagnosis.figures`.  Logarithms
-are natural, errors squared:
+x are six figures of what a search shows of one chosen effect, as `figures` takes them; w, m, s
+stand in `certainty.json` beside this file, with the cases that they were learned from
+(`spirob.campaign.calibration`).  Logarithms are natural, errors squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the

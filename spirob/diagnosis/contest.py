@@ -26,7 +26,7 @@ from spirob.diagnosis.model import Model, Offer
 from spirob.diagnosis.proposals import Proposal, propose
 from spirob.diagnosis.search import Found, Search, alike
 from spirob.diagnosis.simulated import Simulated
-from spirob.diagnosis.verdict import Verdict, judge, weigh
+from spirob.diagnosis.verdict import Verdict, concluded, judge, weigh
 from spirob.effects import Effect, find_effects
 from spirob.identify.fit import Fit
 from spirob.identify.measurement import Measurement
@@ -166,7 +166,7 @@ def settled(own: Simulated, wide: Simulated, settings: Settings) -> Ended:
             rival = worth.matters(bare, other) and not worth.clearly(other, won)
             if same or rival:
                 (found.equivalents if same else found.rivals)[name] += names
-    return Ended(search, found, own.left(chosen))
+    return concluded(search, found)[0]
 
 
 def compared(

@@ -141,9 +141,12 @@ class Worth:
         draws = np.random.default_rng(seed).integers(0, len(falls), (DRAWS, len(falls)))
         return bool(np.quantile(falls[draws].mean(axis=1), UNSURE) > 0.0)
 
-    def possible(self, current: Model, error: float) -> bool:
-        """Whether an addition could matter, judged by its screened error and half the floor."""
-        return current.mean_square - error > (0.5 * self.least) ** 2
+    def possible(self, current: Model, error: float, promised: float) -> bool:
+        """Whether an addition could matter, judged by its screened error.
+
+        promised  share of the least effect that it has to promise
+        """
+        return current.mean_square - error > (promised * self.least) ** 2
 
     def denied(self, before: Judged, after: Judged, whole: bool = True) -> bool:
         """Whether the held-out trials contradict a step, or do not confirm one of a `whole` set."""

@@ -94,6 +94,7 @@ class Predictor(Protocol):
     size   RMS of the measured effort;  least  size of the least effect that counts, in its unit
     tried  names of the effects -> model
     progress  is told each step of a search
+    promised  share of the least effect that a screening has to promise for a fit to be worth it
     """
 
     train: Problem
@@ -101,6 +102,7 @@ class Predictor(Protocol):
     progress: Callable[[str], None]
     names: list[str]
     size: float
+    promised: float
     tried: dict[frozenset[str], Model]
 
     @property

@@ -82,6 +82,7 @@ class Search(Generic[M]):
             again = self.models.tried[current.names]
             if not afresh and self._elsewhere(current, again, grown):
                 afresh, current = True, again
+                self.models.tried = {again.names: again}  # others began beside the poor fit
                 first = offers = self._offers(current, self.absent(current))
                 continue
             current = again
@@ -114,7 +115,7 @@ class Search(Generic[M]):
     ) -> list[Model]:
         """Models of a set with each of the others that could matter beside it."""
         current = self.models.fitted(effects, start)
-        offers = [o for o in self._offers(current, others) if self.worth.possible(current, o.error)]
+        offers = [o for o in self._offers(current, others) if self._possible(current, o.error)]
         return [
             self.models.fitted((*effects, o.effect), current.fit.changes | dict(o.values))
             for o in offers
@@ -171,17 +172,21 @@ class Search(Generic[M]):
     def _grown(self, current: Model, offers: Sequence[Offer]) -> Model | None:
         """The best addition of one effect or of two, None where none matters."""
         space, most = self.criteria.most - len(current.effects), self.criteria.finalists
-        singles = [(o,) for o in offers[:most] if self.worth.possible(current, o.error)]
+        singles = [(o,) for o in offers[:most] if self._possible(current, o.error)]
         best = self._best_of(current, singles)
-        if best is not None or space < 2:
+        again = self.models.tried[current.names]
+        if best is not None or space < 2 or again is not current:
             return best
         # two true effects may each raise the error alone and lower it together
         pairs = self.models.pairs(current, offers)
         pairs = [p for p in pairs if not self.models.related(p[1].effect, [p[2].effect])]
         return self._best_of(
             current,
-            [(a, b) for error, a, b in pairs[:PAIRS] if self.worth.possible(current, error)],
+            [(a, b) for error, a, b in pairs[:PAIRS] if self._possible(current, error)],
         )
+
+    def _possible(self, current: Model, error: float) -> bool:
+        return self.worth.possible(current, error, self.models.promised)
 
     def _best_of(self, current: Model, sets: Sequence[tuple[Offer, ...]]) -> Model | None:
         """Fit each extension in full and take the simplest of the good ones."""

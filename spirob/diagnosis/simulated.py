@@ -80,6 +80,8 @@ class Simulated(Predictor):
     measure    the floor of a machine with such a fit; None: that of the settings stands
     """
 
+    promised = 0.0  # far from its optimum a simulation shows little of an effect
+
     def __init__(
         self,
         residuals: Mapping[str, Any],
@@ -100,7 +102,7 @@ class Simulated(Predictor):
         self._alone = self._beside = measure(begun.fit) if measure else stated
         self._screened: dict[frozenset[str], dict[str, Screened]] = {}
         self._done: set[frozenset[str]] = {frozenset()}  # with intervals
-        self._settled: set[frozenset[str]] = set()
+        self._settled: dict[frozenset[str], Model] = {}
 
     @property
     def least(self) -> float:
@@ -190,6 +192,7 @@ class Simulated(Predictor):
         They stay near the model that they begin at; what leads is fitted on the trials themselves.
         """
         close, fresh = near(self.train, current.fit.changes), []
+        self.offers(current, [o.effect for added in sets for o in added])
         known = self._screened[current.names]
         for added, key in zip(sets, keys, strict=True):
             if key not in self.tried:
@@ -225,16 +228,16 @@ class Simulated(Predictor):
 
     def settled(self, model: Model) -> Model:
         """The model fitted until it settles, from where it stands and from afar."""
-        if model.names in self._settled:
-            return self.tried[model.names]
-        self._settled.add(model.names)
+        if self._settled.get(model.names) is model:
+            return model
         enough = self._enough(self.floor_of(model).share)
 
         def complete(found: Fit) -> bool:
             return self._rmse(self.validate(found.changes)) <= enough
 
         found = to_the_end(self.train, model.effects, model.fit, self.settings, complete)
-        return self.added(model.effects, found)
+        self._settled[model.names] = self.added(model.effects, found)
+        return self._settled[model.names]
 
     def related(self, effect: type[Effect], others: Sequence[type[Effect]]) -> bool:
         """Whether another law of dry friction is among the others."""
@@ -319,7 +322,7 @@ class Simulated(Predictor):
             if k.isdisjoint(names)
         }
         other._beside = self._alone
-        other._done, other._settled = set(self._done), set(self._settled)
+        other._done, other._settled = set(self._done), dict(self._settled)
         return other
 
     def scores(self, model: Model) -> dict[str, Score]:

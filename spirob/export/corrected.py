@@ -119,7 +119,7 @@ def read_document(path: Path) -> dict[str, Any]:
 
 def require_sense(document: Mapping[str, Any], folder: Path) -> None:
     """Raise ExportError where a diagnosis says that its numbers describe no machine."""
-    if document["doubts"]:
+    if document.get("doubts"):
         why = " ".join(str(document.get("explanation", "")).split())[:200]
         raise ExportError(
             f"{folder / 'diagnosis.json'}: has no verdict, so there is no model to take home: "

@@ -36,6 +36,8 @@ class Models(Predictor):
     floor  least size of an effect, over the RMS effort
     """
 
+    promised = 0.5
+
     def __init__(
         self,
         train: InverseProblem,

@@ -67,7 +67,7 @@ AT_LOAD = (
 def may_sit_at_load(rig: RigFile, search: RigSearch, chosen: Model) -> bool:
     """Whether a description leaves the side open and enough is left for it to matter."""
     opened = rig.position is not None and rig.position.side is None and isinstance(rig.body, str)
-    return opened and search.worth.possible(chosen, 0.0)
+    return opened and search.worth.possible(chosen, 0.0, search.models.promised)
 
 
 def fits_at_load(at_load: RigSearch, chosen: Model) -> bool:

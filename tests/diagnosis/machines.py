@@ -46,6 +46,8 @@ class Known(Predictor):
     missing  whether the fitted numbers alone leave too much for a machine that misses nothing
     """
 
+    promised = 0.5
+
     def __init__(self, *models, share=0.0, missing=True, said="", least=LEAST):
         self.train = self.heldout = TRIALS
         self.progress = lambda text: None

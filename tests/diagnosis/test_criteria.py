@@ -141,11 +141,12 @@ def test_what_halves_the_error_does_so_held_out_too():
     assert not worth.halves(before, machines.model([SIMPLE], 0.08, 0.07))
 
 
-def test_half_the_least_size_is_promised_by_what_is_fitted_at_all():
+def test_what_is_fitted_at_all_has_to_promise_a_share_of_the_least_size():
     bare = machines.model([], 0.1)
     worth = Worth(Criteria(), 0.01)
-    assert worth.possible(bare, 0.1**2 - 0.0051**2)
-    assert not worth.possible(bare, 0.1**2 - 0.0049**2)
+    assert worth.possible(bare, 0.1**2 - 0.0051**2, 0.5)
+    assert not worth.possible(bare, 0.1**2 - 0.0049**2, 0.5)
+    assert worth.possible(bare, 0.1**2 - 0.0001**2, 0.0)
 
 
 def test_an_arm_is_asked_less_of_a_richer_law_and_no_less_than_its_models_own_resolution():

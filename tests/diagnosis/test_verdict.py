@@ -136,9 +136,8 @@ def test_what_is_unlikely_beside_what_is_likely_goes_and_is_said(second, names):
 
 
 def test_a_sentence_names_what_the_verdict_names_and_no_more():
-    """Of a contest that was settled, too, which narrows nothing."""
     one = both(0.0039)
-    verdict = judged(one)
+    verdict = judge(*concluded(one.search, one.found))
     assert verdict.named == [NAME]
     assert OTHER.title not in verdict.sentence
 

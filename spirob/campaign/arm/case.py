@@ -107,11 +107,10 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         lambda found: floor_at(found, problems, settings.scale),
     )
     right = _right_names(case)
-    kept = [e for e in library if e.name() not in right]
-    searches = {False: (models, library)}
+    ended = {False: searched(models, library, settings)}
     if case.without:
-        searches[True] = (models.without(right), kept)
-    ended = {w: searched(of, chosen, settings) for w, (of, chosen) in searches.items()}
+        kept = [e for e in library if e.name() not in right]
+        ended[True] = searched(models.without(right), kept, settings)
     best = oracle(models, _counterparts(case))
     about = {
         "kind": case.kind,
