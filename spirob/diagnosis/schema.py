@@ -11,32 +11,49 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 FORMAT = 1  # counts up where a key changes its meaning or goes
 
-Share = Annotated[float, Field(description="a share of one")]
-Ends = tuple[float, float] | None  # of a 95 % interval; null where the data tell none
-Roles = dict[str, float | None]
+LONGEST = 80  # characters of what a foreign document states that a sentence can hold
+
+Share = Annotated[float, Field(description="of one")]
+Error = Annotated[float, Field(description="in `unit`")]
+Fitted = Annotated[float | None, Field(description="in `unit`; null where nothing was fitted")]
+R2 = Annotated[float | None, Field(description="of one; null where the measurement is constant")]
+Name = Annotated[str, Field(description="by which the program knows it")]
+Names = Annotated[list[str], Field(description="of effects")]
+Title = Annotated[str, Field(description="in words")]
+Trial = Annotated[str, Field(description="name of the experiment that was played")]
+Says = Annotated[str, Field(description="a sentence")]
+Ends = Annotated[
+    list[float | None],
+    Field(min_length=2, max_length=2, description="low and high; null where the data tell none"),
+]
+Range = Annotated[
+    list[float], Field(min_length=2, max_length=2, description="lowest and highest value")
+]
+Roles = Annotated[dict[str, float | None], Field(description="in `unit`, by role of the trials")]
+Signals = Annotated[dict[str, float], Field(description="a share of one for each signal")]
 
 
 class Part(BaseModel):
-    """A part of a document; an unknown key is an error."""
+    """A part of a document; an unknown key is an error, and so is a number in quotes."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
 
 class Number(Part):
     """A fitted number with its 95 % interval, in SI or the rig's effort."""
 
-    value: float
-    low: float | None
-    high: float | None
-    unit: str
+    value: float = Field(description="fitted, in the unit beside it")
+    low: float | None = Field(description="end of its interval; null where there is none")
+    high: float | None = Field(description="end of its interval; null where there is none")
+    unit: str = Field(description="of the three")
 
 
 class Score(Part):
     """Errors of a model on one role of trials, in `unit`."""
 
-    mae: float
-    rmse: float
-    r2: float | None
+    mae: Error
+    rmse: Error
+    r2: R2
 
 
 class Intervals(Part):
@@ -50,24 +67,24 @@ class Intervals(Part):
 class Sure(Part):
     """How sure a name is: `probability` that it is right, `together` that it or a rival is."""
 
-    name: str
+    name: Name
     probability: Share
     together: Share
-    equivalents: list[str]
-    rivals: list[str]
+    equivalents: Names
+    rivals: Names
 
 
 class Finding(Sure):
     """An effect that is named, or one of those between which nothing is decided."""
 
-    title: str
-    parameters: dict[str, Number]
+    title: Title
+    parameters: dict[str, Number] = Field(description="its fitted numbers")
 
 
 class Evidence(Sure):
     """A chosen effect, named or not, with the figures behind its probability."""
 
-    figures: dict[str, float]
+    figures: dict[str, float] = Field(description="of `spirob.diagnosis.certainty`")
 
 
 class Candidate(Part):
@@ -77,126 +94,125 @@ class Candidate(Part):
     besides; `alone_heldout_rmse` of the model with it alone; `screen_gain` what was promised.
     """
 
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
-    name: str
-    title: str
+    name: Name
+    title: Title
     probability: Share
-    heldout_rmse: float | None
-    left_out_rmse: float | None
-    train_rmse: float | None
-    beside: list[str] = Field(alias="with")
-    alone_heldout_rmse: float | None
-    screen_gain: float
+    heldout_rmse: Fitted
+    left_out_rmse: Fitted
+    train_rmse: Fitted
+    beside: Names = Field(alias="with")
+    alone_heldout_rmse: Fitted
+    screen_gain: Share
 
 
 class Step(Part):
     """A model of the ladder: scores by role with intervals; `ceiling` marks the flexible one."""
 
-    label: str
-    effects: list[str]
-    train: Score
-    validate_: Score | None = Field(None, alias="validate")
-    heldout: Score | None = None
-    test: Score | None = None
-    interval: dict[str, Intervals]
-    ceiling: bool = False
+    label: Title
+    effects: Names
+    train: Score = Field(description="what is fitted")
+    validate_: Score | None = Field(None, alias="validate", description="of the arm")
+    heldout: Score | None = Field(None, description="of the arm")
+    test: Score | None = Field(None, description="of a rig: held out")
+    interval: dict[str, Intervals] = Field(description="of the same, by role")
+    ceiling: bool = Field(False, description="no model of the machine")
 
 
 class Left(Part):
     """What a flexible residual still explains: of the square, and by one signal alone."""
 
     share: Share
-    alone: dict[str, float] | None = None
+    alone: Signals | None = Field(None, description="a share of one for each signal; of a rig")
 
 
 class Floor(Part):
     """What builds of an arm differ by, over the current, and how that was measured."""
 
     share: Share
-    reason: str
+    reason: Says
 
 
 class Regime(Part):
     """A part of the time, by what happens in it, and its part of the squared error."""
 
-    kind: str
-    regime: str
+    kind: str = Field(description="what it is about")
+    regime: Title
     share_of_error: Share
     share_of_time: Share
-    bias: float
-    rmse: float
+    bias: Error
+    rmse: Error
 
 
 class Wave(Part):
     """A wave of the residual, periods in a turn of `of`."""
 
-    of: str
-    order: float
+    of: str = Field(description="`motor`, `output` or `stroke`")
+    order: float = Field(description="periods")
     share_of_error: Share
 
 
 class Lateness(Part):
     """What a delay [ms], or the command's rate, would explain of the residual."""
 
-    delay_ms: float
-    delay_share: float
-    command_share: float | None
+    delay_ms: float = Field(description="ms, negative where the measurement is ahead")
+    delay_share: Share
+    command_share: float | None = Field(description="of one; null where no command was recorded")
 
 
 class Depends(Part):
     """What a residual depends on: in a sentence, and by one signal alone."""
 
-    sentence: str
-    alone: dict[str, float]
+    sentence: Says
+    alone: Signals
 
 
 class Switch(Part):
     """A combination of candidates, fitted: RMSE by role, and by regime."""
 
-    effects: list[str]
-    how: str
+    effects: Names
+    how: str = Field(description="`base`, `verdict` or `refitted`")
     rmse: Roles
-    regimes: Roles
+    regimes: dict[str, float | None] = Field(description="in `unit`, by regime")
 
 
 class Nearest(Part):
     """The effect of the library that makes most of a composed law, and the share it makes."""
 
-    name: str
-    title: str
-    share: float
+    name: Name
+    title: Title
+    share: Share
 
 
 class Law(Part):
     """A law that was composed for what no name explains."""
 
-    file: str
-    sentence: str
-    shape: str
-    formula: str
-    terms: list[str]
-    numbers: dict[str, Number]
-    share: float
+    file: str = Field(description="of the effect, beside the document")
+    sentence: Says
+    shape: Title
+    formula: str = Field(description="with its numbers")
+    terms: list[str] = Field(description="kinds of its shapes, one entry a term")
+    numbers: dict[str, Number] = Field(description="fitted")
+    share: Share
     rmse: Roles
-    dissipative: bool
-    nearest: Nearest
-    range: dict[str, tuple[float, float]]
+    dissipative: bool = Field(description="whether it can only brake")
+    nearest: Nearest = Field(description="of the library")
+    range: dict[str, Range] = Field(description="of each signal that it reads, that taught it")
 
 
 class Asked(Part):
     """What was played to decide, the sentence before, and whether it told nothing (`aside`)."""
 
-    experiment: str
-    before: str
-    aside: bool = False
+    experiment: Trial
+    before: Says
+    aside: bool = Field(False, description="it did not tell which")
 
 
 class Proof(Part):
     """A trial of its own: the share of its squared error that the name accounts for."""
 
-    experiment: str
-    share: float
-    holds: bool
+    experiment: Trial
+    share: Share
+    holds: bool = Field(description="whether the name stands")
 
 
 def told(text: str, of: str = "both") -> Any:
@@ -209,7 +225,7 @@ class Document(Part):
 
     format: Literal[1] = Field(description="version of these keys")
     verdict: Literal["named", "undecided", "nothing_missing", "unknown"] = Field(
-        description="what is said"
+        description="`named`, `undecided`, `nothing_missing` or `unknown`"
     )
     sentence: str = Field(description="the verdict in a line")
     explanation: str = Field(description="the same in a paragraph, with figures")
@@ -256,23 +272,25 @@ class Document(Part):
 def checked(document: Mapping[str, Any]) -> dict[str, Any]:
     """A document that is about to be written, with its format.
 
-    Raises ValueError, naming the key, where it is none: a mistake of the program.
+    Raises AssertionError, naming the key, where it is none: a mistake of the program.
     """
     whole = {"format": FORMAT, **document}
-    Document.model_validate(whole)
+    if why := unknown(whole):
+        raise AssertionError(f"a diagnosis that no reader would know: {why}")
     return whole
 
 
 def unknown(document: Mapping[str, Any]) -> str:
     """Why this is no document of ours, as the end of a sentence; empty where it is one."""
     if document.get("format") != FORMAT:
-        told = f"format {document['format']!r}" if "format" in document else "no format"
+        stated = repr(document["format"])[:LONGEST] if "format" in document else ""
+        told = f"format {stated}" if stated else "no format"
         return f"it states {told}, where {FORMAT} is read; diagnose once more"
     try:
         Document.model_validate(document)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(map(str, first["loc"]))
+        first = error.errors(include_url=False, include_input=False)[0]
+        place = ".".join(" ".join(str(part).split()) for part in first["loc"])[:LONGEST]
         return f"{place}: {first['msg'][:1].lower()}{first['msg'][1:]}"
     return ""
 

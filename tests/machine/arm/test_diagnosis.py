@@ -1,9 +1,12 @@
 """The arm from anybody's CSV: the hidden effect is named, in the same words as any rig's."""
 
+import json
+
 import pandas as pd
 import pytest
 
 from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.schema import checked, unknown
 from spirob.effects import all_effects
 from spirob.errors import ConfigError
 from spirob.machine.arm import diagnosis
@@ -24,7 +27,8 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     trials, said = diagnosis.read(arm, tables(paths[:3]), tables(paths[3:]))
     settings = Settings(finalists=1, most=1, intervals=False)
     found = diagnosis.searched(arm, trials, settings, print, [FRICTION])
-    document = diagnosis.written(arm, found, said)
+    document = json.loads(json.dumps(checked(diagnosis.written(arm, found, said))))
+    assert unknown(document) == ""
     assert document["verdict"] == "named"
     (effect,) = document["effects"]
     assert effect["name"] == "coulomb_friction"
