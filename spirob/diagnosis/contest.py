@@ -148,10 +148,8 @@ def settled(own: Simulated, wide: Simulated, settings: Settings) -> Ended:
     won = worth.simplest(contest)
     search: ArmSearch = Search(own, [], settings)
     chosen = own.finished(own.tried[won.names])
-    offers = [
-        Offer(m.effects[-1], dict(m.fit.changes), m.mean_square)
-        for m in list(own.tried.values())[1:]
-    ]
+    ranked = sorted((m for m in own.tried.values() if m.effects), key=lambda m: m.mean_square)
+    offers = [Offer(m.effects[-1], dict(m.fit.changes), m.mean_square) for m in ranked]
     found = Found(search.rungs(chosen), offers)
     for effect in chosen.effects:
         search.without(chosen, effect)
