@@ -313,16 +313,15 @@ class Simulated(Predictor):
         )
 
     def without(self, names: Collection[str]) -> "Simulated":
-        """The same, less all that was fitted with effects of these names."""
-        other = copy(self)
-        other.tried = {k: m for k, m in self.tried.items() if k.isdisjoint(names)}
-        other._screened = {
-            k: {n: s for n, s in found.items() if n not in names}
-            for k, found in self._screened.items()
-            if k.isdisjoint(names)
-        }
-        other._beside = self._alone
-        other._done, other._settled = set(self._done), dict(self._settled)
+        """The fit of the numbers alone and what was screened beside it, less these names.
+
+        Every set is fitted anew: who leads, and the floor beside it, may be others.
+        """
+        other, bare = copy(self), frozenset[str]()
+        other.tried = {bare: self.tried[bare]}
+        known = self._screened.get(bare, {})
+        other._screened = {bare: {n: s for n, s in known.items() if n not in names}}
+        other._beside, other._done, other._settled = self._alone, {bare}, {}
         return other
 
     def scores(self, model: Model) -> dict[str, Score]:

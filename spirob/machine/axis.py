@@ -13,7 +13,7 @@ from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
-from spirob.diagnosis.verdict import concluded, judge
+from spirob.diagnosis.verdict import TWICE, concluded, judge
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
@@ -27,7 +27,7 @@ from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
-from spirob.machine.leftovers import TWICE, structured
+from spirob.machine.leftovers import structured
 from spirob.machine.loading import chosen, files
 from spirob.machine.models import Models, RigSearch
 from spirob.machine.motion import without_holds

@@ -7,6 +7,7 @@ import numpy as np
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.flexible import share
 from spirob.diagnosis.model import Left, Model
+from spirob.diagnosis.verdict import TWICE
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import Ceiling, depends_on
 
@@ -17,7 +18,6 @@ SOME = 0.25  # of what is left follows from the motion: worth a sentence
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
 # of the effort's RMS, and times the noise: three quarters of the square are then no noise
 MUCH, NOISY = 0.1, 2.0
-TWICE = 2.0  # times the least effect: what counts where nothing names it
 
 
 def left_of(models: "Models", model: Model, rest: Ceiling) -> Left:

@@ -165,7 +165,7 @@ def test_what_only_led_the_numbers_out_of_a_poor_valley_is_no_effect(most):
 
 
 def test_a_second_search_without_some_names_is_as_if_they_had_never_been():
-    """What was fitted in the first one with others is taken over."""
+    """The fit of the numbers alone is taken over, what was screened beside it, and no more."""
     residuals = trials({"current_offset.offset": 0.06})
     start = begun(residuals["train"], NAMES, {}, SETTINGS)
     models = Simulated(residuals, NAMES, SETTINGS, start)
@@ -174,6 +174,8 @@ def test_a_second_search_without_some_names_is_as_if_they_had_never_been():
     rest = [n for n in CANDIDATES if n != "current_offset"]
     again = searched(models.without({"current_offset"}), find_effects(rest), SETTINGS)[1]
     assert "current_offset" not in {*again.named, *again.rivals, *again.equivalents}
+    alone = searched(Simulated(residuals, NAMES, SETTINGS, start), find_effects(rest), SETTINGS)[1]
+    assert (again.kind, again.named) == (alone.kind, alone.named)
     assert judge(first, weigh(first)) == verdict
 
 
