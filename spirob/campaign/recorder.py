@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from spirob.campaign.simulators.hidden import Hidden
 from spirob.campaign.simulators.motion import FINE, Machine, Motion
@@ -89,7 +89,7 @@ def reported(motion: Motion, machine: Machine, hidden: Hidden) -> Motion:
     effort = motion.effort * (1.0 + hidden.gain) + hidden.offset / machine.constant
     if hidden.lag > 0.0:
         keep = np.exp(-1.0 / (FINE * hidden.lag))
-        effort, _ = lfilter([1.0 - keep], [1.0, -keep], effort, zi=[keep * effort[0]])
+        effort, _ = scipy.signal.lfilter([1.0 - keep], [1.0, -keep], effort, zi=[keep * effort[0]])
     return Motion(q, motion.v, np.asarray(effort), motion.others, motion.known)
 
 
@@ -125,7 +125,7 @@ def _slow(rng: np.random.Generator, n: int, recorder: Recorder) -> np.ndarray:
     keep = np.exp(-1.0 / (recorder.rate * recorder.pace))
     start = rng.standard_normal()
     drawn = np.sqrt(1 - keep**2) * rng.standard_normal(n)
-    return np.asarray(lfilter([1.0], [1.0, -keep], drawn, zi=[keep * start])[0])
+    return np.asarray(scipy.signal.lfilter([1.0], [1.0, -keep], drawn, zi=[keep * start])[0])
 
 
 def _counted(q: np.ndarray, machine: Machine, recorder: Recorder) -> np.ndarray:

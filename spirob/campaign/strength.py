@@ -8,7 +8,7 @@ rate allows.  What is left, over the effort, is how much is hidden.
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+import scipy
 
 from spirob.campaign.simulators.motion import FINE, Motion
 
@@ -32,10 +32,10 @@ def share(motions: Sequence[Motion], rate: float) -> float:
 
 def _rows(motion: Motion, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Acceleration and speed, (n, 2); the effort beside what is known, and all of it, (n,)."""
-    sos = butter(4, min(FASTEST, rate / SAMPLES), fs=FINE, output="sos")
+    sos = scipy.signal.butter(4, min(FASTEST, rate / SAMPLES), fs=FINE, output="sos")
 
     def smooth(values: np.ndarray) -> np.ndarray:
-        return np.asarray(sosfiltfilt(sos, values))
+        return np.asarray(scipy.signal.sosfiltfilt(sos, values))
 
     q, whole = smooth(motion.q), smooth(motion.effort)
     v = np.gradient(q, 1 / FINE)

@@ -17,13 +17,16 @@ a share says what comes again, and of noise it is none.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn.ensemble import HistGradientBoostingRegressor
 from threadpoolctl import threadpool_limits
 
 from spirob.diagnosis.spectrum import Order
 from spirob.identify.problem import Problem, Stretch
+
+if TYPE_CHECKING:
+    from sklearn.ensemble import HistGradientBoostingRegressor
 
 BLOCKS = 5  # folds of one or two trials
 
@@ -37,8 +40,10 @@ def folds_of(edges: np.ndarray) -> np.ndarray:
     return np.arange(samples) * BLOCKS // samples
 
 
-def tree() -> HistGradientBoostingRegressor:
+def tree() -> "HistGradientBoostingRegressor":
     """The trees, not fitted yet; shallow and slow: noise must not look like structure."""
+    from sklearn.ensemble import HistGradientBoostingRegressor  # slow to import
+
     return HistGradientBoostingRegressor(
         max_iter=60, learning_rate=0.1, max_leaf_nodes=12, min_samples_leaf=30, random_state=0
     )

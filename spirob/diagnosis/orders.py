@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
@@ -175,7 +175,7 @@ def _basis(values: np.ndarray) -> np.ndarray:
     columns = [np.concatenate([np.zeros(k), values[: len(values) - k]]) for k in DELAYS]
     for tau in DECAYS:
         kept = np.exp(-1.0 / tau)
-        columns.append(signal.lfilter([1.0 - kept], [1.0, -kept], values))
+        columns.append(scipy.signal.lfilter([1.0 - kept], [1.0, -kept], values))
     return np.column_stack(columns)
 
 

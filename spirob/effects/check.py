@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from spirob.effects import replay
 from spirob.effects.discovery import all_effects
@@ -208,7 +208,7 @@ def recovery(effect: type[Effect]) -> Iterator[str]:
     low = np.array([about[n].low for n in names]) / unit
     high = np.array([about[n].high for n in names]) / unit
     bounds = (np.minimum(low, high), np.maximum(low, high))
-    found = least_squares(miss, np.clip(0.8, *bounds), bounds=bounds).x * unit
+    found = scipy.optimize.least_squares(miss, np.clip(0.8, *bounds), bounds=bounds).x * unit
     for name, got, want, nominal in zip(names, found, true, unit, strict=True):
         if abs(got - want) > 0.05 * abs(nominal):
             yield f"'{name}' was {want:.4g} and is found as {got:.4g}"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.signal import find_peaks, welch
+import scipy
 
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
 from spirob.experiments.experiment import Side, Sides, curve, row, within
@@ -35,7 +35,7 @@ SIGNALS = {"current": "current", "filtered": "filtered", "arm_current": "reconst
 
 def highest(values: np.ndarray) -> float:
     """By how much the highest peak of a signal rises from its surroundings; 0 without any."""
-    _, about = find_peaks(values, prominence=0.0)
+    _, about = scipy.signal.find_peaks(values, prominence=0.0)
     return float(np.max(about["prominences"], initial=0.0))
 
 
@@ -44,14 +44,14 @@ def peak_interval(values: np.ndarray, least: float) -> float:
 
     NaN where there are not two.
     """
-    peaks, _ = find_peaks(values, prominence=least, distance=round(APART / PERIOD))
+    peaks, _ = scipy.signal.find_peaks(values, prominence=least, distance=round(APART / PERIOD))
     return float(np.mean(np.diff(peaks)) * PERIOD) if len(peaks) > 1 else float("nan")
 
 
 def mean_spectrum(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [Hz] and amplitudes of the lines in Welch's mean spectrum."""
     n = min(len(values), round(SEGMENT / PERIOD))
-    frequency, power = welch(
+    frequency, power = scipy.signal.welch(
         values, 1 / PERIOD, nperseg=n, nfft=8 * n, detrend="linear", scaling="spectrum"
     )
     return frequency, np.sqrt(2 * power)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.stats import spearmanr
+import scipy
 
 from spirob.experiments.direct_drive import both, difference, direct, profile, reconstructed
 from spirob.experiments.experiment import Experiment, Play, Side, Sides, curve, row, trial
@@ -96,7 +96,7 @@ def rank_agreement(one: list[float], other: list[float]) -> float:
     """Spearman's ρ of two rows of responses; NaN where one of them does not vary."""
     if np.ptp(one) == 0 or np.ptp(other) == 0:
         return float("nan")
-    return float(spearmanr(one, other).statistic)
+    return float(scipy.stats.spearmanr(one, other).statistic)
 
 
 @dataclass(frozen=True, kw_only=True)

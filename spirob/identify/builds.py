@@ -32,7 +32,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.stats import f
+import scipy
 
 from spirob.errors import SimulationError
 from spirob.identify.descent import linear_step, slopes_ahead
@@ -187,7 +187,7 @@ def most_of(squares: Sequence[float]) -> float:
         return float(np.sum(squares[:1]))
     mean, spread = float(np.mean(squares)), float(np.var(squares, ddof=1))
     freedom = 2.0 * mean**2 / spread
-    return mean * float(f.ppf(LEVEL, freedom, freedom * len(squares)))
+    return mean * float(scipy.stats.f.ppf(LEVEL, freedom, freedom * len(squares)))
 
 
 def _drawn(

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from spirob.identify.problem import Problem
 from spirob.identify.scaling import Scaling
@@ -77,7 +77,8 @@ def linear_step(
     low, high = np.minimum(bounds[0], -1e-9), np.maximum(bounds[1], 1e-9)
     # the triangular factor has the same solution, and is as small as the numbers are few
     orthogonal, triangle = np.linalg.qr(rows)
-    return np.asarray(lsq_linear(triangle, orthogonal.T @ target, (low, high), "bvls").x)
+    target = orthogonal.T @ target
+    return np.asarray(scipy.optimize.lsq_linear(triangle, target, (low, high), "bvls").x)
 
 
 def corrected(slopes: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:

@@ -20,8 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
-from scipy.stats import qmc
+import scipy
 
 from spirob.identify.descent import (
     Anchor,
@@ -57,7 +56,7 @@ def to_the_optimum(
         slopes = slopes_ahead(residual, scaling, at, fixed, value(at), step)
         return slopes
 
-    found = optimize.least_squares(
+    found = scipy.optimize.least_squares(
         value,
         start,
         jac=jacobian,
@@ -211,7 +210,7 @@ def best_start(
     """
     table = residual.table
     values = dict(zip(table.names, table.values.tolist(), strict=True)) | dict(start)
-    spread = qmc.Sobol(len(names), rng=seed).random(count) * 2.0 - 1.0
+    spread = scipy.stats.qmc.Sobol(len(names), rng=seed).random(count) * 2.0 - 1.0
     tried = [{**start, **{n: values[n] for n in names}}]
     for point in spread:
         tried.append({**start, **_spread(table, values, names, point)})

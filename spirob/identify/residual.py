@@ -24,7 +24,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from spirob.control.law import CURRENT, DISPLACEMENT, VELOCITY
 from spirob.errors import SimulationError
@@ -57,11 +57,12 @@ class Filter:
         """Filter 1 kHz signals along the last axis, same shape; raises TooShort."""
         if self.kind == "moving_average":
             return np.apply_along_axis(moving_average, -1, values, self.window, name)
-        return signal.sosfiltfilt(self._sections, values)
+        return scipy.signal.sosfiltfilt(self._sections, values)
 
     @cached_property
     def _sections(self) -> np.ndarray:
-        return signal.butter(2, self.cutoff, fs=1000.0, output="sos")  # doubled by both passes
+        order = 2  # doubled by both passes
+        return scipy.signal.butter(order, self.cutoff, fs=1000.0, output="sos")
 
     def thin(self, values: np.ndarray, name: str = "signal") -> np.ndarray:
         """Filter, then keep every n-th sample."""

@@ -11,7 +11,7 @@ from functools import cache
 from math import comb
 
 import numpy as np
-from scipy import signal
+import scipy
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
@@ -69,25 +69,25 @@ def _both_ways(
     more = min(padding, len(values) - 1)
     before, after = values[more:0:-1], values[-2 : -more - 2 : -1]
     padded = np.concatenate([2.0 * values[0] - before, values, 2.0 * values[-1] - after])
-    ahead, _ = signal.sosfilt(sections, padded, zi=settled * padded[0])
-    back, _ = signal.sosfilt(sections, ahead[::-1], zi=settled * ahead[-1])
+    ahead, _ = scipy.signal.sosfilt(sections, padded, zi=settled * padded[0])
+    back, _ = scipy.signal.sosfilt(sections, ahead[::-1], zi=settled * ahead[-1])
     return np.asarray(back[more : len(back) - more][::-1])
 
 
 @cache
 def _low_pass(cutoff: float, period: float) -> tuple[np.ndarray, np.ndarray]:
-    return _settled(signal.butter(4, cutoff, fs=1.0 / period, output="sos"))
+    return _settled(scipy.signal.butter(4, cutoff, fs=1.0 / period, output="sos"))
 
 
 @cache
 def _anti_alias(every: int) -> tuple[np.ndarray, np.ndarray]:
     """That of `scipy.signal.decimate`."""
-    return _settled(signal.cheby1(8, 0.05, 2.0 * ALIAS / every, output="sos"))
+    return _settled(scipy.signal.cheby1(8, 0.05, 2.0 * ALIAS / every, output="sos"))
 
 
 def _settled(sections: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A filter's sections, and its state after a constant of 1."""
-    return sections, signal.sosfilt_zi(sections)
+    return sections, scipy.signal.sosfilt_zi(sections)
 
 
 FASTEST = 50.0  # Hz; motors move their load within tens of milliseconds
@@ -147,7 +147,7 @@ def _derived(values: np.ndarray, order: int, period: float) -> np.ndarray:
 
 def _band(effort: np.ndarray, period: float) -> float:
     """Frequency below which most of the effort's variance lies [Hz]."""
-    lines, power = signal.periodogram(effort - effort.mean(), 1.0 / period)
+    lines, power = scipy.signal.periodogram(effort - effort.mean(), 1.0 / period)
     share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
     return float(lines[min(int(np.searchsorted(share, MOST)), len(lines) - 1)])
 

@@ -13,7 +13,7 @@ over each fold: the samples are gone through once.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from spirob.diagnosis.flexible import NOTHING, left_out, named, share, tree, worth
 from spirob.diagnosis.orders import spectrum
@@ -176,7 +176,8 @@ def _within(gram: np.ndarray, goal: np.ndarray, low: np.ndarray, high: np.ndarra
         side = following
     root = _root(gram)
     target = np.linalg.solve(root, goal)
-    return np.asarray(lsq_linear(root.T, target, (low, high), method="bvls", max_iter=ROUNDS).x)
+    found = scipy.optimize.lsq_linear(root.T, target, (low, high), method="bvls", max_iter=ROUNDS)
+    return np.asarray(found.x)
 
 
 def _root(gram: np.ndarray) -> np.ndarray:

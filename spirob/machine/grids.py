@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
+import scipy
 
 from spirob.errors import DataError, NothingLeft
 from spirob.machine import checks
@@ -128,7 +128,7 @@ def _along(even: np.ndarray, seconds: np.ndarray, values: np.ndarray, period: fl
     if len(even) == len(seconds) and np.abs(even - seconds).max() < 1e-3 * period:
         return values
     at = np.clip(even, seconds[0], seconds[-1])
-    return np.asarray(Akima1DInterpolator(seconds, values, method="makima")(at))
+    return np.asarray(scipy.interpolate.Akima1DInterpolator(seconds, values, method="makima")(at))
 
 
 BITS = (8, 10, 12, 13, 14, 16, 17, 18, 20, 24, 32)  # of an encoder's turn

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
@@ -146,7 +146,8 @@ def _turned(search: RigSearch) -> str:
     low = np.r_[np.zeros(len(resisting)), np.full(len(other), -np.inf)]
     shares = []
     for sign in (1.0, -1.0):
-        found = lsq_linear(design / size, sign * effort, (low, np.full(len(low), np.inf)))
+        bounds = (low, np.full(len(low), np.inf))
+        found = scipy.optimize.lsq_linear(design / size, sign * effort, bounds)
         shares.append(_explained(sign * effort, design / size @ found.x))
     as_logged, turned = shares
     if turned < FAMILIAR or 1.0 - turned > HALF * (1.0 - as_logged):

@@ -5,8 +5,7 @@ a straight line, is removed, and what remains is divided by its energy.
 """
 
 import numpy as np
-from scipy.signal import detrend
-from scipy.signal.windows import hann
+import scipy
 
 from spirob.perceive.temporal import NOMINAL_SPEED
 from spirob.perceive.wrap import Wrap, feature
@@ -18,7 +17,8 @@ def _spectrum(wrap: Wrap) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [Hz] and shares of energy of the detrended current, without the mean."""
     length = min(int(SECONDS / wrap.period), len(wrap.current))
     level = np.clip(wrap.current[:length], 0.0, wrap.plateau) / wrap.plateau
-    power = np.abs(np.fft.rfft(detrend(level) * hann(length, sym=False))) ** 2
+    window = scipy.signal.windows.hann(length, sym=False)
+    power = np.abs(np.fft.rfft(scipy.signal.detrend(level) * window)) ** 2
     power[0] = 0.0
     return np.fft.rfftfreq(length, wrap.period), power / max(power.sum(), 1e-30)
 

@@ -5,8 +5,8 @@ from functools import cache
 
 import numba
 import numpy as np
+import scipy
 from numba.core.errors import NumbaError
-from scipy.optimize import minimize_scalar
 
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.control.law import CURRENT, VELOCITY, Schedule
@@ -89,7 +89,8 @@ def found(effect: type[Effect], plant: Plant) -> Iterator[str]:
         got = _readings(_play(effect, plant, trial, strength))
         return float(np.mean(((got - want) / size) ** 2))
 
-    best = minimize_scalar(miss, bounds=(0.5, 1.3), method="bounded", options={"xatol": 1e-3}).x
+    search = {"bounds": (0.5, 1.3), "method": "bounded", "options": {"xatol": 1e-3}}
+    best = scipy.optimize.minimize_scalar(miss, **search).x
     if abs(best - 1.0) > 0.01:
         yield f"in trial '{trial}' its strength is found as {best:.3f} of the true one"
 

@@ -25,7 +25,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from spirob.errors import SimulationError
 from spirob.identify.builds import SURE, TOLERANCES
@@ -49,7 +49,7 @@ def evolved(
     cost  of a point; infinite where it cannot be told
     """
     rng = np.random.default_rng(0)
-    points = list(qmc.Sobol(dimensions, rng=0).random(FIRST))
+    points = list(scipy.stats.qmc.Sobol(dimensions, rng=0).random(FIRST))
     costs = [cost(point) for point in points]
     for generation in range(GENERATIONS):
         best = [points[k] for k in np.argsort(costs, kind="stable")[:PARENTS]]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from spirob.machine.composed.draft import Draft, Drafts, Offers
 from spirob.machine.composed.grammar import Term, bristled, terms
@@ -165,7 +165,7 @@ def _refined(drafts: Drafts, beside: Sequence[Term], term: Term) -> Term:
     first = drafts.error(beside, term)
     # shares of a wide box: a walk from the grid's place begins with small steps
     simplex = np.vstack([start, *(start + 0.04 * unit for unit in np.eye(len(start)))])
-    found = minimize(
+    found = scipy.optimize.minimize(
         lambda share: drafts.error(beside, at(share)) / first,
         start,
         method="Nelder-Mead",
