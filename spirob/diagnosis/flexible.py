@@ -40,6 +40,16 @@ def folds_of(edges: np.ndarray) -> np.ndarray:
     return np.arange(samples) * BLOCKS // samples
 
 
+def one_thread() -> threadpool_limits:
+    """For small matrices and trees: threads that wait cost more than they win, and round apart.
+
+    Only what is loaded already is limited, so the library of the trees is loaded first.
+    """
+    import sklearn.ensemble  # noqa: F401  slow to import
+
+    return threadpool_limits(1)
+
+
 def tree() -> "HistGradientBoostingRegressor":
     """The trees, not fitted yet; shallow and slow: noise must not look like structure."""
     from sklearn.ensemble import HistGradientBoostingRegressor  # slow to import
@@ -91,8 +101,7 @@ def ceiling(problems: Mapping[str, Problem], missed: Mapping[str, np.ndarray]) -
     inputs = _inputs(problems, missed)
     rest = {role: values[problems[role].rows] for role, values in missed.items()}
     train = problems["train"]
-    # few samples for each tree: threads that wait cost more than they win, and might round apart
-    with threadpool_limits(1):
+    with one_thread():
         folds = folds_of(train.edges)[train.rows]
         found = rest["train"] - left_out(inputs["train"], rest["train"], folds)
         trees = tree().fit(inputs["train"], rest["train"])
@@ -143,7 +152,7 @@ def dependence(residual: Problem, values: np.ndarray) -> dict[str, float]:
     features = _features(pieces)
     features[TOGETHER] = [c for n, own in features.items() if n != "time" for c in own]
     folds = _folds(pieces, residual.block)
-    with threadpool_limits(1):  # small trees lose more time to waiting threads than they win
+    with one_thread():
         return {
             name: share(values, left_out(np.column_stack(columns), values, folds))
             for name, columns in features.items()

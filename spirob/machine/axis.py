@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from spirob.diagnosis.atlas import atlas
 from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
@@ -102,8 +102,7 @@ def diagnose_recordings(
     held = chosen(files(rig.effects, folder)) if own is None else own
     ready = _ready(rig, folder, train, test, held, without)
     ready = replace(ready, settings=settings or rig.criteria, progress=progress)
-    # small matrices and trees lose more time to waiting threads than they win
-    with threadpool_limits(1):
+    with one_thread():
         done = _searched(_placed(ready))
         if not is_told(rig):
             done = _once_more(done)
@@ -135,7 +134,7 @@ def base_model(
 ) -> tuple[Search, Model]:
     """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
     ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
-    with threadpool_limits(1):
+    with one_thread():
         ready = _placed(ready)
         search, _ = _search(ready)
         return search, search.models.fitted((), {})

@@ -1,5 +1,8 @@
 """The flexible ceiling: at the noise where only noise is left, far below a law that was missed."""
 
+import os
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -100,3 +103,18 @@ def test_motors_of_one_trial_share_their_half_seconds():
     assert np.array_equal(first, second)
     assert not set(first) & set(other)
     assert np.array_equal(np.unique(first, return_counts=True)[1], [50] * 4)
+
+
+THREADS = """
+from threadpoolctl import threadpool_info
+from spirob.diagnosis.flexible import one_thread, tree
+with one_thread():
+    tree().fit([[0.0], [1.0]], [0.0, 1.0])
+    print({(lib["user_api"], lib["num_threads"]) for lib in threadpool_info()})
+"""
+
+
+def test_the_trees_have_one_thread_though_their_library_was_not_loaded_before():
+    env = {**os.environ, "OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"}
+    said = subprocess.check_output([sys.executable, "-c", THREADS], env=env, text=True)
+    assert eval(said) == {("openmp", 1), ("blas", 1)}

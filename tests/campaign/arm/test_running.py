@@ -1,17 +1,18 @@
 """A trial draws its cases, keeps what is done, and diagnoses a robot over the bus."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
-from spirob.campaign.arm import running
-from spirob.campaign.arm.case import Case, run
+from spirob.campaign.arm import running, strength
+from spirob.campaign.arm.case import Case, quickly, run
 from spirob.cli.main import main
 from spirob.diagnosis.criteria import Settings
 from spirob.errors import DataError
 from tests.campaign.arm.test_killed import fake
 
-QUICK = Settings(finalists=1, most=1, iterations=1, patience=1)
+QUICK = quickly(Settings(finalists=1, most=1, iterations=1, patience=1))  # as a trial plays
 
 
 def test_cases_hold_every_kind_with_every_seed_and_the_nulls():
@@ -129,16 +130,27 @@ def test_bad_choices_are_a_sentence(flag, capsys, tmp_path):
 
 
 def test_a_strong_lag_of_the_sensor_is_found_on_a_robot_of_its_own(monkeypatch):
-    """The whole way: drawn, recorded over the bus, decoded, diagnosed, compared with the oracle."""
+    """The whole way: drawn, recorded over the bus, decoded, diagnosed, compared with the oracle.
+
+    What is told of a robot is left out that has tests of its own: what it leaves with nothing
+    hidden, by which a strength is drawn, and the law composed of what has no name.
+    """
+    law = SimpleNamespace(document={"terms": ["way"], "rmse": {"test": 0.1}})
+    asked = []
     library = running.run.__globals__["all_effects"]()
     names = ("current_lag", "feedback_latency", "coulomb_friction")
     few = {name: library[name] for name in names}
     monkeypatch.setitem(running.run.__globals__, "all_effects", lambda: few)
-    monkeypatch.setitem(running.run.__globals__, "strength_of", lambda kind, size: 0.2)
-    monkeypatch.setitem(running.run.__globals__, "TRIES", 1)
+    monkeypatch.setattr(strength, "strength_of", lambda kind, size: 0.2)
+    monkeypatch.setitem(running.run.__globals__, "composed_for_arm", lambda *of: law)
+    monkeypatch.setattr(strength, "TRIES", 1)
+    monkeypatch.setattr(strength, "nothing", lambda *of: asked.append(of) or strength.LEFT)
     found, without = run(Case("current_lag", 77, without=True), QUICK)
     assert found["named"] == ["current_lag"]
     assert found["heldout"]["oracle"] < 0.5 * found["heldout"]["base"]
     assert found["heldout"]["named"] < 0.5 * found["heldout"]["base"]
+    assert asked == [(Case("current_lag", 77).robot, "typical")]
     assert without["named"] == []
+    assert without["composed"]["terms"] == ["way"]
+    assert found["composed"] is None
     json.dumps([found, without])

@@ -17,12 +17,14 @@ from spirob.campaign.arm.strength import (
     adjusted,
     drawn,
     drawn_size,
+    nothing,
     sizes,
     strength_of,
 )
 from spirob.diagnosis.criteria import Settings
 from spirob.emulator import hidden
 from spirob.errors import ConfigError
+from spirob.identify.problem import FITTED
 
 SHOWN = NEAR[0] * sizes()[0], NEAR[1] * sizes()[1]
 
@@ -128,6 +130,17 @@ def test_a_robot_is_recorded_until_it_shows_what_is_wanted(monkeypatch, names):
     assert played[-1].parts[0][1] == LARGEST
     drawn("none", 5, 41, None, Settings(), build="as_designed")
     assert len(played) == 3 + TRIES + 5
+
+
+def test_what_a_robot_leaves_with_nothing_hidden_is_its_own_fit_s(monkeypatch, names):
+    monkeypatch.setitem(names, "problems_of", lambda trials, plant: {"train": trials})
+    monkeypatch.setitem(names, "begun", lambda train, *of: SimpleNamespace(fit=(train, *of)))
+    monkeypatch.setitem(names, "left", lambda base, problems: (base, problems["train"]))
+    (fitted, numbers, start, _), trials = nothing(41, "rough")
+    assert [trials] == names["played"]
+    assert fitted is trials
+    assert (trials.effect, trials.build) == ("none", "rough")
+    assert (numbers, start) == (FITTED, {})
 
 
 def test_every_robot_of_a_case_is_built_as_asked(monkeypatch, names):

@@ -67,14 +67,23 @@ def errors(found, changes):
 
 
 @pytest.fixture(scope="module")
-def spot(tmp_path_factory):
+def drafted():
+    """What was drafted of the spot, of each end of the arm."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def spot(tmp_path_factory, drafted):
     """Logs of an arm with a spot that rubs, and the law that was composed from them."""
     path = tmp_path_factory.mktemp("hidden") / "rub.py"
     path.write_text(HIDDEN)
     (rub,) = load_file(path).values()
     trials = played(Plant(Rig(), [rub]), {"rub.level": SIZE})
-    bare = problems(trials)
-    return trials, composed_for_arm(bare, NAMES, {}, errors(bare, {}), SETTINGS)
+    bare, draft = problems(trials), arm._drafted
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(arm, "_drafted", lambda *of: drafted.append(draft(*of)) or drafted[-1])
+        law = composed_for_arm(bare, NAMES, {}, errors(bare, {}), SETTINGS)
+    return trials, law
 
 
 def test_the_law_has_the_shape_that_was_hidden(spot):
@@ -137,11 +146,13 @@ def test_a_torque_shows_in_the_currents_as_the_model_shows_it(plain, tmp_path):
     assert np.mean((0.5 * shown - played) ** 2) > 0.25 * np.mean(played**2)
 
 
-def test_a_law_that_no_arm_can_be_played_with_is_none(spot, monkeypatch):
+def test_a_law_that_no_arm_can_be_played_with_is_none(spot, drafted, monkeypatch):
     def thrown(*given):
         raise SimulationError("the model became non-finite after 0.5 s")
 
     monkeypatch.setattr(arm, "_fitted", thrown)
+    once_more = iter(drafted)
+    monkeypatch.setattr(arm, "_drafted", lambda *of: next(once_more))
     trials, _ = spot
     bare, said = problems(trials), []
     assert (
