@@ -61,21 +61,38 @@ def _fault(folder: Path, overrides: list[str]) -> str:
     """Which override is at fault, and why: choices of a group are made first, then the others."""
     groups = [path.name for path in folder.iterdir() if path.is_dir()]
     ordered = sorted(overrides, key=lambda one: _key(one) not in groups)
+    count, plain, refused = _longest(folder, ordered)
+    if not refused:
+        return f"conf/ with overrides {overrides} cannot be composed"
+    if count < 0:
+        return f"conf/ cannot be composed: {refused}"
+    override = ordered[count]
+    known = list(dict.fromkeys([*groups, *_named(plain)]))
+    if override.startswith("+") or _key(override) in known:
+        return f"'{override}': {refused}"
+    said = f"'{override}': conf/ lists no '{_key(override)}'"
+    if _accepted(folder, [*ordered[:count], f"+{override}"]):
+        return f"{said}; a number that only the code knows is added: '+{override}'"
+    near = get_close_matches(_key(override), known, NEAREST) or groups
+    return f"{said}; nearest: {', '.join(near)}"
+
+
+def _longest(folder: Path, ordered: list[str]) -> tuple[int, Any, str]:
+    """How many of the first overrides compose, to what, and what is said of the next.
+
+    By halves: where some of the first do not compose, more of them do not.
+    """
+    low, high, middle = -1, len(ordered) + 1, len(ordered)
     plain: Any = {}
-    for k, override in enumerate(["", *ordered]):
+    refused = ""
+    while high - low > 1:
         try:
-            plain = _plain(folder, ordered[:k])
+            plain, low = _plain(folder, ordered[:middle]), middle
         except REFUSED as error:
-            said = " ".join(str(error).split()).partition(" Config search path")[0]
-            known = list(dict.fromkeys([*groups, *_named(plain)]))
-            if override.startswith("+") or _key(override) in known:
-                return f"'{override}': {said}"
-            said = f"'{override}': conf/ lists no '{_key(override)}'"
-            if _accepted(folder, [*ordered[: k - 1], f"+{override}"]):
-                return f"{said}; a number that only the code knows is added: '+{override}'"
-            near = get_close_matches(_key(override), known, NEAREST) or groups
-            return f"{said}; nearest: {', '.join(near)}"
-    return f"conf/ with overrides {overrides} cannot be composed"
+            refused = " ".join(str(error).split()).partition(" Config search path")[0]
+            high = middle
+        middle = (low + high) // 2
+    return low, plain, refused
 
 
 def _accepted(folder: Path, overrides: list[str]) -> bool:
