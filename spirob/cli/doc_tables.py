@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from spirob.diagnosis.schema import Document, keys
-from spirob.effects.discovery import table
+from spirob.effects import table
 from spirob.logs.atomic import write_text
 from spirob.perceive.features import FEATURES
 from spirob.ports import PORTS, SIGNALS

@@ -6,7 +6,7 @@ from importlib import resources
 
 import pytest
 
-from spirob.report import builder
+import spirob.report
 from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
@@ -23,7 +23,7 @@ def text(name, data):
     context = section.get_context(data)
     if why := section.absent(context):
         return why
-    return builder._environment().get_template(section.template).render(context)
+    return spirob.report._environment().get_template(section.template).render(context)
 
 
 def test_sections_stand_in_the_order_of_the_page():
@@ -313,7 +313,7 @@ def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
 
 def test_no_two_things_on_the_page_have_the_same_id(data):
     """A figure named like a section would be drawn in its place."""
-    page = re.sub(r"<script>.*?</script>", "", builder.render(data), flags=re.DOTALL)
+    page = re.sub(r"<script>.*?</script>", "", spirob.report.render(data), flags=re.DOTALL)
     found = re.findall(r'\bid="([^"]+)"', page)
     assert "transfer-error" in found
     assert len(found) == len(set(found))

@@ -22,8 +22,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from spirob.effects import Effect
-from spirob.effects.pasting import ENTRY, MARKED, call, kernels, pasted
-from spirob.generated import load
+from spirob.effects.generated import ENTRY, MARKED, call, kernels, load, pasted
 from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE
 from spirob.machine.kernel_loop import KIND
 

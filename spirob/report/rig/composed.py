@@ -10,7 +10,7 @@ from spirob.report.data import ReportData
 from spirob.report.embed import stride
 from spirob.report.figures import Plot
 from spirob.report.laws import Against, Law
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import number
 
 ABSENT = (

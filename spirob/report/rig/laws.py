@@ -7,8 +7,8 @@ import pandas as pd
 from spirob.effects import all_effects
 from spirob.report.data import ReportData
 from spirob.report.laws import LOAD, PLACE, SPEED, TIME, Against, Law, against
+from spirob.report.sections import Section
 from spirob.report.sections.laws import plots, sentence
-from spirob.report.sections.section import Section
 
 ABSENT = "Laws are drawn where an effect is named."
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot, blank
 from spirob.report.overlay import LOOKS
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import number, shown
 
 NOT_ASKED = "The description asks for no motion (predict: motion or closed_loop)."

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot, blank
 from spirob.report.overlay import LOOKS
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 
 MOST_TRIALS = 6  # held-out ones first
 MOST_SAMPLES = 2000

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import pandas as pd
 
-from spirob.report.builder import render
+from spirob.report import render
 from spirob.report.data import ReportData
 from spirob.report.provenance import collect
 from spirob.report.rig.composed import RigComposed

@@ -3,7 +3,7 @@
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 
 
 class Repairs(Section):

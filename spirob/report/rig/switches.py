@@ -6,7 +6,7 @@ from spirob.report.combinations import Combination
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
 from spirob.report.regimes import regimes
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.sections.switches import entry, names, rows
 
 ABSENT = "No effect was fitted beside the numbers that the description asks for."

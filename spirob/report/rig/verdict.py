@@ -4,7 +4,7 @@ from typing import Any
 
 from spirob.report.data import ReportData
 from spirob.report.ladder import ladder_plot
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.sections.verdict import floor_sentence, gain_sentence, kind
 
 

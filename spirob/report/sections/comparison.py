@@ -7,7 +7,7 @@ from spirob.report.combinations import played, switchable
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot
 from spirob.report.regimes import driven
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column, fixed, shown
 
 METRICS = ("mae", "rmse", "r2")

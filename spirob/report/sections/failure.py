@@ -5,7 +5,7 @@ from typing import Any
 from spirob.report import figures
 from spirob.report import regimes as regime_figures
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column, fixed, is_number, number, percent
 
 

@@ -6,7 +6,7 @@ from spirob.effects import all_effects
 from spirob.report.data import ReportData
 from spirob.report.effect_card import card
 from spirob.report.ladder import ceiling_sentence, rows
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column, interval, is_number, percent, unit_text
 
 SPLITS = ("train", "left_out", "heldout")

@@ -8,7 +8,7 @@ from spirob.report.data import ReportData
 from spirob.report.figures import Plot
 from spirob.report.laws import Law, law
 from spirob.report.regimes import driven
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column, is_number, percent
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from spirob.effects import all_effects
 from spirob.report.data import ReportData
 from spirob.report.effect_card import card
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 
 PLACES = ("motor", "winch", "tendon", "body", "sensing")  # along the machine; others follow
 

@@ -8,7 +8,7 @@ from spirob.report import figures, regimes
 from spirob.report.combinations import HOW, Combination, combinations, switchable
 from spirob.report.data import ReportData
 from spirob.report.regimes import driven
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column
 
 MILLI = 1e3  # the page shows mA

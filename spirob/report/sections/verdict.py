@@ -9,7 +9,7 @@ import numpy as np
 from spirob.report import arm
 from spirob.report.data import ReportData
 from spirob.report.ladder import ladder_plot
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import EFFORT, column, fixed, is_number, percent
 
 KINDS = {
