@@ -7,7 +7,6 @@ from importlib import resources
 import pytest
 
 import spirob.report
-from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
 from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
 from spirob.report.sections.object_size import mae_interval
@@ -51,9 +50,27 @@ def test_sections_stand_in_the_order_of_the_page():
     ]
 
 
+def test_sections_of_a_rig_stand_in_the_order_of_its_page():
+    assert [section.name for section in discover("rig")] == [
+        "verdict",
+        "composed",
+        "switches",
+        "overlay",
+        "motion",
+        "failure",
+        "ladder",
+        "laws",
+        "parameters",
+        "repairs",
+        "library",
+        "home",
+        "provenance",
+    ]
+
+
 def test_every_template_belongs_to_a_section_or_the_page():
     files = {f.name for f in resources.files("spirob.report").joinpath("templates").iterdir()}
-    used = {s.template for s in [*SECTIONS.values(), *RIG_SECTIONS]}
+    used = {s.template for s in [*SECTIONS.values(), *discover("rig")]}
     assert files == used | {"page.html.j2", "parts.html.j2", "effect.html.j2"}
 
 

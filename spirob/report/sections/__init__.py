@@ -17,11 +17,13 @@ class Section(ABC):
     order     place on the page; ties are broken by name
     title     heading, also the entry in the list of contents
     template  file in templates/ that prints what `get_context` returns
+    pages     that have it: "arm", the pipeline's; "rig", of a diagnosis of any other machine
     """
 
     order: ClassVar[int]
     title: ClassVar[str]
     template: ClassVar[str]
+    pages: ClassVar[tuple[str, ...]] = ("arm",)
 
     @property
     def name(self) -> str:
@@ -41,8 +43,8 @@ class Section(ABC):
         """Everything the template prints."""
 
 
-def discover() -> list[Section]:
-    """All sections in this package, in the order of the page."""
+def discover(page: str = "arm") -> list[Section]:
+    """The sections of a page in their order."""
     found: list[Section] = []
     for info in pkgutil.iter_modules(__path__, f"{__name__}."):
         module = importlib.import_module(info.name)
@@ -54,5 +56,6 @@ def discover() -> list[Section]:
             and issubclass(member, Section)
             and member.__module__ == info.name
             and member is not Section
+            and page in member.pages
         ]
     return sorted(found, key=lambda section: (section.order, section.name))

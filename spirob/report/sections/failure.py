@@ -15,6 +15,7 @@ class Failure(Section):
     order = 30
     title = "Where it fails"
     template = "failure.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         regimes = sorted(data.diagnosis["atlas"], key=lambda r: -(r["share_of_error"] or 0))

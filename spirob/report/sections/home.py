@@ -34,6 +34,7 @@ class Home(Section):
     order = 82
     title = "Take it home"
     template = "home.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         told = data.diagnosis

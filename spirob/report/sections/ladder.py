@@ -18,6 +18,7 @@ class Ladder(Section):
     order = 40
     title = "Ladder and candidates"
     template = "ladder.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         diagnosis = data.diagnosis

@@ -17,6 +17,7 @@ class Library(Section):
     order = 80
     title = "Library"
     template = "library.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         cards = sorted((card(effect) for effect in all_effects().values()), key=_along)

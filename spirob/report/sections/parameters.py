@@ -27,6 +27,7 @@ class Parameters(Section):
     order = 50
     title = "Parameters"
     template = "parameters.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.identified["parameters"]

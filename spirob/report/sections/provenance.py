@@ -13,6 +13,7 @@ class ProvenanceSection(Section):
     order = 90
     title = "Provenance"
     template = "provenance.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.provenance

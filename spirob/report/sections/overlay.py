@@ -21,6 +21,7 @@ class RigOverlay(Section):
     order = 20
     title = "Comparison"
     template = "rig_overlay.html.j2"
+    pages = ("rig",)
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         diagnosis = data.diagnosis

@@ -32,6 +32,7 @@ class RigMotion(Section):
     order = 22
     title = "Motion predicted"
     template = "rig_motion.html.j2"
+    pages = ("rig",)
 
     @staticmethod
     def absent(context: dict[str, Any]) -> str:

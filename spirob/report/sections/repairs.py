@@ -12,6 +12,7 @@ class Repairs(Section):
     order = 60
     title = "Data and limits"
     template = "rig_repairs.html.j2"
+    pages = ("rig",)
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         return {
