@@ -1,4 +1,4 @@
-"""The first screen: the verdict, how much it explains, and the arm in motion or the rig's ladder."""
+"""The first screen: the verdict, how much it explains, the arm in motion or a rig's ladder."""
 
 import base64
 import math
