@@ -13,10 +13,10 @@ import numpy as np
 
 from spirob.errors import ConfigError, DataError
 from spirob.given_file import inside
-from spirob.given_number import MOST
 from spirob.machine.model_file import load
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body
+from spirob.units import MOST
 
 BEYOND = 0.25  # of a joint's range, by which a log may exceed it
 

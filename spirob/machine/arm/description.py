@@ -25,7 +25,6 @@ from spirob.control.law import Gains
 from spirob.diagnosis import criteria
 from spirob.effects import Effect
 from spirob.errors import ConfigError
-from spirob.given_number import Size
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
 from spirob.machine.arm.shape import TOLERANCES
@@ -44,6 +43,7 @@ from spirob.parameter import Parameter
 from spirob.plant import Plant, Rig
 from spirob.plant.rig import COMPONENTS
 from spirob.unit_table import with_table
+from spirob.units import Size
 
 
 class CurrentColumn(Column):
