@@ -23,8 +23,7 @@ def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Pat
     Choices of a run that does not come to its end are taken back.
     """
     from spirob.cli import DONE
-    from spirob.cli.interruption import Kept, alone
-    from spirob.cli.project import read_overrides, write_overrides
+    from spirob.cli.project import Kept, alone, read_overrides, write_overrides
     from spirob.cli.reproduce import reproduce, stages
 
     project = taken_up(arguments)

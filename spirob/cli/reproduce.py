@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from spirob.cli import BUG, DONE, MISTAKE, STOPPED
-from spirob.cli.interruption import discard_torn
 from spirob.cli.progress import Progress
+from spirob.cli.project import discard_torn
 from spirob.errors import ConfigError
 from spirob.logs.atomic import write_text
 

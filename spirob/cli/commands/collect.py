@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Record where that was asked for, then collect and decode."""
-    from spirob.cli.interruption import Kept
+    from spirob.cli.project import Kept
 
     with Kept(taken_up(arguments), chosen(arguments)) as kept:
         code = _recorded(arguments) if arguments.record else 0
