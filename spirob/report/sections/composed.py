@@ -5,12 +5,11 @@ from typing import Any
 import pandas as pd
 import plotly.graph_objects as go
 
-from spirob.report import laws
 from spirob.report.data import ReportData
 from spirob.report.embed import stride
 from spirob.report.figures import Plot
-from spirob.report.laws import Against, Law
-from spirob.report.sections import Section
+from spirob.report.sections import Section, laws
+from spirob.report.sections.laws import Against, Law
 from spirob.report.words import EFFORT, number
 
 ABSENT = (

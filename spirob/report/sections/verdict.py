@@ -8,8 +8,8 @@ import numpy as np
 
 from spirob.report import arm
 from spirob.report.data import ReportData
-from spirob.report.ladder import ladder_plot
 from spirob.report.sections import Section
+from spirob.report.sections.ladder import ladder_plot
 from spirob.report.words import EFFORT, column, fixed, is_number, percent
 
 KINDS = {
