@@ -11,7 +11,7 @@ from spirob.campaign.scoring import DRAWN, KINDS, NONE, law_lines, laws, lines, 
 from spirob.campaign.simulators import SIMULATORS
 from spirob.cli.progress import Progress
 from spirob.errors import ConfigError
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 
 OUT = Path("data/campaign.jsonl")
 ROBOTS = ("pairs", "scheduler")  # options that axes do not have

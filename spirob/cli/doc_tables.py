@@ -12,7 +12,7 @@ from pathlib import Path
 
 from spirob.diagnosis.schema import Document, keys
 from spirob.effects import table
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 from spirob.perceive.features import FEATURES
 from spirob.ports import PORTS, SIGNALS
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from types import TracebackType
 
 from spirob.errors import ConfigError
-from spirob.logs.atomic import write_bytes, write_text
+from spirob.files import write_bytes, write_text
 
 MARKS = ("dvc.yaml", "params.yaml", "pipeline")
 CHOICES = re.compile(r"^overrides:.*(?:\n[ \t-].*)*\n?", re.MULTILINE)

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from spirob.errors import ConfigError, DataError
-from spirob.given_file import inside
+from spirob.files import inside
 from spirob.machine.model_file import load
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body

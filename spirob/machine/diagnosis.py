@@ -21,7 +21,7 @@ from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
 from spirob.errors import ConfigError, DataError
-from spirob.given_file import named
+from spirob.files import named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile

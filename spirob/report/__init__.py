@@ -11,7 +11,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 from spirob.report.data import ReportData, load, with_clip
 from spirob.report.embed import json_script, plotly_script
 from spirob.report.sections import Section, discover

@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.benchmark.timing import TINY, Size
     from spirob.cli.progress import Progress
     from spirob.errors import ConfigError
-    from spirob.logs.atomic import write_text
+    from spirob.files import write_text
 
     chosen = arguments.only or list(MEASURES)
     if unknown := [name for name in chosen if name not in MEASURES]:

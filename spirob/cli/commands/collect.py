@@ -7,7 +7,7 @@ by --record alone: it plays the trials on the bus and leaves the logs that the p
 import argparse
 from contextlib import suppress
 
-from spirob.cli.choices import add_choices, advance, chosen, taken_up
+from spirob.cli.reproduce import add_choices, advance, chosen, taken_up
 
 HELP = "play the trials on the robot, and log them"
 ORDER = 20

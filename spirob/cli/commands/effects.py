@@ -68,7 +68,7 @@ def _new(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from spirob.errors import ConfigError
-    from spirob.logs.atomic import write_text
+    from spirob.files import write_text
 
     path = Path(arguments.file)
     if path.suffix != ".py" or not path.stem.isidentifier():

@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(found: Mapping[str, "Module"], folder: Path) -> int:
-    from spirob.logs.atomic import write_text
+    from spirob.files import write_text
 
     for name, module in found.items():
         write_text(folder / f"{name}.md", page(module))

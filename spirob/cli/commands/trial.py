@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.cli.progress import Progress
     from spirob.emulator.build import require_build
     from spirob.errors import ConfigError
-    from spirob.logs.atomic import write_text
+    from spirob.files import write_text
 
     seeds = _seeds(arguments.seeds)
     if arguments.out and arguments.out.is_dir():
