@@ -22,8 +22,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.signal import lfilter
+import scipy
 
 from spirob.control.host_loop import HostLoop, Placed, Winding, placed
 from spirob.errors import ConfigError, DataError
@@ -80,7 +79,7 @@ def windings(current: np.ndarray, voltage: np.ndarray, speed: np.ndarray, motor:
     begin = min(grid, key=lambda one: float(np.sum(left(one) ** 2)))
     reach = REACH * np.ones(2 * motors)
     bounds = np.array([0.0, *(1 - reach)]), np.array([most, *(1 + reach)])
-    found = least_squares(left, begin, bounds=bounds, diff_step=1e-3)
+    found = scipy.optimize.least_squares(left, begin, bounds=bounds, diff_step=1e-3)
     spread = 2 * found.cost / (len(found.fun) - len(begin))
     error = np.sqrt(spread * np.linalg.pinv(found.jac.T @ found.jac)[0, 0])
     resistance, emf = found.x[1:].reshape(2, motors)
@@ -98,7 +97,7 @@ def answer(winding: Winding, seconds: float, voltage: np.ndarray, emf: np.ndarra
     sent = np.pad(voltage, (whole + 1, 0))  # nothing was before
     acts = first * sent[1 : len(voltage) + 1] + second * sent[: len(voltage)]
     acts -= (1.0 - winding.decay) / winding.resistance * emf
-    return np.asarray(lfilter([0.0, 1.0], [1.0, -winding.decay], acts))
+    return np.asarray(scipy.signal.lfilter([0.0, 1.0], [1.0, -winding.decay], acts))
 
 
 JUMP, STEP = 0.5, 0.2  # of the current that is held, up and down; s between two jumps

@@ -19,8 +19,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from scipy.signal import detrend
-from scipy.signal.windows import hann
+import scipy
 
 from spirob.errors import ConfigError, DataError
 from spirob.perceive.wrap import FEATURES, Feature, Wrap, feature, read_wrap
@@ -132,7 +131,8 @@ def _spectrum(wrap: Wrap) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [Hz] and shares of energy of the detrended current, without the mean."""
     length = min(int(SECONDS / wrap.period), len(wrap.current))
     level = np.clip(wrap.current[:length], 0.0, wrap.plateau) / wrap.plateau
-    power = np.abs(np.fft.rfft(detrend(level) * hann(length, sym=False))) ** 2
+    window = scipy.signal.windows.hann(length, sym=False)
+    power = np.abs(np.fft.rfft(scipy.signal.detrend(level) * window)) ** 2
     power[0] = 0.0
     return np.fft.rfftfreq(length, wrap.period), power / max(power.sum(), 1e-30)
 
