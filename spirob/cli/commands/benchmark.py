@@ -20,7 +20,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Measure one thing after the other."""
     import json
 
-    from spirob.benchmark.__main__ import MEASURES
+    from spirob.benchmark import MEASURES
     from spirob.benchmark.timing import TINY, Size
     from spirob.cli.progress import Progress
     from spirob.errors import ConfigError
