@@ -26,8 +26,8 @@ import scipy
 
 from spirob.control.host_loop import HostLoop, Placed, Winding, placed
 from spirob.errors import ConfigError, DataError
+from spirob.experiments import Experiment, Known, Play, Side, plan, row, trial
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
-from spirob.experiments.experiment import Experiment, Known, Play, Side, plan, row, trial
 from spirob.plant.rig import Motor
 
 LATEST = 5e-3  # s
