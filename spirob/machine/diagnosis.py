@@ -1,9 +1,8 @@
 """From logs to a verdict: a plain rig, or our arm logged by somebody else.
 
-Numbers that fail where nobody foresaw it, told in a sentence.
-
 Logs are read (`spirob.logs.readers`) and repaired (`recording`); `axis` fits, searches and judges a
-plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig` draws.
+plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig`
+draws.  Numbers that fail where nobody foresaw it are told in a sentence.
 """
 
 import re

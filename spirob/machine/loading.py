@@ -1,10 +1,8 @@
 """`RIG.yaml` and effects of one's own from disk; a mistake is an error that says where it stands.
 
-The effects that a description or a command line names: the library's, and files of one's own.
-
-Such a file is a program.  A description may come from anybody, so it names only files beside or
-below itself; any other is given by hand.  Each is tried in a process apart before it is run here:
-one that never ends, or ends the program, is told in a sentence.
+A file with an effect is a program.  A description may come from anybody, so it names only files
+beside or below itself; any other is given by hand.  Each is tried in a process apart before it is
+run here: one that never ends, or ends the program, is told in a sentence.
 """
 
 import signal

@@ -1,6 +1,6 @@
 """The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`.
 
-What holds the model to a measured motion, beside the measured current.
+The model is held to a measured motion beside the measured current by
 
     i = i_measured + K_v (v_measured - v + K_x (x_measured - x))
 
@@ -10,8 +10,6 @@ bandwidth ω = K_v n/m, with n newton an ampere and m kilograms at the drum.
 
 There is no integral.  The law takes i_measured as an error of the speed, i/K_v, and an integral
 would add it up; it then rings, and fits with numbers that make up for it left twenty times as much.
-
-What a description says of the numbers of the arm's model: known, or fitted between bounds.
 """
 
 from collections.abc import Sequence
