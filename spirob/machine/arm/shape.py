@@ -26,6 +26,7 @@ from spirob.errors import SimulationError
 from spirob.identify.builds import SURE, TOLERANCES
 from spirob.identify.descent import linear_step, robust_cost, slopes_ahead
 from spirob.identify.fit import STEPS, Fit
+from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import STRENGTH, Scaling
@@ -91,7 +92,7 @@ def searched_shape(
         for name, ends in SHAPE.items()
         if name in free
     }
-    heavy = near(replace(train, length=LENGTH), found.changes)
+    heavy = near(replace(train, length=LENGTH, trials=_deepest(train)), found.changes)
     assert isinstance(heavy, Residual)
     scaling = Scaling(train.table, list(found.estimates))
     u = scaling.scaled({n: found.changes[n] for n in scaling.names})
@@ -118,6 +119,17 @@ def searched_shape(
 
     best = evolved(lambda drawn: tried(drawn)[0], len(shape), progress)
     return tried(best)[1]
+
+
+def _deepest(train: Residual) -> list[Measurement]:
+    """Of each working motor the trial with the longest way: the shape shows in a deep bend."""
+    deepest: dict[tuple[int, ...], tuple[float, Measurement]] = {}
+    for trial in train.trials:
+        working = tuple(train.driven(trial))
+        way = float(np.ptp(trial.displacement[:, working], axis=0).max(initial=0.0))
+        if working not in deepest or way > deepest[working][0]:
+            deepest[working] = way, trial
+    return [trial for _, trial in deepest.values()]
 
 
 def _drawn(
