@@ -12,7 +12,7 @@ from pipeline.robots import record_all
 from pipeline.stage import HIDDEN, entry, public_config, read_yaml, write_json
 from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import MissingLog
-from spirob.logs.atomic import replacing
+from spirob.files import replacing
 
 RECORDED = Path("data/recorded/logs")
 

@@ -13,7 +13,7 @@ from pipeline.schema import Config
 from pipeline.stage import read_json, tell
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.document import CEILING
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 from spirob.machine.composed.arm import composed_for_arm
 
 OUT = Path("data/diagnosis")

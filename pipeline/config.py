@@ -20,7 +20,7 @@ from pipeline.own_effects import with_copies
 from pipeline.schema import validated
 from pipeline.stage import HIDDEN, PUBLIC, entry, read_yaml
 from spirob.errors import ConfigError, SpirobError
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 from spirob.unit_table import with_table
 
 REFUSED = (HydraException, OmegaConfBaseException)

@@ -15,6 +15,7 @@ from pipeline.sides import Stand
 from pipeline.stage import entry, tell, write_json
 from pipeline.wraps import SENSOR_NOISE
 from spirob.errors import ConfigError
+from spirob.experiments import Side
 from spirob.experiments.contact_rates import (
     SIGNALS,
     Uncurling,
@@ -25,7 +26,6 @@ from spirob.experiments.contact_rates import (
     tuned,
     uncurlings,
 )
-from spirob.experiments.experiment import Side
 
 SIMULATED, EMULATED = 40, 10  # pegs for each of five motions
 LOGS = Path("data/contacts/raw")

@@ -13,7 +13,7 @@ from pipeline.features import features_of
 from pipeline.stage import entry, read_json, tell, write_json
 from pipeline.train import CHOICE
 from spirob.campaign.arm.rates import right
-from spirob.logs.atomic import replacing
+from spirob.files import replacing
 from spirob.perceive.model_file import load_model
 from spirob.perceive.score import mean_gain, scored
 from spirob.perceive.size import TARGET, predict

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.stage import workers
+from spirob.files import replacing
 from spirob.identify.residual import Residual
-from spirob.logs.atomic import replacing
 from spirob.robot import MOTORS
 
 FRAMES_PER_SECOND = 30

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.schema import Config
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 
 COPIES = Path("data/config/effects")
 DIGITS = 12  # of the content's hash

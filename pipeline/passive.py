@@ -18,8 +18,7 @@ from sklearn.pipeline import Pipeline
 from pipeline.direct import informed
 from pipeline.sides import Stand
 from pipeline.stage import entry, tell, write_json
-from spirob.experiments import Play, Side
-from spirob.experiments.experiment import Known
+from spirob.experiments import Known, Play, Side
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
 from spirob.perceive.model_file import save_model

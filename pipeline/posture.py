@@ -11,7 +11,7 @@ import pandas as pd
 
 from spirob.can_protocol import CanFrame
 from spirob.emulator.robot import EmulatedRobot
-from spirob.logs.atomic import replacing
+from spirob.files import replacing
 from spirob.robot import CYCLE_NS, Scene
 
 FOLDER = Path("data/truth/posture")

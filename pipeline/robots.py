@@ -24,7 +24,7 @@ from spirob.plant import Plant, Rig
 from spirob.robot import Robot, Scene
 from spirob.safety import Limits
 from spirob.trials import Trial, record
-from spirob.trials.host import HostCurrentLoop, require_fitting
+from spirob.trials.play import HostCurrentLoop, require_fitting
 from spirob.trials.simulation import SimulatedRobot
 
 RAW = Path("data/raw")

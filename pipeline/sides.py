@@ -17,8 +17,7 @@ from spirob.control.law import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
-from spirob.experiments import Play, Side
-from spirob.experiments.experiment import repeating
+from spirob.experiments import Play, Side, repeating
 from spirob.logs import read_log
 from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig

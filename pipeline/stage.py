@@ -13,7 +13,7 @@ import yaml
 from pipeline.schema import Config, validated
 from spirob.ending import stop_as_by_hand
 from spirob.errors import DataError, MissingLog, SpirobError
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 
 PUBLIC = Path("data/config/config.yaml")
 HIDDEN = Path("data/config/hidden.yaml")

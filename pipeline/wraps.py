@@ -28,7 +28,7 @@ from pipeline.trials import paper_wraps, train_wraps
 from spirob.effects import find_effects
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, MissingLog, SpirobError
-from spirob.logs.atomic import replacing
+from spirob.files import replacing
 from spirob.perceive.features import table
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from spirob import given_file
+from spirob import files
 from spirob.errors import ConfigError
 from spirob.geometry import UNITS, Drawing, SpiralArm
 
@@ -165,8 +165,8 @@ def with_table(given: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise ConfigError(f"geometry: {', '.join(strange)}: has no place beside a table")
     if not isinstance(given["table"], str):
         raise ConfigError(f"geometry.table: a file's name, got {str(given['table'])[:40]!r}")
-    path = given_file.inside(given["table"], folder, "geometry.table")
-    text = given_file.content(path, "table of units", LARGEST)
+    path = files.inside(given["table"], folder, "geometry.table")
+    text = files.content(path, "table of units", LARGEST)
     try:
         rows = list(csv.reader(io.StringIO(text.decode("utf-8-sig"))))
     except (UnicodeDecodeError, csv.Error) as error:

@@ -3,3 +3,18 @@
 Each file measures one thing: `measure(size)` returns figures by key.  What is compared is run in
 turns, so that whatever else the machine does falls on both sides alike, and medians are reported.
 """
+
+from collections.abc import Callable
+
+from spirob.benchmark import diagnosis, feedforward, identification, timing
+from spirob.benchmark.timing import Size
+
+MEASURES: dict[str, Callable[[Size], dict[str, float]]] = {
+    "coupled_tick": timing.measure_cycles,
+    "threads": timing.measure_threads,
+    "decoding": timing.measure_decoding,
+    "identification": identification.measure,
+    "screening": diagnosis.measure_screening,
+    "diagnosis": diagnosis.measure,
+    "feedforward": feedforward.measure,
+}

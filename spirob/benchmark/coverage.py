@@ -21,10 +21,10 @@ from joblib import Parallel, delayed
 from spirob.benchmark.timing import moving, recorded
 from spirob.can_protocol import AMPERE_PER_COUNT
 from spirob.ending import end_with_parent
+from spirob.files import write_text
 from spirob.identify.fit import STEPS, Fit, fit, polished
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
-from spirob.logs.atomic import write_text
 from spirob.parameter import Table
 from spirob.plant import Plant, Rig
 from spirob.trials.simulation import SimulatedRobot

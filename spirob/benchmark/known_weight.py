@@ -20,9 +20,9 @@ from spirob.benchmark.coverage import LOSS_SCALE, SPREADS
 from spirob.benchmark.timing import recorded
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.ending import end_with_parent
+from spirob.files import write_text
 from spirob.identify.fit import STEPS, Fit, fit, polished
 from spirob.identify.residual import Residual
-from spirob.logs.atomic import write_text
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
 

@@ -19,7 +19,7 @@ from sklearn.preprocessing import StandardScaler
 
 from spirob.campaign.arm.rates import ANSWERS
 from spirob.diagnosis.certainty import FIGURES
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 
 STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken

@@ -23,7 +23,7 @@ from spirob.campaign.case import Case, drawn
 from spirob.campaign.scoring import outcome
 from spirob.ending import end_with_parent
 from spirob.errors import DataError, SpirobError
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.recording import Recording, prepare
 from spirob.machine.rig import RigFile

@@ -93,7 +93,6 @@ def answers(kind: str, bristles: bool, one_way: bool) -> Kind:
 
 
 SURE = 0.9  # probability from which a name counts as sure
-OPEN = ("undecided", "unknown")
 LACKING = ("outside", "taken out")  # groups whose effect no candidate is
 
 

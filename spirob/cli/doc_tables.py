@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 
 from spirob.diagnosis.schema import Document, keys
-from spirob.effects.discovery import table
-from spirob.logs.atomic import write_text
+from spirob.effects import table
+from spirob.files import write_text
 from spirob.perceive.features import FEATURES
 from spirob.ports import PORTS, SIGNALS
 

@@ -1,11 +1,25 @@
-"""The folder that the pipeline's commands work in, and the choices made in its params.yaml."""
+"""The folder that the pipeline's commands work in; the choices in params.yaml, and the way back.
 
+Whatever ends a run that does not end well (a refusal of any stage, a busy lock of DVC, Ctrl-C,
+SIGTERM), choices and composed configuration come back as they were, each file in one go.  Choices
+that somebody else has made meanwhile stay.
+
+DVC rewrites its lock table and `dvc.lock` in place, so a SIGKILL in that very moment leaves a torn
+file, and DVC then refuses to run.  Both only record what ran: without the table nothing is locked,
+and without `dvc.lock` the results come back from the cache.
+"""
+
+import fcntl
+import json
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
 
 from spirob.errors import ConfigError
-from spirob.logs.atomic import write_text
+from spirob.files import write_bytes, write_text
 
 MARKS = ("dvc.yaml", "params.yaml", "pipeline")
 CHOICES = re.compile(r"^overrides:.*(?:\n[ \t-].*)*\n?", re.MULTILINE)
@@ -68,3 +82,123 @@ def write_overrides(project: Path, overrides: Sequence[str]) -> None:
         changed = text + ("" if text.endswith("\n") or not text else "\n") + line
     if changed != text:
         write_text(path, changed)
+
+
+PARAMS = "params.yaml"
+BACK = "the choices are taken back: params.yaml and data/config are as before"
+COMPOSED = Path("data/config")
+
+
+class Kept:
+    """Restores a project's choices and composed configuration on leaving, unless `done` is set.
+
+    chosen  what the run puts into params.yaml; None where it leaves that file alone
+    """
+
+    def __init__(self, project: Path, chosen: Sequence[str] | None):
+        self.done = False
+        self._project = project
+        self._chosen = None if chosen is None else list(chosen)
+
+    def __enter__(self) -> "Kept":
+        self._params = (self._project / PARAMS).read_bytes()
+        self._composed = self._found()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if not self.done:
+            self._restore()
+
+    def _restore(self) -> None:
+        now = self._found()
+        for path in now.keys() - self._composed.keys():
+            path.unlink()
+        for path, content in self._composed.items():
+            if now.get(path) != content:
+                write_bytes(path, content)
+        path = self._project / PARAMS
+        ours = self._chosen is not None and read_overrides(self._project) == self._chosen
+        if ours and path.read_bytes() != self._params:
+            write_bytes(path, self._params)
+            print(BACK, file=sys.stderr)
+
+    def _found(self) -> dict[Path, bytes]:
+        inside = (self._project / COMPOSED).rglob("*")
+        return {path: path.read_bytes() for path in inside if path.is_file()}
+
+
+@contextmanager
+def alone(project: Path) -> Iterator[None]:
+    """Raises ConfigError where another command of this kind is at work in the project."""
+    with (project / "dvc.yaml").open() as handle:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ConfigError(
+                f"another `spirob` is running the pipeline in {project}; wait for its end"
+            ) from None
+        yield
+
+
+ROUND = 0.2  # s, longer than DVC takes to write a file
+
+
+def discard_torn(project: Path) -> list[str]:
+    """Delete those files of DVC that are torn; returns their names.
+
+    A file that another DVC is just writing is whole a moment later, and stays.
+    """
+    import time
+
+    readers: dict[str, Callable[[str], object]] = {
+        ".dvc/tmp/rwlock": json.loads,
+        "dvc.lock": _lock,
+    }
+    torn = []
+    for name, read in readers.items():
+        if _torn(project / name, read):
+            time.sleep(ROUND)
+            if _torn(project / name, read):
+                (project / name).unlink(missing_ok=True)
+                torn.append(name)
+    return torn
+
+
+def _lock(text: str) -> object:
+    """The content of a `dvc.lock` that DVC would take: a cut one can still be valid YAML.
+
+    Raises ValueError where it is none, where its last line is cut ("hash: md" is valid, and DVC
+    fails on it) or a value is missing.
+    """
+    import yaml
+
+    if not text.endswith("\n"):
+        raise ValueError("the last line is cut")
+    try:
+        found = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ValueError("no YAML") from error
+    if _hollow(found):
+        raise ValueError("a value is missing")
+    return found
+
+
+def _hollow(found: object) -> bool:
+    """Whether a value is missing; what a parameter may be is not DVC's to say."""
+    if isinstance(found, dict):
+        return any(_hollow(value) for key, value in found.items() if key != "params")
+    return any(map(_hollow, found)) if isinstance(found, list) else found is None
+
+
+def _torn(path: Path, read: Callable[[str], object]) -> bool:
+    try:
+        return not isinstance(read(path.read_text(encoding="utf-8")), dict)
+    except OSError:  # not there, or DVC will say why it cannot be read
+        return False
+    except ValueError:  # what cannot be decoded is one, too
+        return True

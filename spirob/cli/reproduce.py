@@ -1,10 +1,10 @@
-"""Runs the pipeline as a process of its own (`dvc repro`) and follows its stages.
+"""Takes over choices, runs the pipeline as a process of its own (`dvc repro`), follows its stages.
 
-What the pipeline consists of, as dvc.yaml says, and how long each stage took last time.
-
-The times are kept in .dvc/tmp, which is not under version control; they only serve the forecast.
+What the pipeline consists of is as dvc.yaml says.  How long each stage took last time is kept in
+.dvc/tmp, which is not under version control; it only serves the forecast.
 """
 
+import argparse
 import collections
 import json
 import os
@@ -19,10 +19,60 @@ from pathlib import Path
 from typing import Any
 
 from spirob.cli import BUG, DONE, MISTAKE, STOPPED
-from spirob.cli.interruption import discard_torn
 from spirob.cli.progress import Progress
+from spirob.cli.project import (
+    Kept,
+    alone,
+    discard_torn,
+    find_project,
+    read_overrides,
+    spelt_out,
+    write_overrides,
+)
 from spirob.errors import ConfigError
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
+
+
+def add_choices(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the commands that run a part of the pipeline."""
+    parser.add_argument(
+        "choices",
+        nargs="*",
+        metavar="CHOICE",
+        help="KEY=VALUE, such as robot.hidden.effect=cogging, or the name of presets: short",
+    )
+    parser.add_argument("--defaults", action="store_true", help="forget earlier choices")
+    parser.add_argument("--project", metavar="DIR", help="its folder; else the nearest above")
+    parser.add_argument("--verbose", action="store_true", help="show what the stages say")
+
+
+def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Path]:
+    """Take over the choices and run up to the stage `target`: exit code, and the project's folder.
+
+    Choices of a run that does not come to its end are taken back.
+    """
+    project = taken_up(arguments)
+    stages(project, target)  # a stage that is none is said before anything is changed
+    read_overrides(project)  # and so are choices that cannot be read
+    with alone(project), Kept(project, chosen(arguments)) as kept:
+        if chosen(arguments) is not None:
+            write_overrides(project, arguments.choices)
+        code = reproduce(project, target, arguments.verbose).code
+        kept.done = code == DONE
+    return code, project
+
+
+def taken_up(arguments: argparse.Namespace) -> Path:
+    """The project's folder; names of presets among the choices are spelt out from now on."""
+    project = find_project(arguments.project)
+    arguments.choices = spelt_out(project, arguments.choices)
+    return project
+
+
+def chosen(arguments: argparse.Namespace) -> list[str] | None:
+    """The choices that this command makes; None where it leaves the earlier ones."""
+    return list(arguments.choices) if arguments.choices or arguments.defaults else None
+
 
 TIMES = Path(".dvc/tmp/stage_seconds.json")
 

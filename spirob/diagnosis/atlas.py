@@ -4,21 +4,14 @@ Every sample of the residual is put into overlapping regimes, and, of several tr
 into its own; each regime gets its share of the squared error beside its share of the time, and its
 bias.
 
-The regimes of the atlas: which samples belong to each, by what they are about.
-
 The regimes of one kind take a stretch apart (slow, middle, fast; first, middle, last third);
-regimes of different kinds overlap.  A kind whose signal was not recorded is left out.
+regimes of different kinds overlap.  A kind whose signal was not recorded is left out.  A slack
+tendon, the end stop and an object near by are regimes that drives do not see: the model that is
+judged says when, by its tendons' tension and its hinges' angles.
 
-Regimes of the arm that its drives do not see: a slack tendon, the end stop, an object near by.
-
-The model that is judged says when: its tendons' tension and its hinges' angles.
-
-Where a residual lies, as plain data: its regimes, orders, lateness, and what foretells it.
-
-How much of a residual is lateness: of the measurement, or of the axis behind its command.
-
-A measurement that trails the model by τ leaves, model minus measurement, i(t) - i(t - τ) ≈ τ di/dt;
-so τ and its share of the squared error follow from a regression on the measured rate.
+Lateness is that of the measurement, or of the axis behind its command.  A measurement that trails
+the model by τ leaves, model minus measurement, i(t) - i(t - τ) ≈ τ di/dt; so τ and its share of the
+squared error follow from a regression on the measured rate.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,15 +1,14 @@
 """Who stands beside what was found, and the decision between them by further trials.
 
-Decide again, with trials played where two explanations differ most.
-
-The further trials lie outside of what was fitted, where no model is complete: numbers that hardly
-showed before weigh there, other currents flow, and things happen that no effect in question is the
-cause of.  So they only say *which* of the contestants it is.  One of them, with the one motor in
-the lead, joins those that are fitted, and the contestants are fitted again; the other, with the
-other motor, joins those on which they are compared.  How much is explained, and whether that is
-enough, is judged where the effect was found.  A further trial that no contestant explains says
-nothing of them and is set aside; so is one that leaves two beside each other which said the same
-where they were found: it was to say which, and one name for both is the better answer.
+Trials are played where two explanations differ most.  They lie outside of what was fitted, where no
+model is complete: numbers that hardly showed before weigh there, other currents flow, and things
+happen that no effect in question is the cause of.  So they only say *which* of the contestants it
+is.  One of them, with the one motor in the lead, joins those that are fitted, and the contestants
+are fitted again; the other, with the other motor, joins those on which they are compared.  How much
+is explained, and whether that is enough, is judged where the effect was found.  A further trial
+that no contestant explains says nothing of them and is set aside; so is one that leaves two beside
+each other which said the same where they were found: it was to say which, and one name for both is
+the better answer.
 """
 
 from collections.abc import Mapping, Sequence

@@ -4,15 +4,11 @@ Trees learn the residual of the training trials from the motion and from the mod
 The measured effort is no input: its noise is in the residual, and would be found there again.  A
 ceiling is reported beside the ladder; no verdict looks at it.
 
-Boosted trees on data left out: what of a residual follows from given signals, by any law.
-
 They share nothing with the effects of the library and obey no law; what they find on trials that
 they were not fitted to is there to be explained.
 
-What a residual depends on: the share of it that a flexible model of each signal foretells.
-
-Boosted trees learn the residual from one signal on some folds and are scored on those left out, so
-a share says what comes again, and of noise it is none.
+What a residual depends on is told alike: from one signal at a time, learned on some folds and
+scored on those left out, so a share says what comes again, and of noise it is none.
 """
 
 from collections.abc import Mapping, Sequence

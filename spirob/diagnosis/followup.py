@@ -15,8 +15,6 @@ hold is out: a soft tendon that passes for play leaves the name to play.
 Only what is softer proves: where a trial is faster, stronger or deeper than what was fitted, more
 happens than a right law says.
 
-Ask, play, decide, prove: what a diagnosis still wants to see, and what stands once it was seen.
-
 The pipeline runs this with a file between each step, the trial in one go on its robots.
 """
 

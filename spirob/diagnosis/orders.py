@@ -5,13 +5,11 @@ the other numbers begin: at each order of a grid the residual is regressed on wh
 to a sine and a cosine of the rotor's angle, separately for each motor, beside the columns
 of the fitted numbers.  Of several orders each is found beside the waves of the others.
 
-The spectrum of a residual over an angle: how periodic it is at each order.
+How periodic a residual is over an angle at each order, its spectrum says,
 
     P(N) = 2 |Σ r exp(-i N θ)|² / (n Σ r²),      θ the angle, r the residual about its mean
 
 the share of its square that a wave of order N explains where the angle is travelled evenly.
-
-How a wave of torque at the rotor reaches the residual.
 
 A torque is not seen as it is: the rotor's inertia takes it up, the controller answers it at the
 pace of its loop, and through the arm the other motor's length moves.  So the model itself is

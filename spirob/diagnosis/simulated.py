@@ -220,11 +220,13 @@ class Simulated(Predictor):
         return self.added(current.effects, found)
 
     def _lead(self, passed: Sequence[Model]) -> None:
-        """Fit the best, and the next if it is within reach, until they settle."""
-        ranked = sorted(passed, key=lambda m: m.mean_square)[:LEADERS]
-        for model in ranked:
-            if model.mean_square <= REACH * ranked[0].mean_square:
-                self.settled(model)
+        """Fit the best, the next and the simplest within reach until they settle: a brief fit
+        favours who has more numbers."""
+        ranked = sorted(passed, key=lambda m: m.mean_square)
+        within = [m for m in ranked if m.mean_square <= REACH * ranked[0].mean_square]
+        simplest = sorted(within[LEADERS:], key=lambda m: (len(m.effects), m.numbers))[:1]
+        for model in [*within[:LEADERS], *simplest]:
+            self.settled(model)
 
     def settled(self, model: Model) -> Model:
         """The model fitted until it settles, from where it stands and from afar."""

@@ -32,7 +32,7 @@ from pydantic import (
 )
 
 from spirob.errors import ConfigError
-from spirob.given_number import Size, sized_not_zero
+from spirob.units import Size, sized_not_zero
 
 Text = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 TURNS = {"turn": 1.0, "rev": 1.0, "rad": 1 / (2 * pi), "deg": 1 / 360, "count": 1 / 8192}

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob import given_file, plain_yaml
+from spirob import files, plain_yaml
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -212,7 +212,7 @@ def find_drive(name: str) -> Drive:
 
 
 def _read(path: Path) -> str:
-    content = given_file.content(path, "description of a drive", LARGEST)
+    content = files.content(path, "description of a drive", LARGEST)
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:

@@ -11,8 +11,7 @@ from itertools import islice
 import numpy as np
 import scipy
 
-from spirob.effects import replay
-from spirob.effects.discovery import all_effects
+from spirob.effects import all_effects, replay
 from spirob.effects.effect import Effect
 from spirob.effects.equation import BASE, evaluate, size
 from spirob.effects.replay import run

@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.experiments.experiment import (
+from spirob.experiments import (
     SIDES,
     Experiment,
     Play,

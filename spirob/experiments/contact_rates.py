@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from spirob.experiments import Play, Side
 from spirob.experiments.active_contact import RIGHT, ActiveContact
-from spirob.experiments.experiment import Play, Side
 from spirob.experiments.response import PERIOD, onset
 from spirob.perceive.contact import ContactSettings, Levels, declared, levels
 

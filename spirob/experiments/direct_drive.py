@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from spirob.can_protocol import AMPERE_PER_COUNT, COUNTS_PER_TURN
-from spirob.experiments.experiment import Side, plan
+from spirob.experiments import Side, plan
 from spirob.geometry import PUBLISHED
 from spirob.plant.body import hinge_stiffness, unit_inertia
 from spirob.plant.rig import Arm

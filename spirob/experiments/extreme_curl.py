@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.experiment import (
+from spirob.experiments import (
     LIMIT,
     Experiment,
     Play,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.experiment import Sides, curve, row
+from spirob.experiments import Sides, curve, row
 from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.single_contact import (
     READ,

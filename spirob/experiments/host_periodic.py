@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
+from spirob.experiments import Side, Sides, curve, row, within
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.experiment import Side, Sides, curve, row, within
 from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.periodic_contact import (
     BAND,

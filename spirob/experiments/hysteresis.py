@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments.experiment import (
+from spirob.experiments import (
     Experiment,
     Play,
     Side,

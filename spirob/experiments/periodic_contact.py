@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from spirob.experiments import WINDOW, Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.direct_drive import both, difference, direct, reconstructed
-from spirob.experiments.experiment import WINDOW, Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.response import PERIOD, amplitude, smooth, strongest_period
 from spirob.trace import moving_average
 from spirob.trials.wrap import beside

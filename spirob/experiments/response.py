@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.experiments.experiment import WINDOW, Side, repeating, row
+from spirob.experiments import WINDOW, Side, repeating, row
 from spirob.perceive.contact import ContactDetector, ContactSettings
 
 PERIOD = 1e-3  # s, of every signal here

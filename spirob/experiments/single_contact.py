@@ -16,8 +16,8 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
+from spirob.experiments import Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.direct_drive import both, difference, direct, profile, reconstructed
-from spirob.experiments.experiment import Experiment, Play, Side, Sides, curve, row, trial
 from spirob.experiments.response import smooth
 from spirob.trials.wrap import beside
 

@@ -19,7 +19,7 @@ from spirob.export.body import AXIS
 from spirob.export.code import c_name
 from spirob.export.corrected import Corrected, corrected, read_document
 from spirob.export.heldout import Errors, Heldout, played_alone, there
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 
 LOSS = 0.01  # of the effects' size, which an export may lose in silence
 

@@ -24,7 +24,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
-from spirob import given_file, plain_yaml
+from spirob import files, plain_yaml
 from spirob.errors import ConfigError, DataError
 from spirob.logs.readers import Table
 from spirob.logs.stamps import even_clock, ordered
@@ -92,7 +92,7 @@ def read_mapping(path: Path | str) -> Mapping:
 
     Raises MissingLog, DataError (no file to read) and ConfigError naming the file and the key.
     """
-    content = given_file.content(path, "mapping file", LARGEST)
+    content = files.content(path, "mapping file", LARGEST)
     return mapping_from(plain_yaml.read(content, str(path)), str(path))
 
 

@@ -5,8 +5,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spirob.logs.schema import COMMAND_FIELDS
-from spirob.logs.wire import BYTES, FIXED32, FIXED64, double, field, fields, integer, tag
+from spirob.logs.schema import (
+    BYTES,
+    COMMAND_FIELDS,
+    FIXED32,
+    FIXED64,
+    double,
+    field,
+    fields,
+    integer,
+    tag,
+)
 from spirob.robot import MOTORS
 
 _STAMP, _ID = tag(1, FIXED64)[0], tag(2, FIXED32)[0]

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from spirob.errors import DataError, MissingChannel, MissingLog
-from spirob.logs.atomic import replacing
+from spirob.files import replacing
 from spirob.trace import Trace
 
 LARGEST = 2**29  # bytes

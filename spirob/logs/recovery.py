@@ -23,9 +23,9 @@ from mcap.records import Attachment, Channel, Chunk, DataEnd, Header, Metadata, 
 from mcap.writer import CompressionType, Writer
 
 from spirob.errors import DataError
-from spirob.logs.atomic import replacing
+from spirob.files import replacing
 from spirob.logs.payloads import MESSAGE_HEAD, RECORD, records, stream, unpacking_limit
-from spirob.logs.records import BROKEN, MAGIC, read_bytes, unpack_chunk
+from spirob.logs.reader import BROKEN, MAGIC, read_bytes, unpack_chunk
 from spirob.logs.schema import SCHEMAS
 from spirob.logs.writer import CHUNK_BYTES
 

@@ -25,7 +25,7 @@ import spirob
 from spirob.can_protocol import CanFrame
 from spirob.drives import Drive
 from spirob.errors import DataError
-from spirob.logs.atomic import publish
+from spirob.files import publish
 from spirob.logs.cycles import Transmission
 from spirob.logs.messages import JointPacker, pack_command, pack_frame
 from spirob.logs.schema import (

@@ -12,11 +12,11 @@ import mujoco
 import numpy as np
 
 from spirob.errors import ConfigError, DataError
-from spirob.given_file import inside
-from spirob.given_number import MOST
+from spirob.files import inside
 from spirob.machine.model_file import load
 from spirob.machine.recording import Piece
 from spirob.machine.rig import Body
+from spirob.units import MOST
 
 BEYOND = 0.25  # of a joint's range, by which a log may exceed it
 

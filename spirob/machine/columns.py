@@ -4,8 +4,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from spirob.given_number import sized
-from spirob.units import UNITS, units_of
+from spirob.units import UNITS, sized, units_of
 
 TIME_UNITS = units_of("s")
 LENGTHS, ANGLES = units_of("m"), units_of("rad")

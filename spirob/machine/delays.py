@@ -5,12 +5,12 @@ after the other: no log is aligned to better than a sample.  A filter, a bus or 
 channel by tens of milliseconds besides.  Not fitted, that is friction, a lag, an elastic gear or an
 efficiency to whatever effect is free to follow it.
 
-Where effort and motion lie best over one another, whatever law the machine may have besides.
+So they are laid over one another where they fit best, whatever law the machine may have besides,
 
     argmin over δ of  min over effects of  min over p of |m(p) - e(t + δ)|²,   p in their bounds
 
-m is what the fitted numbers, dry friction, a weight and one effect of the library ask for on the
-measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into
+where m is what the fitted numbers, dry friction, a weight and one effect of the library ask for on
+the measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into
 friction and friction into a spring, so it is told apart from what is missing only beside what may
 be missing, and by bounds: an inertia or a friction below zero is none.  A law that holds a time or
 a memory is late by itself, and no judge of it.  Shifting the effort changes no column, so all

@@ -1,9 +1,8 @@
 """From logs to a verdict: a plain rig, or our arm logged by somebody else.
 
-Numbers that fail where nobody foresaw it, told in a sentence.
-
 Logs are read (`spirob.logs.readers`) and repaired (`recording`); `axis` fits, searches and judges a
-plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig` draws.
+plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig`
+draws.  Numbers that fail where nobody foresaw it are told in a sentence.
 """
 
 import re
@@ -21,7 +20,7 @@ from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
 from spirob.errors import ConfigError, DataError
-from spirob.given_file import named
+from spirob.files import named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile

@@ -1,12 +1,8 @@
 """A rig's diagnosis as plain data (`diagnosis.json`), and the model that stands after it.
 
-A rig's diagnosis as plain data: what `diagnosis.json` holds.
-
-The model that stands after a diagnosis, with all that another program needs to run it.
-
-Named effects belong to it, others do not: what is undecided or unknown goes home as fitted numbers
-alone.  The held-out logs go beside it, with what the model says of them, so that whoever runs it
-elsewhere can be compared.
+The model is told with all that another program needs to run it.  Named effects belong to it, others
+do not: what is undecided or unknown goes home as fitted numbers alone.  The held-out logs go beside
+it, with what the model says of them, so that whoever runs it elsewhere can be compared.
 """
 
 import inspect

@@ -1,7 +1,5 @@
 """The filters of a log, zero phase, and the noise of a motion sensor behind them.
 
-The noise of a motion sensor, and what is left of it in the effort that the model asks for.
-
 An encoder's counts, differentiated twice, are acceleration: J·a carries noise of its own, which no
 law explains and every smoothing of the model lowers.  So the filter is set by it where the
 description sets none, and no effect smaller than it is named.

@@ -4,10 +4,9 @@ Boosted trees predict the residual on folds left out from the signals of the mot
 they find is no law, but a ceiling: where they find nothing, no effect of these signals is missing;
 and the signals that they need describe an effect that the library does not hold.
 
-Linear regression within bounds, each fold of the samples predicted from the others.
-
-All of it follows from the products of the columns with one another and with the residual, summed
-over each fold: the samples are gone through once.
+Beside them stands a linear regression within bounds, each fold predicted from the others.  All of
+it follows from the products of the columns with one another and with the residual, summed over each
+fold: the samples are gone through once.
 """
 
 from dataclasses import dataclass

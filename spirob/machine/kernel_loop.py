@@ -5,9 +5,8 @@ from collections.abc import Callable
 from typing import Any
 
 from spirob.effects import Effect
-from spirob.effects.pasting import call, kernels
+from spirob.effects.generated import call, kernels, load
 from spirob.errors import EffectError
-from spirob.generated import load
 from spirob.ports import PORTS
 
 KIND = "kernel"

@@ -1,10 +1,8 @@
 """`RIG.yaml` and effects of one's own from disk; a mistake is an error that says where it stands.
 
-The effects that a description or a command line names: the library's, and files of one's own.
-
-Such a file is a program.  A description may come from anybody, so it names only files beside or
-below itself; any other is given by hand.  Each is tried in a process apart before it is run here:
-one that never ends, or ends the program, is told in a sentence.
+A file with an effect is a program.  A description may come from anybody, so it names only files
+beside or below itself; any other is given by hand.  Each is tried in a process apart before it is
+run here: one that never ends, or ends the program, is told in a sentence.
 """
 
 import signal
@@ -15,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from spirob import given_file, plain_yaml
+from spirob import plain_yaml
 from spirob.effects import Effect, all_effects, find_effects, load_file, replay
 from spirob.errors import ConfigError, EffectError
-from spirob.given_file import inside
+from spirob.files import checked, content, inside
 from spirob.logs.readers.isolation import Crashed, apart
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.kernel_loop import loop_of
@@ -33,17 +31,17 @@ def load_rig(path: Path | str) -> tuple[RigFile | ArmFile, Path]:
     Raises MissingLog where there is no file, DataError where it is none that can be read, and
     ConfigError with the place of the first mistake.
     """
-    content = plain_yaml.read(given_file.content(path, "rig description", LARGEST), str(path))
-    return described(content, str(path)), Path(path).parent
+    given = plain_yaml.read(content(path, "rig description", LARGEST), str(path))
+    return described(given, str(path)), Path(path).parent
 
 
-def described(content: object, where: str) -> RigFile | ArmFile:
+def described(given: object, where: str) -> RigFile | ArmFile:
     """The description in plain data; raises ConfigError naming `where` and the first mistake."""
-    if not isinstance(content, Mapping):
-        raise ConfigError(f"{where}: a rig is a mapping of keys, got {type(content).__name__}")
-    kind: type[RigFile] | type[ArmFile] = ArmFile if content.get("body") == "arm" else RigFile
+    if not isinstance(given, Mapping):
+        raise ConfigError(f"{where}: a rig is a mapping of keys, got {type(given).__name__}")
+    kind: type[RigFile] | type[ArmFile] = ArmFile if given.get("body") == "arm" else RigFile
     try:
-        return kind.model_validate(dict(content))
+        return kind.model_validate(dict(given))
     except ValidationError as error:
         raise ConfigError(f"{where}: {_first(error)}") from error
 
@@ -94,7 +92,7 @@ def tried(path: str, kernel: bool) -> None:
 
     Raises MissingLog or DataError where there is no file to read, EffectError where running fails.
     """
-    given_file.checked(path, "effect file")
+    checked(path, "effect file")
     try:
         loading, running = apart(_trial, path, LONGEST)
     except Crashed:

@@ -16,7 +16,7 @@ import mujoco
 from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import fromstring
 
-from spirob import given_file
+from spirob import files
 from spirob.errors import ConfigError
 
 LARGEST = 2**20  # bytes of a model file
@@ -51,7 +51,7 @@ def load(name: str, folder: Path) -> mujoco.MjModel:
 
     Raises MissingLog where there is none, DataError and ConfigError where it is not read.
     """
-    path = given_file.inside(name, folder, "body.mjcf")
+    path = files.inside(name, folder, "body.mjcf")
     text, meshes = checked(path)
     try:
         with unheard():
@@ -71,7 +71,7 @@ def checked(path: Path) -> tuple[str, dict[str, bytes]]:
 
     Raises MissingLog where there is none, ConfigError where it holds what is not read.
     """
-    tree = _parsed(given_file.content(path, "model", LARGEST), path)
+    tree = _parsed(files.content(path, "model", LARGEST), path)
     folders = _folders(tree)
     _only_what_moves(tree, path)
     meshes = _meshes(tree, path, *folders)
@@ -134,10 +134,10 @@ def _meshes(tree: Element, path: Path, beside: str, stripped: bool) -> dict[str,
         if (name := mesh.attrib.pop("file", None)) is None:
             continue
         given = Path(beside) / (Path(name).name if stripped else name)
-        file = given_file.inside(str(given), path.parent, "file")
+        file = files.inside(str(given), path.parent, "file")
         left = MESHES - sum(map(len, found.values()))
         plain = f"{len(found)}{file.suffix}"
-        found[plain] = given_file.content(file, "mesh", left)
+        found[plain] = files.content(file, "mesh", left)
         mesh.attrib.setdefault("name", file.stem)
         mesh.set("file", plain)
     return found

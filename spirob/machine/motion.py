@@ -1,8 +1,7 @@
 """The measured motion of all trials in a row, what the body asks for on it, and where it stands.
 
-Rows at which the axis stands, where dry friction may take any value below its level.
-
-A law of friction by speed says nothing there, yet such rows can outnumber the moving ones: whatever
+Where the axis stands, dry friction may take any value below its level.  A law of friction by speed
+says nothing there, yet such rows can outnumber the moving ones: whatever
 effect follows the drift of a hold would then be named in place of none.
 """
 

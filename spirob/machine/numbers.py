@@ -1,8 +1,7 @@
 """All numbers of a rig's inverse model: its own, those of single logs, those of the effects.
 
-Numbers that a log has for itself: a force, what the axis carries, where its position begins.
-
-Three masses on one lever, three pressures in one cylinder, a mount that was moved: the logs share
+A log may have numbers for itself: a force, what the axis carries, where its position begins.  Three
+masses on one lever, three pressures in one cylinder, a mount that was moved: the logs share
 a machine, and differ in one number each.  `logs` in a description gives it, `per_log` has it
 fitted; a held-out log's own numbers are fitted to that log, as they say nothing of the others.
 """

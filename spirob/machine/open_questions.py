@@ -3,8 +3,6 @@
 What is left of the chosen model may be another force, or another payload, in each log.  Such a
 number of every log has to pass what an effect has to pass.
 
-Does the position sensor sit at the load?  Asked where a description leaves it open.
-
 A sensor at the motor and one at the load, behind an elastic gear or one with play, see different
 motions.  What is left of the model chosen for the one may be what the laws of the other take.
 """

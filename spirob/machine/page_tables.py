@@ -1,8 +1,6 @@
-"""What the page shows of a rig's models: effort, motion, numbers, switches.
+"""What the page shows of a rig's models: effort, motion run forward, fitted numbers, switches.
 
-What any combination of a rig's first candidates leaves: the switches of its page.
-
-What the page shows of a rig's models: effort, motion run forward, fitted numbers.
+The switches tell what any combination of a rig's first candidates leaves.
 """
 
 from collections.abc import Mapping, Sequence

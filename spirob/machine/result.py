@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from spirob.logs.atomic import replacing, write_text
+from spirob.files import replacing, write_text
 from spirob.machine.composed import Composed
 
 

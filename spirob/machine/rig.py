@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from spirob.diagnosis.criteria import Criteria
-from spirob.given_number import Size
 from spirob.machine.columns import (
     ANGLES,
     EFFORTS,
@@ -23,7 +22,7 @@ from spirob.machine.columns import (
     MotionColumn,
     PositionColumn,
 )
-from spirob.units import units_of
+from spirob.units import Size, units_of
 
 __all__ = [
     "ANGLES",

@@ -2,8 +2,7 @@
 
 wrap.py         a wrap from a trial, or the reason why it is none; a wrap in its parts: free
                 motion, rise of the current, plateau; what a feature of it is
-temporal.py, spectral.py, electromechanical.py   the features themselves
-features.py     trials -> table of features
+features.py     the features themselves; trials -> table of features
 score.py        folds that hold whole diameters out; how far predictions are from the truth
 size.py         stacking: train and predict diameters; the two regressors below, and the
                 preparation of their inputs

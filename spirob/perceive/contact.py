@@ -25,7 +25,6 @@ import numpy as np
 
 from spirob.errors import ConfigError, DataError
 from spirob.parameter import Numbers, bounded
-from spirob.trace import Trace
 
 RULES = ("absolute", "relative", "slope")
 PAPER = "Alsarraj et al. 2026, active perception"
@@ -129,33 +128,6 @@ class ContactDetector:
         side = 1.0 if baseline >= 0.0 else -1.0
         level = float(recent[-self._smoothing :].mean())
         return baseline, side * (level - baseline), side * float(self._line @ recent)
-
-
-def find_contact(
-    trace: Trace,
-    channel: str,
-    settings: ContactSettings | None = None,
-    begins: float = 0.0,
-    ends: float | None = None,
-) -> Contact | None:
-    """The first contact in a channel of a trial between two times [s], or None.
-
-    channel  for example "right.current" or "right.current_filtered";  the contact's `sample` counts
-             from the start of the trial
-    Raises MissingChannel, and DataError naming the trial where the current is not finite.
-    """
-    values = trace[channel]
-    trace.require_finite([channel])
-    detector = ContactDetector(settings, trace.period)
-    first = int(np.searchsorted(trace.seconds, begins))
-    last = len(trace) if ends is None else int(np.searchsorted(trace.seconds, ends))
-    for value in values[first:last]:
-        found = detector.update(float(value))
-        if found is not None:
-            return Contact(
-                found.rule, found.sample + first, found.baseline, found.rise, found.slope
-            )
-    return None
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from sklearn.pipeline import Pipeline
 
+from spirob.perceive.features import SECONDS
 from spirob.perceive.passive import PassiveDetector, Response, features
-from spirob.perceive.spectral import SECONDS
 from spirob.perceive.wrap import LEAST_STROKE, STILL_MOVING
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.trace import Trace

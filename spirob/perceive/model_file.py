@@ -16,7 +16,7 @@ import numpy as np
 from sklearn.pipeline import Pipeline
 
 from spirob.errors import DataError
-from spirob.logs.atomic import write_bytes
+from spirob.files import write_bytes
 from spirob.perceive.size import SizeModel
 
 Kind = TypeVar("Kind")

@@ -187,17 +187,13 @@ class Feature:
 FEATURES: dict[str, Feature] = {}
 
 
-def feature(unit: str) -> Callable[[Callable[[Wrap], float]], Callable[[Wrap], float]]:
-    """Enter a function of a `Wrap` in `FEATURES` under its own name; its docstring is its meaning.
-
-    Its kind is the name of the file it stands in.
-    """
+def feature(unit: str, kind: str) -> Callable[[Callable[[Wrap], float]], Callable[[Wrap], float]]:
+    """Enter a function of a `Wrap` in `FEATURES` by its name; its docstring is its meaning."""
 
     def enter(measure: Callable[[Wrap], float]) -> Callable[[Wrap], float]:
         name, meaning = measure.__name__, (measure.__doc__ or "").strip()
         if not meaning or name in FEATURES:
             raise TypeError(f"feature '{name}' needs a docstring and a name of its own")
-        kind = measure.__module__.rpartition(".")[2]
         FEATURES[name] = Feature(name, kind, unit, meaning, measure)
         return measure
 

@@ -9,9 +9,8 @@ from functools import cache
 from spirob.control import host_loop, law
 from spirob.effects import Effect
 from spirob.effects.effect import SUFFIX, differences
-from spirob.effects.pasting import CALLED, call, kernels, pasted
+from spirob.effects.generated import CALLED, call, kernels, load, pasted
 from spirob.errors import EffectError
-from spirob.generated import load
 from spirob.plant import body, chain, loop, motor, objects, steps, tendon
 from spirob.ports import PORTS
 

@@ -34,7 +34,7 @@ def check_in_model(effect: type[Effect], plant: Plant | None = None) -> list[Fin
         plant = plant or Plant(Rig(), [effect])
     except NumbaError as wrong:
         return [Finding("compiled", f"it cannot be compiled: {str(wrong).splitlines()[0]}")]
-    for law in LAWS:
+    for law in IN_MODEL:
         try:
             out += [Finding(law.__name__, sentence) for sentence in law(effect, plant)]
         except SimulationError as wrong:
@@ -95,7 +95,8 @@ def found(effect: type[Effect], plant: Plant) -> Iterator[str]:
         yield f"in trial '{trial}' its strength is found as {best:.3f} of the true one"
 
 
-LAWS = (nested, seen, found)
+IN_MODEL = (nested, seen, found)
+LAWS = {law.__name__: law for law in (compiled, *IN_MODEL)}
 
 
 def _changes(effect: type[Effect], plant: Plant) -> dict[str, float]:

@@ -141,7 +141,7 @@ def _angles(motion: pd.DataFrame) -> np.ndarray:
 
 
 def _render(source: Path, target: Path) -> None:
-    asked = [sys.executable, "-m", "spirob.report.render", str(source), str(target)]
+    asked = [sys.executable, "-m", "spirob.report.clip", str(source), str(target)]
     given = {"MUJOCO_GL": "egl", **os.environ}  # needs no screen; the user's own choice comes first
     try:
         ran = subprocess.run(asked, env=given, capture_output=True, text=True, timeout=PATIENCE)

@@ -11,9 +11,8 @@ from typing import Protocol, runtime_checkable
 from spirob.can_protocol import FEEDBACK_ID, CanFrame, encode_command
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
-from spirob.safety.limits import Limits, of_currents, of_voltages
+from spirob.safety.limits import Limits, Stopped, Watched, of_currents, of_voltages, reason_to_stop
 from spirob.safety.motor import MotorState
-from spirob.safety.stop import Stopped, Watched, reason_to_stop
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 
@@ -27,7 +26,7 @@ class Armable(Protocol):
 
 
 class CurrentLoop(Protocol):
-    """Closes the current loop on the host; `spirob.trials.host` has the one of the paper."""
+    """Closes the current loop on the host; `spirob.trials.play` has the one of the paper."""
 
     def begin(self) -> None:
         """Forget the trial before."""

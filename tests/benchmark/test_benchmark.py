@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.benchmark import identification
-from spirob.benchmark.__main__ import MEASURES, main
+from spirob.benchmark import MEASURES, identification
+from spirob.cli.main import main
 from spirob.errors import ConfigError
 
 KEYS = {
@@ -33,7 +33,7 @@ def test_a_tiny_run_writes_its_figures(name, tmp_path):
     if name == "feedforward" and not any(map(shutil.which, ("cc", "gcc", "clang"))):
         pytest.skip("no C compiler is installed here")
     path = tmp_path / "figures.json"
-    main(["--tiny", "--only", name, "--json", str(path)])
+    assert main(["benchmark", "--tiny", "--only", name, "--json", str(path)]) == 0
     figures = json.loads(path.read_text())
     for key in KEYS[name]:
         assert math.isfinite(figures[key])

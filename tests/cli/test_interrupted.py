@@ -7,7 +7,7 @@ import pytest
 from dvc.exceptions import DvcException
 from dvc.repo import Repo
 
-from spirob.cli.interruption import discard_torn
+from spirob.cli.project import discard_torn
 
 
 @pytest.fixture

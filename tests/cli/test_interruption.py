@@ -10,9 +10,8 @@ from functools import partial
 
 import pytest
 
-from spirob.cli.interruption import Kept, alone
 from spirob.cli.main import main
-from spirob.cli.project import read_overrides, write_overrides
+from spirob.cli.project import Kept, alone, read_overrides, write_overrides
 from tests.cli.toy import toy
 
 

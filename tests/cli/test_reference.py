@@ -4,8 +4,8 @@ import importlib
 
 import pytest
 
+from spirob.cli.commands.reference import modules, page
 from spirob.cli.main import main
-from spirob.cli.reference import modules, page
 
 FOUND = {module.name: module for module in modules()}
 

@@ -6,7 +6,7 @@ import webbrowser
 
 import pytest
 
-from spirob.benchmark import __main__ as benchmark
+from spirob import benchmark
 from spirob.cli.main import main
 from tests.report.synthetic import TRIALS, write_run
 

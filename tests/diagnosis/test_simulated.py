@@ -121,6 +121,21 @@ def test_what_counts_is_fitted_until_it_settles_and_nothing_else_is(arm):
     assert settled.cost < one.cost
 
 
+def test_the_simplest_within_reach_settles_beside_the_leaders(arm, monkeypatch):
+    """Who has more numbers is ahead after a brief fit."""
+
+    def made(mean_square, numbers):
+        return SimpleNamespace(mean_square=mean_square, numbers=numbers, effects=(FRICTION,))
+
+    best, second, rich, simple, beyond = (
+        made(*of) for of in ((1.0, 3), (1.2, 3), (1.5, 4), (3.9, 1), (4.1, 1))
+    )
+    models, settled = arm(), []
+    monkeypatch.setattr(models, "settled", settled.append)
+    models._lead([beyond, rich, simple, second, best])
+    assert settled == [best, second, simple]
+
+
 def test_the_same_without_some_names_knows_nothing_of_them(arm):
     models = arm(measure=lambda found: Floor(0.02 if len(found.estimates) == 1 else 0.004, ""))
     bare = models.fitted((), {})

@@ -15,7 +15,7 @@ from spirob.drives.drive import Drive, translated
 from spirob.errors import ConfigError, MissingLog
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames
-from spirob.logs.records import read_content
+from spirob.logs.reader import read_content
 from spirob.safety import Limits
 from spirob.trials import Trial, record
 from tests.canbus.stalls import steady

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.contacts import judged
+from spirob.experiments import Side
 from spirob.experiments.contact_rates import (
     GAPS,
     MOTIONS,
@@ -15,7 +16,6 @@ from spirob.experiments.contact_rates import (
     in_parts,
     uncurlings,
 )
-from spirob.experiments.experiment import Side
 from spirob.perceive.contact import ContactSettings
 from tests.experiments.test_contact_rates import outcome
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spirob.experiments import Side
 from spirob.experiments.contact_rates import (
     MOTIONS,
     SCALES,
@@ -14,7 +15,6 @@ from spirob.experiments.contact_rates import (
     tuned,
     uncurlings,
 )
-from spirob.experiments.experiment import Side
 from spirob.perceive.contact import ContactSettings, levels
 from spirob.trials import Trial
 

@@ -8,9 +8,8 @@ import pytest
 from spirob.errors import ConfigError
 from spirob.experiments import Side
 from spirob.experiments.host_contact import HostContact
-from spirob.experiments.host_loop import GainSet
+from spirob.experiments.host_loop import GainSet, Windings
 from spirob.experiments.host_periodic import HostPeriodic, highest, mean_line, peak_interval
-from spirob.identify.winding import Windings
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate

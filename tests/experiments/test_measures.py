@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from spirob.experiments import Side, repeating
 from spirob.experiments.active_contact import ActiveContact
 from spirob.experiments.delay import Delay
-from spirob.experiments.experiment import Side, repeating
 from spirob.experiments.extreme_curl import knee
 from spirob.experiments.hysteresis import Hysteresis, loop_area
 from spirob.experiments.periodic_contact import PeriodicContact, seen

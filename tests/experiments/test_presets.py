@@ -10,8 +10,7 @@ from pipeline.checks import check
 from pipeline.config import composed
 from pipeline.schema import validated
 from spirob.errors import ConfigError
-from spirob.experiments import EXPERIMENTS, Side, experiment_from
-from spirob.experiments.experiment import SIDES, repeating
+from spirob.experiments import EXPERIMENTS, SIDES, Side, experiment_from, repeating
 from spirob.plant.single import Motion
 from spirob.trials import Trial
 

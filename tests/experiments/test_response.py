@@ -8,8 +8,8 @@ import pytest
 
 from spirob.control.law import Gains
 from spirob.emulator import EmulatedRobot
+from spirob.experiments import Side
 from spirob.experiments.active_contact import RIGHT, ActiveContact
-from spirob.experiments.experiment import Side
 from spirob.experiments.response import PERIOD, Recoil, Repeat, detected
 from spirob.logs import Transmission, read_log
 from spirob.perceive.contact import ContactSettings

@@ -15,8 +15,8 @@ from spirob.export import arm, exporting, targets
 from spirob.export.arm import CorrectedArm
 from spirob.export.arm_heldout import PLAYED, ArmHeldout
 from spirob.export.arm_motors import lever_of
+from spirob.files import write_text
 from spirob.identify.measurement import Measurement
-from spirob.logs.atomic import write_text
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
 from tests.documents import document

@@ -14,7 +14,7 @@ from spirob.export import targets
 from spirob.export.exporting import LOSS, about_of
 from spirob.export.heldout import Heldout
 from spirob.export.players import c, mujoco
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 from tests.export.machines import exported_model
 
 HINGED = {"joint_viscoelasticity", "mount_tilt", "rest_curvature", "stiffness_hardening"}

@@ -22,8 +22,8 @@ from mcap.stream_reader import StreamReader
 from spirob.errors import SpirobError
 from spirob.logs import read_log, read_parquet
 from spirob.logs.foreign import read_mapping
+from spirob.logs.reader import MAGIC, read_bytes
 from spirob.logs.readers import read_table
-from spirob.logs.records import MAGIC, read_bytes
 from spirob.logs.recovery import Survey, recover
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on

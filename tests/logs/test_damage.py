@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from spirob.errors import DataError, SpirobError
 from spirob.logs import read_log
-from spirob.logs.records import MAGIC
+from spirob.logs.reader import MAGIC
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on
 

@@ -16,7 +16,7 @@ from spirob.can_protocol import database
 from spirob.logs import read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames
 from spirob.logs.payloads import locate
-from spirob.logs.records import read_content
+from spirob.logs.reader import read_content
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on
 

@@ -14,7 +14,7 @@ from spirob.can_protocol import (
 from spirob.errors import DataError, HardwareError, MissingChannel, MissingLog, TooShort
 from spirob.logs import Transmission, TrialLog, read_log, scene_of, schedule_of
 from spirob.logs.messages import unpack_frames
-from spirob.logs.records import read_content
+from spirob.logs.reader import read_content
 from spirob.logs.schema import COMMAND_TOPIC, RAW_TOPIC
 from spirob.robot import CYCLE_NS
 from spirob.trace import moving_average

@@ -3,8 +3,15 @@
 import pytest
 
 from spirob.logs.messages import JointPacker, pack_command, pack_frame
-from spirob.logs.schema import COMMAND_TOPIC, JOINTS_TOPIC, RAW_TOPIC, SCHEMAS
-from spirob.logs.wire import double, fields, integer
+from spirob.logs.schema import (
+    COMMAND_TOPIC,
+    JOINTS_TOPIC,
+    RAW_TOPIC,
+    SCHEMAS,
+    double,
+    fields,
+    integer,
+)
 
 
 def official(topic):

@@ -6,8 +6,8 @@ import yaml
 
 from spirob.machine.diagnosis import diagnose
 from spirob.report.rig import build_rig_page
-from spirob.report.rig.switches import RigSwitches
-from spirob.report.rig.verdict import kind
+from spirob.report.sections.switches import RigSwitches
+from spirob.report.sections.verdict import kind
 from tests.machine.rigs import description
 from tests.machine.test_diagnosis import log
 

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spirob.errors import ConfigError, DataError
-from spirob.perceive.contact import ContactDetector, ContactSettings, declared, find_contact, levels
-from spirob.trace import Trace
+from spirob.perceive.contact import ContactDetector, ContactSettings, declared, levels
 
 NEVER = {"absolute": 100.0, "relative": 100.0, "slope": 1e4}
 FULL = 400  # samples until the windows of the default settings are full
@@ -154,18 +153,6 @@ def test_a_sample_that_is_no_number_is_refused():
 def test_windows_and_periods_have_to_fit():
     with pytest.raises(ConfigError, match="does not fit"):
         ContactDetector(ContactSettings(window=0.01), period=0.01)
-
-
-def test_in_a_trial_between_two_times():
-    values = stepped(1.0, 2.0, at=1500, length=3000)
-    values[:300] = np.linspace(0, 1.0, 300)  # the start-up
-    stamps = np.arange(3000, dtype=np.int64) * 1_000_000
-    trace = Trace("t", stamps, {"right.current": values}, {"right.current": "A"})
-    assert 1500 <= find_contact(trace, "right.current", begins=0.4).sample <= 1520
-    assert find_contact(trace, "right.current", begins=0.4, ends=1.4) is None
-    values[10] = np.nan
-    with pytest.raises(DataError, match="non-finite"):
-        find_contact(trace, "right.current")
 
 
 RULES = st.builds(

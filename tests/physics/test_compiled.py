@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spirob.effects.discovery import find_effects
+from spirob.effects import find_effects
 from spirob.plant import Plant, Response
 from spirob.robot import Scene
 from tests.physics.playing import GEARED, winding

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import yaml
 
-from spirob.cli.interruption import discard_torn
+from spirob.cli.project import discard_torn
 
 SOURCE = Path(__file__).parents[2]
 SHORT = [

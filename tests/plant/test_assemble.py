@@ -5,8 +5,7 @@ import re
 
 import pytest
 
-from spirob.effects import Effect
-from spirob.effects.discovery import all_effects
+from spirob.effects import Effect, all_effects
 from spirob.errors import EffectError
 from spirob.plant import assemble
 from spirob.ports import PORTS

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from spirob.report.builder import render
+from spirob.report import render
 from spirob.report.sections.composed import Composed
 
 LAW = {

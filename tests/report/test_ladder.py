@@ -2,8 +2,8 @@
 
 import pytest
 
-from spirob.report.ladder import ceiling_sentence, ladder, rows
 from spirob.report.sections import discover
+from spirob.report.sections.ladder import ceiling_sentence, ladder, rows
 
 (LADDER,) = [s for s in discover() if s.name == "ladder"]
 

@@ -7,8 +7,19 @@ import pandas as pd
 import pytest
 
 from spirob.effects import all_effects
-from spirob.report.laws import LOAD, PLACE, SPEED, TIME, Law, against, law, medians
-from spirob.report.sections.laws import Laws, rivals, sentence
+from spirob.report.sections.laws import (
+    LOAD,
+    PLACE,
+    SPEED,
+    TIME,
+    Law,
+    Laws,
+    against,
+    law,
+    medians,
+    rivals,
+    sentence,
+)
 
 TIME_S = np.arange(0, 4, 0.01)
 FRICTION = 0.2 * np.sign(np.sin(TIME_S))

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.report.laws import against_itself, over_signal
-from spirob.report.rig.laws import RigLaws, law_of
+from spirob.report.sections.laws import RigLaws, against_itself, law_of, over_signal
 
 SPEED = np.linspace(-0.1, 0.1, 400)
 DIAGNOSIS = {"effort": "motor force", "unit": "N", "effects": []}

@@ -6,8 +6,7 @@ from importlib import resources
 
 import pytest
 
-from spirob.report import builder
-from spirob.report.rig.page import SECTIONS as RIG_SECTIONS
+import spirob.report
 from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
 from spirob.report.sections.object_size import mae_interval
@@ -23,7 +22,7 @@ def text(name, data):
     context = section.get_context(data)
     if why := section.absent(context):
         return why
-    return builder._environment().get_template(section.template).render(context)
+    return spirob.report._environment().get_template(section.template).render(context)
 
 
 def test_sections_stand_in_the_order_of_the_page():
@@ -51,9 +50,27 @@ def test_sections_stand_in_the_order_of_the_page():
     ]
 
 
+def test_sections_of_a_rig_stand_in_the_order_of_its_page():
+    assert [section.name for section in discover("rig")] == [
+        "verdict",
+        "composed",
+        "switches",
+        "overlay",
+        "motion",
+        "failure",
+        "ladder",
+        "laws",
+        "parameters",
+        "repairs",
+        "library",
+        "home",
+        "provenance",
+    ]
+
+
 def test_every_template_belongs_to_a_section_or_the_page():
     files = {f.name for f in resources.files("spirob.report").joinpath("templates").iterdir()}
-    used = {s.template for s in [*SECTIONS.values(), *RIG_SECTIONS]}
+    used = {s.template for s in [*SECTIONS.values(), *discover("rig")]}
     assert files == used | {"page.html.j2", "parts.html.j2", "effect.html.j2"}
 
 
@@ -313,7 +330,7 @@ def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
 
 def test_no_two_things_on_the_page_have_the_same_id(data):
     """A figure named like a section would be drawn in its place."""
-    page = re.sub(r"<script>.*?</script>", "", builder.render(data), flags=re.DOTALL)
+    page = re.sub(r"<script>.*?</script>", "", spirob.report.render(data), flags=re.DOTALL)
     found = re.findall(r'\bid="([^"]+)"', page)
     assert "transfer-error" in found
     assert len(found) == len(set(found))

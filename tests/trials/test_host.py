@@ -15,8 +15,7 @@ from spirob.plant import Plant, Rig
 from spirob.robot import Scene
 from spirob.safety import Limits, Stopped
 from spirob.trials import Trial, record
-from spirob.trials.host import HostCurrentLoop
-from spirob.trials.play import guard
+from spirob.trials.play import HostCurrentLoop, guard
 from spirob.trials.simulation import SimulatedRobot, simulate
 from tests.trials.trials import plain_trial
 

@@ -103,7 +103,7 @@ def test_a_stop_is_told_by_the_log_with_every_frame_of_its_last_cycle(tmp_path):
     from spirob.control.law import Gains
     from spirob.logs import Transmission
     from spirob.logs.messages import unpack_frames
-    from spirob.logs.records import read_content
+    from spirob.logs.reader import read_content
     from spirob.trials import Trial, record
     from tests.trials.trials import plain_trial
 

@@ -17,7 +17,7 @@ from spirob.diagnosis.criteria import Settings
 from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, DataError
-from spirob.logs.atomic import write_text
+from spirob.files import write_text
 
 TIMEOUT = 5.0  # s for the scheduler to answer, and then for its first worker
 

@@ -20,11 +20,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Measure one thing after the other."""
     import json
 
-    from spirob.benchmark.__main__ import MEASURES
+    from spirob.benchmark import MEASURES
     from spirob.benchmark.timing import TINY, Size
     from spirob.cli.progress import Progress
     from spirob.errors import ConfigError
-    from spirob.logs.atomic import write_text
+    from spirob.files import write_text
 
     chosen = arguments.only or list(MEASURES)
     if unknown := [name for name in chosen if name not in MEASURES]:

@@ -68,7 +68,7 @@ def _scan(arguments: argparse.Namespace) -> int:
 
 def _check(arguments: argparse.Namespace) -> int:
     from spirob.canbus import CanRobot, open_bus
-    from spirob.canbus.checking import check
+    from spirob.canbus.bus import check
     from spirob.drives import find_drive
     from spirob.drives.drive import require_fast_enough
     from spirob.errors import ConfigError

@@ -7,7 +7,7 @@ by --record alone: it plays the trials on the bus and leaves the logs that the p
 import argparse
 from contextlib import suppress
 
-from spirob.cli.choices import add_choices, advance, chosen, taken_up
+from spirob.cli.reproduce import add_choices, advance, chosen, taken_up
 
 HELP = "play the trials on the robot, and log them"
 ORDER = 20
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Record where that was asked for, then collect and decode."""
-    from spirob.cli.interruption import Kept
+    from spirob.cli.project import Kept
 
     with Kept(taken_up(arguments), chosen(arguments)) as kept:
         code = _recorded(arguments) if arguments.record else 0

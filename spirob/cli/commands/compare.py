@@ -8,7 +8,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
-from spirob.cli.choices import add_choices, advance
+from spirob.cli.reproduce import add_choices, advance
 
 HELP = "how far the model is from what was measured"
 ORDER = 30

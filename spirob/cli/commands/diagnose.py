@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from spirob.cli.progress import SearchProgress
-    from spirob.given_file import named
+    from spirob.files import named
     from spirob.machine.diagnosis import diagnose
 
     out = Path(named(arguments.out))

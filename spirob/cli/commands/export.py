@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from spirob.export.exporting import export
-    from spirob.given_file import named
+    from spirob.files import named
 
     diagnosis, out = Path(named(arguments.diagnosis)), Path(named(arguments.out))
     done = export(diagnosis, arguments.to, out, arguments.check)

@@ -7,7 +7,7 @@ does not come to its end are taken back.  Only what a change touches runs again.
 
 import argparse
 
-from spirob.cli.choices import add_choices, advance
+from spirob.cli.reproduce import add_choices, advance
 
 HELP = "the whole pipeline; only what a change touches runs again"
 ORDER = 10

@@ -11,11 +11,12 @@ With `--rigs` the machines are simulated axes of other people's kind, diagnosed 
 
 import argparse
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from spirob.campaign.running import Line
     from spirob.cli.progress import Progress
 
 HELP = "how often the diagnosis names what was hidden"
@@ -83,14 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.cli.progress import Progress
     from spirob.emulator.build import require_build
     from spirob.errors import ConfigError
-    from spirob.logs.atomic import write_text
+    from spirob.files import write_text
 
     seeds = _seeds(arguments.seeds)
     if arguments.out and arguments.out.is_dir():
         raise ConfigError(f"--out {arguments.out}: needs a file, not a folder")
     if arguments.rigs:
-        from spirob.cli.campaign import play_rigs
-
         return play_rigs(arguments, seeds)
     out = arguments.out or Path("data/trial.jsonl")
     kinds, ratios = _kinds(arguments.kinds), _ratios(arguments.ratios)
@@ -168,3 +167,84 @@ def _kinds(chosen: list[str]) -> list[str]:
             if part not in VISIBLE:
                 raise ConfigError(f"--kinds: no kind '{part}'; kinds: {', '.join(sorted(VISIBLE))}")
     return chosen or list(VISIBLE)
+
+
+CAMPAIGN = Path("data/campaign.jsonl")
+ROBOTS_ONLY = ("pairs", "scheduler")  # options that axes do not have
+
+
+def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
+    """Play simulated axes that have no result yet; 0 once all are played."""
+    import json
+
+    from spirob.campaign.case import Case, cases
+    from spirob.campaign.running import Line, known, play
+    from spirob.campaign.scoring import law_lines, laws, lines, rates
+    from spirob.cli.progress import Progress
+    from spirob.errors import ConfigError
+    from spirob.files import write_text
+
+    for name in ROBOTS_ONLY:
+        if getattr(arguments, name):
+            raise ConfigError(f"--{name}: not with --rigs")
+    path = arguments.out or CAMPAIGN
+    simulators = _simulators(arguments.simulators)
+    chosen = cases(
+        simulators,
+        _rig_kinds(arguments.kinds, simulators),
+        seeds,
+        arguments.nulls,
+        arguments.without,
+    )
+    there = known(path)
+    with Progress([case.name for case in chosen if case.name not in there]) as progress:
+
+        def tell(case: Case, line: Line) -> None:
+            progress.done(case.name, said=f"{case.name}: {_said(line)}; {progress.left()} left")
+
+        results = play(chosen, path, arguments.workers, tell)
+    table = rates(results)
+    print("\n".join(lines(table)))
+    if composed := laws(results):
+        print("\n".join(["", *law_lines(composed)]))
+    if arguments.json:
+        write_text(arguments.json, json.dumps({**table, "laws": composed}, indent=1) + "\n")
+    return 0
+
+
+def _said(line: "Line") -> str:
+    if line["said"] is None:
+        return str(line["refused"] or line["crashed"].strip().splitlines()[-1])
+    hidden = " + ".join(line["truth"]["hidden"]) or "nothing"
+    names = [f"{e['name']} ({e['probability']:.0%})" for e in line["said"]["effects"]]
+    answer = " + ".join(names) or line["said"]["verdict"]
+    return f"{hidden} hidden, {answer}: {line['outcome']['word']}"
+
+
+def _simulators(chosen: Sequence[str]) -> list[str]:
+    from spirob.campaign.simulators import SIMULATORS
+    from spirob.errors import ConfigError
+
+    for name in chosen:
+        if name not in SIMULATORS:
+            raise ConfigError(f"--simulators: no '{name}'; there are: {', '.join(SIMULATORS)}")
+    return list(chosen) or list(SIMULATORS)
+
+
+def _rig_kinds(chosen: Sequence[str], simulators: Sequence[str]) -> list[str]:
+    """The kinds as they are asked for, each of which a simulator can play."""
+    from spirob.campaign.case import able, together
+    from spirob.campaign.scoring import DRAWN, KINDS, NONE
+    from spirob.errors import ConfigError
+
+    for kind in chosen:
+        parts = [] if kind in (NONE, *DRAWN) else kind.split("+")
+        for part in parts:
+            if part not in KINDS:
+                whole = ", ".join([NONE, *sorted(KINDS), *DRAWN])
+                raise ConfigError(f"--kinds: no kind '{part}'; kinds: {whole}")
+        if not together(parts):
+            raise ConfigError(f"--kinds {kind}: an axis has one of these at a time")
+        if not any(able(simulator, kind) for simulator in simulators):
+            raise ConfigError(f"--kinds {kind}: none of {', '.join(simulators)} plays it")
+    return list(chosen)

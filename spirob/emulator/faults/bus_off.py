@@ -1,7 +1,7 @@
 """A bus on which nothing passes, in neither direction."""
 
 from spirob.can_protocol import CanFrame
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 
 
 class BusOff(Fault):

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from spirob.can_protocol import CanFrame
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 from spirob.parameter import bounded
 
 

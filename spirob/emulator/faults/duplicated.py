@@ -1,7 +1,7 @@
 """Frames that arrive twice."""
 
 from spirob.can_protocol import CanFrame
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 from spirob.parameter import bounded
 
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from spirob.can_protocol import Feedback
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 
 
 class EncoderStuck(Fault):

@@ -1,7 +1,7 @@
 """A drive that repeats one frame for ever."""
 
 from spirob.can_protocol import Feedback
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 
 
 class FeedbackFrozen(Fault):

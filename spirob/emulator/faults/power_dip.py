@@ -1,6 +1,6 @@
 """A supply that breaks down for a while."""
 
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 from spirob.parameter import bounded
 
 

@@ -1,7 +1,7 @@
 """A drive that says nothing any more."""
 
 from spirob.can_protocol import CanFrame
-from spirob.emulator.faults.fault import Course, Fault
+from spirob.emulator.faults import Course, Fault
 
 
 class SilentMotor(Fault):

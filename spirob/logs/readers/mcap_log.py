@@ -36,7 +36,7 @@ class McapLog:
 
     def __init__(self, asked: Asked) -> None:
         from spirob.errors import DataError
-        from spirob.logs.records import MAGIC
+        from spirob.logs.reader import MAGIC
         from spirob.logs.recovery import Survey
 
         with asked.path.open("rb") as file:

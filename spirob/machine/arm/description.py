@@ -1,6 +1,6 @@
 """The description of an arm that was logged elsewhere: `RIG.yaml` with `body: arm`.
 
-What holds the model to a measured motion, beside the measured current.
+The model is held to a measured motion beside the measured current by
 
     i = i_measured + K_v (v_measured - v + K_x (x_measured - x))
 
@@ -10,8 +10,6 @@ bandwidth ω = K_v n/m, with n newton an ampere and m kilograms at the drum.
 
 There is no integral.  The law takes i_measured as an error of the speed, i/K_v, and an integral
 would add it up; it then rings, and fits with numbers that make up for it left twenty times as much.
-
-What a description says of the numbers of the arm's model: known, or fitted between bounds.
 """
 
 from collections.abc import Sequence
@@ -25,7 +23,6 @@ from spirob.control.law import Gains
 from spirob.diagnosis import criteria
 from spirob.effects import Effect
 from spirob.errors import ConfigError
-from spirob.given_number import Size
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
 from spirob.machine.arm.shape import TOLERANCES
@@ -44,6 +41,7 @@ from spirob.parameter import Parameter
 from spirob.plant import Plant, Rig
 from spirob.plant.rig import COMPONENTS
 from spirob.unit_table import with_table
+from spirob.units import Size
 
 
 class CurrentColumn(Column):

@@ -1,9 +1,7 @@
 """Which logs of the arm are fitted, which choose, which are held out; blocks where there is one.
 
-Blocks of one log of the arm: the model plays it from rest, and a part of it is compared.
-
-The arm's state in the midst of a log is not in the log, so a late block cannot be begun where it
-begins: all that comes before it is played, too, but counts for nothing.
+The arm's state in the midst of a log is not in the log, so the model plays a log from rest: all
+that comes before a block is played, too, but counts for nothing.
 """
 
 from collections.abc import Sequence

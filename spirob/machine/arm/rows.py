@@ -1,10 +1,8 @@
-"""Which cycles of an arm's log are compared, and which its numbers determine.
+"""Which cycles of an arm's log are compared: those that its numbers determine.
 
 All of a log is played, as what the arm did before is in its state.  A row that is left out counts
 in no signal of its trial: both motors pull at one arm, and a current that one of them lacks is
 missing in what the other has to hold.
-
-Which cycles of an arm's log its numbers determine.
 
 An arm of point hinges between two taut tendons buckles: hinges snap from one side to the other, and
 which of them does so when, the scatter from hinge to hinge decides, of which nobody knows.  So each

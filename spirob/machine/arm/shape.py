@@ -1,20 +1,15 @@
 """The shape of an arm of another design: searched for, and what its logs tell of it.
 
-Where the fit of an arm of another design begins: its holes and stiffness, searched for.
-
 An arm whose hinges snap has a cost with many valleys, most of them as deep as each other, in which
 a fit ends where it began.  The length that the other motor winds in has wide ones: how much both
 tendons together are shortened by a bend follows from where their holes are.  So the numbers of
-`SHAPE` are searched for (`shape`) with that length weighed heavily, while those of the motors, on
+`SHAPE` are searched for with that length weighed heavily, while those of the motors, on
 which the current depends nearly linearly, are put right in each draw by one step with derivatives
 at a first fit.
 
-The lowest valley of a cost over a few bounded numbers, where slopes lead nowhere.
-
-Points spread evenly, then generations of children of the best: one parent, moved by the difference
-of two others and by noise that shrinks from generation to generation.
-
-Which numbers of an arm's build its logs tell, and which are left as drawn.
+The lowest valley of that cost is looked for by points spread evenly, then by generations of
+children of the best: one parent, moved by the difference of two others and by noise that shrinks
+from generation to generation.
 
 A drawing is built within tolerances.  A number is fitted where the logs halve what is not known of
 it, all others free beside it within theirs; else it is held where the drawing, or the search for
@@ -31,6 +26,7 @@ from spirob.errors import SimulationError
 from spirob.identify.builds import SURE, TOLERANCES
 from spirob.identify.descent import linear_step, robust_cost, slopes_ahead
 from spirob.identify.fit import STEPS, Fit
+from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import STRENGTH, Scaling
@@ -96,7 +92,7 @@ def searched_shape(
         for name, ends in SHAPE.items()
         if name in free
     }
-    heavy = near(replace(train, length=LENGTH), found.changes)
+    heavy = near(replace(train, length=LENGTH, trials=_deepest(train)), found.changes)
     assert isinstance(heavy, Residual)
     scaling = Scaling(train.table, list(found.estimates))
     u = scaling.scaled({n: found.changes[n] for n in scaling.names})
@@ -123,6 +119,17 @@ def searched_shape(
 
     best = evolved(lambda drawn: tried(drawn)[0], len(shape), progress)
     return tried(best)[1]
+
+
+def _deepest(train: Residual) -> list[Measurement]:
+    """Of each working motor the trial with the longest way: the shape shows in a deep bend."""
+    deepest: dict[tuple[int, ...], tuple[float, Measurement]] = {}
+    for trial in train.trials:
+        working = tuple(train.driven(trial))
+        way = float(np.ptp(trial.displacement[:, working], axis=0).max(initial=0.0))
+        if working not in deepest or way > deepest[working][0]:
+            deepest[working] = way, trial
+    return [trial for _, trial in deepest.values()]
 
 
 def _drawn(

@@ -1,16 +1,13 @@
-"""What a law is made of, and the terms among which one is composed.
+"""What a law is made of: terms, each an amplitude times one or two shapes without a unit.
 
-What a law is made of: terms, each an amplitude times one or two shapes without a unit.
-
-Units therefore hold by construction.  A shape is a text in the names of `track`; the same text is
+Units hold by construction.  A shape is a text in the names of `track`; the same text is
 evaluated along a motion, stands in the equation of a written law, and in its kernel.
 
-The terms among which a law is composed: shapes of one signal, and products of two.
-
-A place may be a power, a spot, a wave or a curve; a speed has its direction, powers, fading and
-saturation; time drifts, comes again or decays; a load counts with sign or without; and what
-remembers is a bristle, a spring that yields, or what follows a signal slowly.  Numbers of a shape
-start from a grid; those of waves where the residual's spectrum has peaks.
+A law is composed among shapes of one signal and products of two.  A place may be a power, a spot, a
+wave or a curve; a speed has its direction, powers, fading and saturation; time drifts, comes again
+or decays; a load counts with sign or without; and what remembers is a bristle, a spring that
+yields, or what follows a signal slowly.  Numbers of a shape start from a grid; those of waves where
+the residual's spectrum has peaks.
 """
 
 import re

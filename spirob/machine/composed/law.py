@@ -2,9 +2,8 @@
 
     τ = -Σ A_k·φ_k
 
-φ have no unit, A are torques: a positive amplitude of a term along the motion brakes.
-
-Where a motion leaves the range in which a law was taught: there it says nothing.
+φ have no unit, A are torques: a positive amplitude of a term along the motion brakes.  Outside of
+the range of motion in which it was taught, a law says nothing.
 """
 
 import math

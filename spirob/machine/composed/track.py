@@ -1,10 +1,8 @@
 """The signals that a composed law may read, and memories that follow them.
 
-Memories of a law: bristles that turn round over a way, and what follows a signal slowly.
-
-Each is advanced exactly over a step, along a motion here and, in the same words, in a written law.
-
-The signals that a composed law may read, along all trials, and the sizes in which they count.
+Signals run along all trials, in the sizes in which they count.  Memories are bristles that turn
+round over a way, and what follows a signal slowly; each is advanced exactly over a step, along a
+motion here and, in the same words, in a written law.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,11 +1,7 @@
 """A composed law as an ordinary effect file, and in words.
 
-A composed law in words: what shape it has.
-
-A composed law as an ordinary effect file, which everything that takes effects takes.
-
-What stands in the file are texts of the grammar and floats as Python writes them; no name of a log,
-a column or a rig ever becomes a part of it.
+Everything that takes effects takes such a file.  What stands in it are texts of the grammar and
+floats as Python writes them; no name of a log, a column or a rig ever becomes a part of it.
 """
 
 import re

@@ -1,15 +1,11 @@
 """A rig's axis, ready to be run by the effort that acted, and its body as a table.
 
-The body behind the motor as a table over the position, for running forward.
-
     F(q, v, a) = M(q)·a + g(q) + d(q)·v + c(q)·v² + dry(q)·sign(v)
 
 F is what inverse dynamics asks of the drive, and five motions at each position give the five terms:
 so whatever the model file holds (springs, dampers, armature, dry friction, a tendon's lever and its
 change with the joint) counts here as it does there.  Other joints move as they were measured: with
 them F changes along the log, the table has rows along it, and d holds their Coriolis forces.
-
-A rig's axis with the effects of one model, ready to be run by the effort that acted.
 """
 
 from collections.abc import Callable, Mapping, Sequence

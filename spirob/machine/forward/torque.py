@@ -1,11 +1,7 @@
 """The torque on an axis as compiled code, and an axis stepped forward in time under it.
 
-The torque on an axis as compiled code: the kernels of a set of effects, at a state of the axis.
-
 One function is generated for each set, as for the coupled loop of the arm: what is not in the set
-costs nothing.
-
-Steps of an axis forward in time, as they are pasted behind the generated `torque` and compiled.
+costs nothing.  Steps forward in time are pasted behind it and compiled.
 
     (J + M)·dv/dt = T(q, v, ...) = torque - b·v - k·q - g - d·v - c·v² - dry·sign(v),    dq/dt = v
 
@@ -22,8 +18,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from spirob.effects import Effect
-from spirob.effects.pasting import ENTRY, MARKED, call, kernels, pasted
-from spirob.generated import load
+from spirob.effects.generated import ENTRY, MARKED, call, kernels, load, pasted
 from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE
 from spirob.machine.kernel_loop import KIND
 

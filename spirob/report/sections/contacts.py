@@ -6,7 +6,7 @@ from typing import Any
 from spirob.report import figures
 from spirob.report.data import ReportData
 from spirob.report.figures import DOMAINS, THRESHOLDS, WITHIN, Plot
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import MISSING, fixed, percent
 
 SIGNALS = {"current": "raw current", "filtered": "100-sample mean"}

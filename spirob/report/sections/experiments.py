@@ -11,7 +11,7 @@ from plotly.subplots import make_subplots
 
 from spirob.report.data import ReportData
 from spirob.report.figures import BASE, INK, MEASURED, NAMED, NEUTRAL, Plot, blank
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import MISSING, is_number, number, unit_text
 
 SIDES = ("robot", "base", "named", "single")

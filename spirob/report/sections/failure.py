@@ -5,7 +5,7 @@ from typing import Any
 from spirob.report import figures
 from spirob.report import regimes as regime_figures
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column, fixed, is_number, number, percent
 
 
@@ -15,6 +15,7 @@ class Failure(Section):
     order = 30
     title = "Where it fails"
     template = "failure.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         regimes = sorted(data.diagnosis["atlas"], key=lambda r: -(r["share_of_error"] or 0))

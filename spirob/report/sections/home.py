@@ -3,7 +3,7 @@
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 
 TARGETS = (  # target, for whom, what it holds
     ("mujoco", "plain MuJoCo", "every effect, stepped beside mj_step by a small Python module"),
@@ -34,6 +34,7 @@ class Home(Section):
     order = 82
     title = "Take it home"
     template = "home.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         told = data.diagnosis

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
 from spirob.report.figures import NAMED, Plot, bars
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import column, fixed
 
 

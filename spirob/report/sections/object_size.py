@@ -7,7 +7,7 @@ import pandas as pd
 
 from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import fixed, is_number, percent
 
 PAPER = {"simulation": {"mae": 1.12, "r2": 0.98}, "robot": {"mae": 3.95, "r2": 0.76}}

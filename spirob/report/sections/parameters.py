@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import (
     fixed,
     given,
@@ -27,6 +27,7 @@ class Parameters(Section):
     order = 50
     title = "Parameters"
     template = "parameters.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.identified["parameters"]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import MISSING, fixed, percent
 
 REGIONS = ("base", "middle", "tip")

@@ -3,7 +3,7 @@
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import number
 
 
@@ -13,6 +13,7 @@ class ProvenanceSection(Section):
     order = 90
     title = "Provenance"
     template = "provenance.html.j2"
+    pages = ("arm", "rig")
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         found = data.provenance

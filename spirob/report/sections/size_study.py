@@ -8,7 +8,7 @@ from spirob.perceive.size import SizeSettings
 from spirob.report import figures
 from spirob.report.data import ReportData
 from spirob.report.figures import SIZE_DOMAINS, Plot
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import fixed
 
 SHIPPED = "shipped: both, boosting the rest"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import MISSING, column
 
 MOST_ROWS = 200

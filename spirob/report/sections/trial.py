@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
 from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 from spirob.report.words import fixed, is_number, percent
 
 RATES = {

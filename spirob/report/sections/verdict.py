@@ -1,4 +1,4 @@
-"""The first screen: the verdict, how much it explains, and the arm in motion."""
+"""The first screen: the verdict, how much it explains, the arm in motion or a rig's ladder."""
 
 import base64
 import math
@@ -8,8 +8,8 @@ import numpy as np
 
 from spirob.report import arm
 from spirob.report.data import ReportData
-from spirob.report.ladder import ladder_plot
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
+from spirob.report.sections.ladder import ladder_plot
 from spirob.report.words import EFFORT, column, fixed, is_number, percent
 
 KINDS = {
@@ -159,3 +159,26 @@ def apart_sentence(data: ReportData) -> str:
 def heldout(rung: dict[str, Any]) -> float | None:
     """Held-out RMSE of a rung, if it has one."""
     return (rung.get("heldout") or {}).get("rmse")
+
+
+class RigVerdict(Section):
+    """Verdict of a rig's diagnosis; there is no arm to be shown."""
+
+    order = 10
+    title = "Verdict"
+    template = "rig_verdict.html.j2"
+    pages = ("rig",)
+
+    def get_context(self, data: ReportData) -> dict[str, Any]:
+        diagnosis = data.diagnosis
+        unit, rungs = diagnosis["unit"], diagnosis["ladder"]
+        noise_floor = diagnosis.get("noise_floor")
+        return {
+            "kind": kind(diagnosis),
+            "sentence": diagnosis["sentence"],
+            "explanation": diagnosis["explanation"],
+            "gain": gain_sentence(rungs, noise_floor, unit),
+            "floor": floor_sentence(diagnosis),
+            "ladder": ladder_plot(rungs, noise_floor, unit),
+            "repairs": diagnosis["repairs"],
+        }

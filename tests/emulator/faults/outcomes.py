@@ -11,7 +11,7 @@ from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import unpack_frames
-from spirob.logs.records import read_content
+from spirob.logs.reader import read_content
 from spirob.safety import Limits
 from spirob.trace import Trace
 from spirob.trials import Trial, record

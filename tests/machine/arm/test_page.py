@@ -14,7 +14,7 @@ from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.page_tables import laws
 from spirob.plant import Plant
-from spirob.report.rig.laws import law_of
+from spirob.report.sections.laws import law_of
 from tests.machine.arm.elsewhere import log, rig, write
 
 FRICTION = all_effects()["coulomb_friction"]

@@ -1,8 +1,10 @@
-"""The lowest of many valleys is found where slopes lead nowhere."""
+"""The lowest of many valleys is found where slopes lead nowhere, in the deepest bends."""
+
+from types import SimpleNamespace
 
 import numpy as np
 
-from spirob.machine.arm.shape import evolved
+from spirob.machine.arm.shape import _deepest, evolved
 
 PLACE = np.array([0.62, 0.31, 0.5, 0.77, 0.45])
 
@@ -26,3 +28,15 @@ def test_the_same_each_time_and_where_some_costs_cannot_be_told():
     first, second = (evolved(torn, 5, lambda text: None) for _ in range(2))
     np.testing.assert_array_equal(first, second)
     assert first[0] <= 0.7
+
+
+def test_the_deepest_bend_of_either_motor_is_searched():
+    def bend(motor, way):
+        wound = np.zeros((5, 2))
+        wound[3, motor] = way
+        wound[3, 1 - motor] = 1.0  # how far the other one gives is no bend of its own
+        return SimpleNamespace(motor=motor, displacement=wound)
+
+    trials = [bend(0, 0.01), bend(1, 0.03), bend(0, 0.02), bend(1, 0.01)]
+    train = SimpleNamespace(trials=trials, driven=lambda trial: [trial.motor])
+    assert _deepest(train) == [trials[2], trials[1]]

@@ -15,7 +15,7 @@ from spirob.logs.reader import RAW_TOPIC, read_content
 from spirob.perceive.features import extract
 from spirob.plant import Rig
 from spirob.trials import Trial, record
-from spirob.trials.host import HostCurrentLoop
+from spirob.trials.play import HostCurrentLoop
 
 
 def pushed(folder):

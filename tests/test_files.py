@@ -1,11 +1,14 @@
-"""Whatever a path leads to is a file that can be read, or a sentence; nothing waits for ever."""
+"""Whatever a path leads to is a file that can be read, or a sentence; nothing waits for ever.
+
+A file that is written appears whole or not at all.
+"""
 
 import os
 
 import pytest
 
 from spirob.errors import DataError, MissingLog
-from spirob.given_file import content
+from spirob.files import content, replacing, write_bytes, write_text
 
 
 def test_a_file_is_read_as_far_as_it_may_go(tmp_path):
@@ -41,3 +44,31 @@ def test_a_file_that_may_not_be_read_is_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may read anything
     with pytest.raises(DataError, match="may not be read"):
         content(tmp_path / "closed", "note", 100)
+
+
+def test_content_arrives_under_the_name(tmp_path):
+    write_text(tmp_path / "new" / "a.txt", "ä\n")
+    write_bytes(tmp_path / "b", b"\x00")
+    assert (tmp_path / "new" / "a.txt").read_bytes() == "ä\n".encode()
+    assert (tmp_path / "b").read_bytes() == b"\x00"
+
+
+def test_a_name_that_is_no_text_can_be_written(tmp_path):
+    write_text(tmp_path / "a.txt", os.fsdecode(b"log\xff.csv"))
+    assert (tmp_path / "a.txt").read_text() == "log?.csv"
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
+    target = tmp_path / "a.txt"
+    write_text(target, "old")
+    with pytest.raises(ZeroDivisionError), replacing(target) as temporary:
+        temporary.write_text("half")
+        raise ZeroDivisionError
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_the_temporary_file_lies_in_the_same_folder(tmp_path):
+    with replacing(tmp_path / "a") as temporary:
+        assert temporary.parent == tmp_path
+        temporary.write_bytes(b"")

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from spirob.effects import all_effects
-from spirob.report.effect_card import card, equation, equations, expression, symbol, word
+from spirob.report.sections.library import card, equation, equations, expression, symbol, word
 
 EFFECTS = all_effects()
 

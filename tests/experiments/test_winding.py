@@ -5,7 +5,7 @@ import pytest
 
 from spirob.control.host_loop import Winding
 from spirob.errors import DataError
-from spirob.identify.winding import answer, windings
+from spirob.experiments.host_loop import answer, windings
 from spirob.plant.motor import held_current
 from spirob.plant.rig import Motor
 

@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.report.combinations import combinations, key, played, switchable, widened
-from spirob.report.sections.switches import Switches
+from spirob.report.sections.switches import Switches, combinations, key, played, switchable, widened
 from tests.report.synthetic_results import DIAGNOSIS
 
 TIME = np.arange(0, 8, 0.01)

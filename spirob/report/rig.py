@@ -1,4 +1,4 @@
-"""Puts a rig's diagnosis on one page: verdict first, then overlay, failure, ladder, repairs."""
+"""Puts a rig's diagnosis on one page, of the sections that say they stand there."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,38 +6,10 @@ from typing import Any, Protocol
 
 import pandas as pd
 
-from spirob.report.builder import render
+from spirob.report import render
 from spirob.report.data import ReportData
 from spirob.report.provenance import collect
-from spirob.report.rig.composed import RigComposed
-from spirob.report.rig.laws import RigLaws
-from spirob.report.rig.motion import RigMotion
-from spirob.report.rig.overlay import RigOverlay
-from spirob.report.rig.repairs import Repairs
-from spirob.report.rig.switches import RigSwitches
-from spirob.report.rig.verdict import RigVerdict
-from spirob.report.sections.failure import Failure
-from spirob.report.sections.home import Home
-from spirob.report.sections.ladder import Ladder
-from spirob.report.sections.library import Library
-from spirob.report.sections.parameters import Parameters
-from spirob.report.sections.provenance import ProvenanceSection
-
-SECTIONS = (
-    RigVerdict,
-    RigComposed,
-    RigSwitches,
-    RigOverlay,
-    RigMotion,
-    Failure,
-    Ladder,
-    RigLaws,
-    Parameters,
-    Repairs,
-    Library,
-    Home,
-    ProvenanceSection,
-)
+from spirob.report.sections import discover
 
 
 class Shown(Protocol):
@@ -88,7 +60,7 @@ def build_rig_page(found: Shown) -> str:
         metrics={},
         provenance=provenance,
     )
-    return render(data, [section() for section in SECTIONS])
+    return render(data, discover("rig"))
 
 
 def _with_heldout(document: dict[str, Any]) -> dict[str, Any]:

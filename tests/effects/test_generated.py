@@ -6,7 +6,7 @@ import sys
 
 PROGRAM = """
 import os, tempfile
-from spirob.generated import load
+from spirob.effects.generated import load
 made = [load(f"number = {k}", "sample") for k in range(3)]
 assert [m.number for m in made] == [0, 1, 2]
 print(len(os.listdir(tempfile.gettempdir())))

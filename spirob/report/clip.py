@@ -1,6 +1,6 @@
 """Renders the arm's motion with MuJoCo; run as a process of its own, as `film` does.
 
-    python -m spirob.report.render MOTION.npz CLIP.webp
+    python -m spirob.report.clip MOTION.npz CLIP.webp
 
 MOTION holds `angles` of the hinges [rad], (frames, N), and the lengths of a `SpiralArm`.  A broken
 graphics driver may end the process instead of raising, and MUJOCO_GL must be set before MuJoCo is

@@ -8,8 +8,7 @@ import pytest
 
 from spirob.can_protocol import COMMAND_ID, decode_command
 from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.bus import listen
-from spirob.canbus.checking import check
+from spirob.canbus.bus import check, listen
 from spirob.cli.main import main
 from spirob.drives import find_drive
 from spirob.emulator import EmulatedRobot

@@ -3,7 +3,7 @@
 from typing import Any
 
 from spirob.report.data import ReportData
-from spirob.report.sections.section import Section
+from spirob.report.sections import Section
 
 
 class Repairs(Section):
@@ -12,6 +12,7 @@ class Repairs(Section):
     order = 60
     title = "Data and limits"
     template = "rig_repairs.html.j2"
+    pages = ("rig",)
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         return {

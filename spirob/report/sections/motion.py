@@ -7,15 +7,13 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
-from spirob.report.figures import Plot, blank
-from spirob.report.overlay import LOOKS
-from spirob.report.sections.section import Section
+from spirob.report.figures import Plot
+from spirob.report.sections import Section
+from spirob.report.sections.overlay import Signals, models, stacked, thinned
 from spirob.report.words import number, shown
 
 NOT_ASKED = "The description asks for no motion (predict: motion or closed_loop)."
 MOST_TRIALS = 3  # held-out ones first
-MOST_SAMPLES = 2000
-HEIGHT = 420  # pixels
 LOGS = {"test": "held out", "train": "fitted"}
 COLUMNS = (  # of the table: entry of a role, quantity, what it is called
     ("window", "position", "position, {horizon} [{position}]"),
@@ -32,6 +30,7 @@ class RigMotion(Section):
     order = 22
     title = "Motion predicted"
     template = "rig_motion.html.j2"
+    pages = ("rig",)
 
     @staticmethod
     def absent(context: dict[str, Any]) -> str:
@@ -109,38 +108,17 @@ def _cell(score: dict[str, Any] | None, factor: float) -> tuple[str, str]:
 
 def motion_figure(rows: pd.DataFrame, named: str, unit: str) -> go.Figure:
     """Position above, what is missed of it below; `named` is empty where no effect was named."""
-    kept = rows.iloc[:: max(1, -(-len(rows) // MOST_SAMPLES))]
-    time = [round(float(t), 4) for t in kept["time"]]
+    kept = thinned(rows)
     unit, factor = shown(unit)
-    names = {"measured": "measured", "base": "fitted numbers", "named": f"with {named}"}
-    figure = blank(HEIGHT, hovermode="x", dragmode="zoom")
     measured = kept["position"].to_numpy(float)
     below = "window" if "base_position_window" in kept else "whole"
-    for origin, look in LOOKS.items():
-        if origin == "named" and not named:
-            continue
-        whole = measured if origin == "measured" else kept[f"{origin}_position_whole"].to_numpy()
-        drawn = [("y", whole)]
-        if origin != "measured":
-            drawn.append(("y2", kept[f"{origin}_position_{below}"].to_numpy() - measured))
-        for axis, values in drawn:
-            figure.add_scatter(
-                x=time,
-                y=[float(f"{factor * v:.5g}") for v in values],
-                name=names[origin],
-                legendgroup=origin,
-                showlegend=axis == "y",
-                line=look,
-                mode="lines",
-                yaxis=axis,
-                hovertemplate=f"%{{y:.4g}} {unit}",
-            )
+    signals: Signals = {"measured": (factor * measured, None)}
+    for origin in models(named):
+        missed = kept[f"{origin}_position_{below}"].to_numpy() - measured
+        signals[origin] = (factor * kept[f"{origin}_position_whole"].to_numpy(), factor * missed)
+    figure = stacked(kept["time"], signals, named, "position", unit)
     # a model that runs away would leave the measured motion as a flat line
     room = 0.5 * float(np.ptp(measured))
     ends = [factor * float(measured.min() - room), factor * float(measured.max() + room)]
-    figure.update_layout(
-        xaxis={"title": {"text": "time [s]"}, "anchor": "y2"},
-        yaxis={"domain": [0.42, 1.0], "title": {"text": f"position [{unit}]"}, "range": ends},
-        yaxis2={"domain": [0.0, 0.34], "title": {"text": f"model − measured [{unit}]"}},
-    )
+    figure.update_layout(yaxis_range=ends)
     return figure

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.report.rig.motion import RigMotion, motion_figure, table
+from spirob.report.sections.motion import RigMotion, motion_figure, table
 
 TIME = np.arange(0, 2, 0.01)
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from spirob.cli.battery import MODEL_LAWS
 from spirob.cli.main import main
 from spirob.effects.check import LAWS
+from spirob.plant.check import LAWS as MODEL_LAWS
 from tests.effects.effects import TEMPLATE
 
 RETURNED = "return -drag * math.exp(-warmth) * math.tanh(speed / rest_speed), warmth"
