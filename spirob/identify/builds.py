@@ -3,15 +3,11 @@
 Nobody builds to the drawing, and a fit takes up only a part of that.  So builds are drawn in the
 model about the machine at hand, and played in its own trials,
 
-    r_b(d) = r(p + d, b) - r(p, 0),      s(d) = argmin_s Σ_train w (r_b(d) + J s)²,
+    r_b = r(p, b) - r(p, 0),      d_b = argmin Σ_train w (r_b + J d)²,      e_b = r_b + J d_b,
 
-    d_b = s(0),      e_b = r_b(d_b) + J s(d_b),
-
-J being the slopes by the fitted numbers: two steps of Gauss and Newton, the first of them played.
-One step alone leaves what is not linear, most of all of an arm that is about to buckle; it stands
-where the play after it is farther off than the build was.  What e_b leaves of the trials that no
-fit has seen is what the very same fit leaves of such a machine with nothing hidden in it.  Nothing
-that was measured takes part, so an effect does not raise the floor under itself.
+J being the slopes by the fitted numbers.  What e_b leaves of the trials that no fit has seen is
+what the very same fit leaves of such a machine with nothing hidden in it.  Nothing that was
+measured takes part, so an effect does not raise the floor under itself.
 
 Where an arm is about to buckle, builds are far apart for a moment.  Such a moment tells little of a
 machine whose build is not known, so each cycle counts by its own variance,
@@ -31,7 +27,7 @@ one more build beside n drawn ones leaves no more than
 (Satterthwaite, Biometrics Bulletin 2, 1946), which is steadier than the largest of them.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -39,7 +35,7 @@ import numpy as np
 import scipy
 
 from spirob.errors import SimulationError
-from spirob.identify.descent import linear_step, robust_cost, slopes_ahead
+from spirob.identify.descent import linear_step, slopes_ahead
 from spirob.identify.fit import STEPS, anchor_of
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
@@ -114,67 +110,22 @@ class Builds:
         table, names, numbers = whole.table, self.names, self.numbers
         values = dict(zip(table.names, table.vector(numbers).tolist(), strict=True))
         scaling, at = Scaling(table, names), whole(numbers)
+        u = scaling.scaled(values)
         held = {n: v for n, v in numbers.items() if n not in names}
-        slopes = slopes_ahead(whole, scaling, scaling.scaled(values), held, at, STEPS[-1])
-        still = anchor_of(train, scaling).rows(scaling.scaled(values))[0]
-        refit = Refit(slopes, fitted, still, scaling, self.scale)
+        slopes = slopes_ahead(whole, scaling, u, held, at, STEPS[-1])
+        low, high = scaling.around(u)
+        room = low - u, high - u
+        still = anchor_of(train, scaling).rows(u)[0], np.zeros(len(names))
         rng, units = np.random.default_rng(seed), plant.rig.units
         for _ in range(DRAWS):
             factors, off = hinges(rng, units), holes(rng, units) if self.single else None
             build = replace(whole, plant=plant.scattered(factors, off))
-            drawn = _drawn(rng, self.widths, values, whole)
             try:
-                yield refit.left(lambda n, of=build: of({**numbers, **n}) - at, values, drawn)  # type: ignore[misc]
+                apart = build({**numbers, **_drawn(rng, self.widths, values, whole)}) - at
             except SimulationError:
                 continue  # such a build cannot be played
-
-
-@dataclass(frozen=True)
-class Refit:
-    """Fits of builds by the slopes of the machine at hand.
-
-    slopes  J of all samples, (N, n), of which the first `fitted` are fitted
-    still   rows that hold the numbers where the data say nothing
-    scale   of the robust loss
-    """
-
-    slopes: np.ndarray
-    fitted: int
-    still: np.ndarray
-    scaling: Scaling
-    scale: float
-
-    def left(
-        self,
-        missed: Callable[[Mapping[str, float]], np.ndarray],
-        values: Mapping[str, float],
-        drawn: Mapping[str, float],
-    ) -> np.ndarray:
-        """e_b, (N,).
-
-        missed  r_b of these changes;  values  all numbers of the machine;  drawn  those of a build
-        """
-        u = self.scaling.scaled({**values, **drawn})
-        first = missed(drawn)
-        step = self._step(first, u, np.zeros(len(u)))
-        once = first + self.slopes @ step
-        try:
-            second = missed({**drawn, **self.scaling.physical(u + step)})
-        except SimulationError:
-            return once
-        if self._cost(second) > self._cost(first):
-            return once
-        return np.asarray(second + self.slopes @ self._step(second, u, step))
-
-    def _step(self, missed: np.ndarray, u: np.ndarray, moved: np.ndarray) -> np.ndarray:
-        low, high = self.scaling.around(u)
-        room = low - u - moved, high - u - moved
-        anchor = self.still, self.still @ moved
-        k = self.fitted
-        return linear_step(missed[:k], self.slopes[:k], room, self.scale, anchor)
-
-    def _cost(self, missed: np.ndarray) -> float:
-        return robust_cost(missed[: self.fitted], self.scale)
+            step = linear_step(apart[:fitted], slopes[:fitted], room, self.scale, still)
+            yield apart + slopes @ step
 
 
 def weighted(

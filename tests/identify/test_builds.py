@@ -1,22 +1,11 @@
 """What builds of a machine leave after a fit: as much as machines do that are built so."""
 
-from itertools import count
-
 import numpy as np
 import pytest
 
 from spirob.diagnosis.criteria import Settings
 from spirob.identify import builds
-from spirob.identify.builds import (
-    LEVEL,
-    RESOLUTION,
-    Builds,
-    Refit,
-    floor_of,
-    hinges,
-    holes,
-    most_of,
-)
+from spirob.identify.builds import LEVEL, RESOLUTION, Builds, floor_of, hinges, holes, most_of
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
@@ -86,22 +75,6 @@ def test_where_builds_do_not_differ_the_models_own_resolution_is_left(drawn, mon
     found = floor(*drawn)
     assert found.share == RESOLUTION
     assert "which is more" in found.reason
-
-
-def test_what_a_fit_takes_up_is_not_left_though_it_is_far_from_linear(drawn, monkeypatch):
-    """Builds that differ in a fitted number alone: one step leaves the bend of the residual."""
-    for name in ("HOLE", "SCATTER"):
-        monkeypatch.setattr(builds, name, 0.0)
-    train, unseen = drawn
-    softer = Builds(TRUE, NAMES, SCALE, {"arm.base_stiffness": 0.1})
-
-    def left():
-        return np.mean([np.mean(e**2) for e in softer.left(train, [unseen], 0)])
-
-    twice = left()
-    falling = count(0, -1)  # as if every play after a step were farther off than the build was
-    monkeypatch.setattr(Refit, "_cost", lambda self, missed: next(falling))
-    assert twice < left() / 2
 
 
 def test_the_same_bits_twice(drawn, measured):
