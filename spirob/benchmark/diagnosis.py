@@ -5,11 +5,10 @@ friction and cogging are hidden.  Three logs, the last of them held out.  The co
 process of its own, once before it is timed, so that its kernels are compiled; what it names tells
 whether what was timed was of use.
 
-How long the screening of the whole library takes: eight trials of 5 s, one effect hidden.
-
-The trials are the model's own, with dry friction in the motors, numbers off nominal and the
-sensor's noise.  Timed is one screening from the fitted numbers, once, after a single play of every
-trial; its place in the ranking tells whether what was timed was of use.
+The screening has eight trials of 5 s, with one effect hidden.  They are the model's own, with dry
+friction in the motors, numbers off nominal and the sensor's noise.  Timed is one screening from the
+fitted numbers, once, after a single play of every trial; its place in the ranking tells whether
+what was timed was of use.
 """
 
 import json

@@ -1,8 +1,7 @@
 """What is timed, and how, and how much a second yields.
 
-What is timed, and how: trials of smooth moves, as played, logged and decoded, in turns.
-
-How much a second yields: cycles against bare MuJoCo, on two threads, samples of a log.
+Timed are trials of smooth moves, as played, logged and decoded, in turns: cycles against bare
+MuJoCo, on two threads, and samples of a log.
 
 The bare steps are unmodified `mj_step` on the exported MJCF with its spatial tendons, as many as
 the model takes, pulled by the tensions that the model found in the same trial, in C without Python

@@ -1,8 +1,6 @@
 """Cases diagnosed blind, many in parallel, into one file with a line for each.
 
-A case diagnosed blind, and the figures from which a calibration can learn.
-
-Many cases in parallel into one file, a line each; what is there already is kept.
+A line holds the figures from which a calibration can learn; what is there already is kept.
 """
 
 import json

@@ -1,8 +1,6 @@
 """A robot with real drives, and its claim on the computer that runs its loop.
 
-The loop's claim on the computer, and how late its cycles ended.
-
-A robot with real drives: one exchange a millisecond, zero current when anything is wrong.
+One exchange a millisecond, zero current when anything is wrong; how late cycles ended is kept.
 """
 
 import gc

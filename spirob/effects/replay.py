@@ -1,8 +1,6 @@
 """Signals on which effects are run: recorded ones, or plausible ones for a check.
 
-Plausible signals and numbers on which effects are checked.
-
-An effect run over recorded signals: its contribution as a time series, of any motor rig.
+Run over recorded signals, an effect gives its contribution as a time series, of any motor rig.
 """
 
 from collections.abc import Iterator, Mapping

@@ -1,8 +1,7 @@
 """The size of a wrapped object from the features of its wrap: stacked regressors.
 
-The base models of the stack: a linear and a kernel regressor behind the same preparation.
-
-Preparation is learnt inside every fold:
+The base models, a linear and a kernel regressor, have one preparation.  It is learnt inside every
+fold:
 
 1. keep the features that rise or fall with the diameter.  The others are not only useless: in a
    simulation they hardly vary, so that scaling blows up any difference to a robot.
@@ -10,8 +9,6 @@ Preparation is learnt inside every fold:
    its samples falls back to the mean, and a line runs away.
 
 Targets are metres divided by their deviation, so that penalties do not depend on the unit.
-
-The diameter of a wrapped object from the features of its wrap: stacked regressors.
 
 Ridge and an RBF support vector regressor are the base models; a gradient boosting learns from
 their out-of-fold predictions (paper, "Object Size Estimation").  Folds hold whole diameters out,

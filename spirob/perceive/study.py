@@ -1,6 +1,6 @@
 """What a size model lives on: features, samples, chosen numbers, and what it is compared with.
 
-Predictors that the shipped one is compared with; none of them is used otherwise.
+The shipped predictor is compared with others, none of which is used otherwise:
 
 ridge, svr          each base model alone, on the same samples as the shipped predictor
 paper               the paper's stack on the paper's samples
@@ -8,11 +8,10 @@ few                 the shipped kind of predictor on the paper's samples
 gaussian_process    on the same samples as the shipped predictor, hyperparameters by likelihood
 mean                the mean diameter of the training, whatever was wrapped
 
-Numbers of the stack, chosen by the training alone.
-
-Of every combination the stack is trained, and the one with the least out-of-fold error is taken:
-the mean absolute error of the blend on diameters that its folds held out, between the smallest and
-the largest, as those of the ends are extrapolations.  No wrap that is tested has a say in it.
+Numbers of the stack are chosen by the training alone.  Of every combination the stack is trained,
+and the one with the least out-of-fold error is taken: the mean absolute error of the blend on
+diameters that its folds held out, between the smallest and the largest, as those of the ends are
+extrapolations.  No wrap that is tested has a say in it.
 """
 
 import warnings

@@ -1,13 +1,10 @@
 """A plant in motion, and where its arm hangs before a trial.
 
-Where the arm hangs before a trial: at rest, tendons off.
-
-Lengths count from there, as the tendons of a robot are taken up on the arm as it hangs.  A weight
-across the arm or a bend of its own moves that pose by many degrees: begun straight, a trial would
-open with a swing that no robot makes.  The pose is found by letting the calm arm relax, its hinges
-damped far more than they are, against end stops and against itself.
-
-A plant in motion: what the compiled loop works on, from rest to wherever a trial leaves it.
+Before a trial the arm hangs at rest, tendons off.  Lengths count from there, as the tendons of a
+robot are taken up on the arm as it hangs.  A weight across the arm or a bend of its own moves that
+pose by many degrees: begun straight, a trial would open with a swing that no robot makes.  The pose
+is found by letting the calm arm relax, its hinges damped far more than they are, against end stops
+and against itself.
 """
 
 import copy

@@ -1,8 +1,6 @@
 """The figures, as plotly describes them; colours are names that the page's style resolves.
 
 Horizontal bars throughout: labels are read without turning the head, on a phone too.
-
-The figures of contacts and of object size.
 """
 
 import json

@@ -1,11 +1,9 @@
 """Rates of a trial of arms with their 95 % intervals, and the answer key behind them.
 
-The answer key: what each hidden kind of the emulated robot is called in the library of effects.
-
+The key says what each hidden kind of the emulated robot is called in the library of effects.
 Several names are equal in what they do to the logs of one rig, and each counts as right; "" is the
-right answer where the kind cannot be told from a fitted number.  Only scoring reads this.
-
-Rates of a trial, each with its 95 % interval (Wilson, J. Am. Stat. Assoc. 22, 1927).
+right answer where the kind cannot be told from a fitted number.  Only scoring reads this. Intervals
+are Wilson's (J. Am. Stat. Assoc. 22, 1927).
 """
 
 from collections.abc import Iterable, Mapping, Sequence

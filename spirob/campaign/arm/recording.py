@@ -1,11 +1,9 @@
 """A robot with something hidden plays eight bends over the bus; its logs are decoded.
 
-The short experiment that every robot of the trial plays: eight bends of three seconds.
-
-Slow and fast, shallow and deep, up and down, with holds, on either side and against four tensions
-of the antagonist; the antagonist's current is high enough that its tendon stays taut.  The trials
-that decide load the right motor, as hardly any that is fitted does: what a model says of a load
-that it was not fitted to tells a law from its imitation.
+Each bend takes three seconds.  Slow and fast, shallow and deep, up and down, with holds, on either
+side and against four tensions of the antagonist; the antagonist's current is high enough that its
+tendon stays taut.  The trials that decide load the right motor, as hardly any that is fitted does:
+what a model says of a load that it was not fitted to tells a law from its imitation.
 """
 
 import tempfile

@@ -1,15 +1,11 @@
 """How strong a hidden effect is drawn, and how strongly each kind shows in a robot.
 
-How strong a hidden effect is drawn, so that naming it is neither trivial nor impossible.
-
-The strength is drawn so that knowing the effect would bring the held-out error to a ratio between
-two of what it is without, from √(f² + (v s)²) to f: f is left with nothing hidden, and v is what
-the effect leaves at strength 1 after all numbers of the model are fitted.  The ratios are 0.3 and
-0.35 where nothing else is asked.  From 0.53 on an effect of a robot as designed carries less than
-0.3 % of the current, the model's own resolution, and diagnosis calls nothing an effect that carries
-less.
-
-How strongly each hidden kind shows, and a robot on which it shows about as much as wanted.
+Naming a hidden effect shall be neither trivial nor impossible, so its strength is drawn so that
+knowing the effect would bring the held-out error to a ratio between two of what it is without, from
+√(f² + (v s)²) to f: f is left with nothing hidden, and v is what the effect leaves at strength 1
+after all numbers of the model are fitted.  The ratios are 0.3 and 0.35 where nothing else is
+asked.  From 0.53 on an effect of a robot as designed carries less than 0.3 % of the current, the
+model's own resolution, and diagnosis calls nothing an effect that carries less.
 
 python -m spirob.campaign.arm.strength --seeds 917 918 919 [--kinds KIND ...] [--jobs N]
 

@@ -1,11 +1,8 @@
 """Everything that can be hidden in an axis: its numbers, and its torques of one moment.
 
-The numbers of everything that can be hidden in an axis; at their defaults nothing is there.
-
-Torques of one moment and short memories, as all simulators of the campaign have them.
-
-What differs between the simulators stands in each: how motion is integrated, how dry friction
-holds and turns round, what the motor is, and what the axis carries.
+At the defaults of its numbers nothing is there.  Torques of one moment and short memories are alike
+in all simulators of the campaign.  What differs between the simulators stands in each: how motion
+is integrated, how dry friction holds and turns round, what the motor is, and what the axis carries.
 """
 
 import math

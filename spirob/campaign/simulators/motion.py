@@ -1,8 +1,6 @@
-"""What a simulator is asked to play, and what it gives back.
+"""What a simulator is asked to play, what it gives back, and what all of them have in common.
 
-What a simulator is asked to play, what it gives back, and what all of them have in common.
-
-Where an axis is asked to be: tones, moves between places, sweeps, scans at constant speed.
+An axis is asked to be on tones, moves between places, sweeps, scans at constant speed.
 """
 
 from collections.abc import Callable

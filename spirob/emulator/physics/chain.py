@@ -1,21 +1,18 @@
 """The arm's linear system, solved: along the chain, or as a whole where turns touch.
 
-Solving the arm's linear system in a number of operations that grows only linearly.
-
 The matrix of the linearly implicit step is symmetric and, below the diagonal, of low rank plus
 one sub-diagonal:
 
     H_ij = u_i·v_j  (i > j)   + sub_i [i = j+1],      H_ii = diagonal_i
 
 (two columns for inertia and contact, one for the guide friction of each tendon).  Its Cholesky
-factor keeps that form, L_ij = (u_i, [i = j+1])·y_j, with
+factor keeps that form, in a number of operations that grows only linearly, L_ij = (u_i, [i =
+j+1])·y_j, with
 
     l_j² = H_jj - ū_jᵀ P_j ū_j       y_j = (v̄_j - P_j ū_j)/l_j       P_{j+1} = P_j + y_j y_jᵀ
 
 where ū = (u, 1), v̄ = (v, sub) and the last row and column of P live for one hinge only.
 Source: Vandebril, Van Barel, Mastronardi, "Matrix Computations and Semiseparable Matrices".
-
-The arm's linear system where turns touch: the matrix as a whole.
 
 A force between two units acts on the angles between them alone, so its stiffness is a block of the
 matrix H of the linearly implicit step,
