@@ -7,7 +7,6 @@ are raised by what the fit has taken of them: two laws that a short validation h
 may differ plainly in four trials more.
 """
 
-from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -49,31 +48,6 @@ def foreseen(errors: np.ndarray, numbers: int, samples: int) -> np.ndarray:
     """
     share = min(numbers / max(samples, 1), 0.9)
     return errors * (1.0 + share) / (1.0 - share)
-
-
-def win_rates(errors: Mapping[str, np.ndarray], seed: int) -> dict[str, float]:
-    """How often each model has the smallest error when the blocks are drawn again.
-
-    errors  model -> block errors, all of the same blocks
-    """
-    names = list(errors)
-    stacked = np.array([errors[n] for n in names])
-    draws = np.random.default_rng(seed).integers(0, stacked.shape[1], (DRAWS, stacked.shape[1]))
-    winners = np.argmin(stacked[:, draws].mean(axis=2), axis=0)
-    return {n: float(np.mean(winners == k)) for k, n in enumerate(names)}
-
-
-def beaten(one: np.ndarray, two: np.ndarray, seed: int) -> float:
-    """How often the second model has the smaller mean error when the blocks are drawn again."""
-    return win_rates({"one": one, "two": two}, seed)["two"]
-
-
-def alike(one: np.ndarray, two: np.ndarray, size: float) -> float:
-    """RMS difference of what two models miss, over the size of the effect that they explain.
-
-    Near zero they say the same, whatever their names; at √2 and more they say different things.
-    """
-    return float(np.sqrt(np.mean((one - two) ** 2))) / size
 
 
 def improvement(before: np.ndarray, after: np.ndarray, seed: int) -> tuple[float, float, float]:
