@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from spirob.report import render
 from spirob.report.sections import trial
 from spirob.report.sections.trial import Trial, rates
 from tests.report.synthetic_results import TRIAL
@@ -49,6 +50,16 @@ def test_each_part_may_be_absent(data, absent):
     shown = Trial().get_context(replace(data, trial=trial))["plots"]
     names = [one["plot"].name for one in shown]
     assert names == [n for n in ("reliability", "strength", "confusion") if n != absent]
+
+
+def test_a_trial_by_another_diagnosis_is_not_called_the_same(data):
+    def page(by):
+        return render(replace(data, trial={**data.trial, "by": by}), [Trial()])
+
+    assert "The same diagnosis, blind, in 62 cases" in page(None)
+    other = page("the diagnosis of another day")
+    assert "The same diagnosis" not in other
+    assert "played blind by the diagnosis of another day. The diagnosis above is a later" in other
 
 
 def test_without_a_trial_the_section_says_so(sparse):

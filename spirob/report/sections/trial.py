@@ -1,6 +1,7 @@
-"""How far the verdict can be trusted: the same diagnosis on many robots whose truth is known.
+"""How far the verdict can be trusted: a diagnosis of many robots whose truth is known.
 
-The figures show who is taken for whom, and whether probabilities and strengths hold.
+Which one, where it is not the present one, the results say (`by`).  The figures show who is taken
+for whom, and whether probabilities and strengths hold.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,6 +43,7 @@ class Trial(Section):
         confusion = found.get("confusion") or {}
         return {
             "ran": data.trial is not None,
+            "by": found.get("by"),
             "cases": found.get("cases"),
             "rates": rates(found),
             "plots": plots(found),
