@@ -31,17 +31,10 @@ class Verdict(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         diagnosis = data.diagnosis
-        unit, rungs = diagnosis["unit"], diagnosis["ladder"]
-        noise_floor = diagnosis.get("noise_floor")
-        return {
-            "kind": kind(diagnosis),
-            "sentence": diagnosis["sentence"],
+        return told(diagnosis) | {
             "asked": asked_sentence(diagnosis),
             "proof": proof_sentence(diagnosis),
-            "explained": explained_sentence(rungs, unit),
-            "gain": gain_sentence(rungs, noise_floor, unit),
-            "floor": floor_sentence(diagnosis),
-            "ladder": ladder_plot(rungs, noise_floor, unit),
+            "explained": explained_sentence(diagnosis["ladder"], diagnosis["unit"]),
             "arm": None
             if data.motion is None
             else arm.payload(data.motion, data.posture, data.geometry),
@@ -52,6 +45,19 @@ class Verdict(Section):
             "apart": apart_sentence(data),
             "score": data.score,
         }
+
+
+def told(diagnosis: dict[str, Any]) -> dict[str, Any]:
+    """What the first screen says of the arm as of any rig."""
+    unit, rungs = diagnosis["unit"], diagnosis["ladder"]
+    noise_floor = diagnosis.get("noise_floor")
+    return {
+        "kind": kind(diagnosis),
+        "sentence": diagnosis["sentence"],
+        "gain": gain_sentence(rungs, noise_floor, unit),
+        "floor": floor_sentence(diagnosis),
+        "ladder": ladder_plot(rungs, noise_floor, unit),
+    }
 
 
 def kind(diagnosis: dict[str, Any]) -> str:
@@ -171,14 +177,7 @@ class RigVerdict(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         diagnosis = data.diagnosis
-        unit, rungs = diagnosis["unit"], diagnosis["ladder"]
-        noise_floor = diagnosis.get("noise_floor")
-        return {
-            "kind": kind(diagnosis),
-            "sentence": diagnosis["sentence"],
+        return told(diagnosis) | {
             "explanation": diagnosis["explanation"],
-            "gain": gain_sentence(rungs, noise_floor, unit),
-            "floor": floor_sentence(diagnosis),
-            "ladder": ladder_plot(rungs, noise_floor, unit),
             "repairs": diagnosis["repairs"],
         }
