@@ -19,12 +19,12 @@ from pipeline.own_effects import given, lay_beside
 from pipeline.schema import Config
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
+from spirob.diagnosis import schema
 from spirob.diagnosis.atlas import KEYS
 from spirob.diagnosis.document import document, metrics, restated
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import Answer, Question, answered
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.schema import checked
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
@@ -36,7 +36,7 @@ NAMELESS = {"effect": "", "effects": "", "probability": 0.0}  # metrics where a 
 def stage(root: Path) -> None:
     """Write data/diagnosis and its metrics."""
     config = public_config(root)
-    before = read_json(root / SEARCH / "diagnosis.json", "diagnose")
+    before = schema.read(root / SEARCH / "diagnosis.json")
     found = read_json(root / SEARCH / "metrics.json", "diagnose")
     asked = read_json(root / SEARCH / "question.json", "diagnose")
     for model in asked["models"]:
@@ -58,7 +58,7 @@ def stage(root: Path) -> None:
     if told["verdict"] == "unknown":
         changes = read_json(root / OUT / "model.json", "diagnose")["changes"]
         told = {**told, "composed": composed(root, config, settings, told, changes)}
-    write_json(root / OUT / "diagnosis.json", checked(told))
+    write_json(root / OUT / "diagnosis.json", schema.checked(told))
     write_json(root / "reports/metrics/diagnose.json", found)
 
 

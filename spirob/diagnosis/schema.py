@@ -4,13 +4,18 @@ Written documents are checked before they are kept, read ones before they are be
 `docs/diagnosis.schema.json` is the JSON schema of `Document`.
 """
 
+import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from spirob.errors import DataError
+
 FORMAT = 1  # counts up where a key changes its meaning or goes
 
+LARGEST = 2**28  # bytes of a diagnosis
 LONGEST = 80  # characters of what a foreign document states that a sentence can hold
 
 Share = Annotated[float, Field(description="of one")]
@@ -278,6 +283,23 @@ def checked(document: Mapping[str, Any]) -> dict[str, Any]:
     if why := unknown(whole):
         raise AssertionError(f"a diagnosis that no reader would know: {why}")
     return whole
+
+
+def read(path: Path) -> dict[str, Any]:
+    """A diagnosis as plain data; raises DataError in a sentence where there is none."""
+    try:
+        if path.stat().st_size > LARGEST:
+            raise DataError(f"{path}: is too large for a diagnosis")
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise DataError(f"{path}: is no diagnosis: no JSON") from None
+    if not isinstance(found, dict) or "verdict" not in found:
+        raise DataError(f"{path}: is no diagnosis: it states no verdict")
+    if why := unknown(found):
+        raise DataError(f"{path}: is no diagnosis of this version: {why}")
+    return found
 
 
 def unknown(document: Mapping[str, Any]) -> str:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import yaml
 
 from spirob.effects import Effect, all_effects
@@ -26,6 +25,7 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Filter, Residual
 from spirob.identify.scaling import Scaling
 from spirob.logs import read_parquet
+from spirob.logs.parquet import read_table
 from spirob.machine.arm.kept import again
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
@@ -151,7 +151,7 @@ def _kept(path: Path, told: list[dict[str, Any]]) -> tuple[Measurement, ...]:
     if not path.is_file():
         return ()
     try:
-        return tuple(again(pd.read_parquet(path), told))
+        return tuple(again(read_table(path), told))
     except (KeyError, TypeError, ValueError, OSError) as error:
         raise ExportError(f"{path}: cannot be read ({str(error)[:100]}); diagnose again") from None
 

@@ -5,23 +5,21 @@ code but through `translate`.
 """
 
 import inspect
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from spirob.diagnosis.schema import unknown
+from spirob.diagnosis.schema import read
 from spirob.effects import all_effects
-from spirob.errors import ExportError
+from spirob.errors import DataError, ExportError
 from spirob.export.law import Law, law_of
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
 from spirob.machine.numbers import USUAL
 from spirob.machine.rig import NUMBERS
 
 FORMAT = 1  # of `model` in a diagnosis
-LARGEST = 2**28  # bytes of a diagnosis
 
 
 @dataclass(frozen=True)
@@ -103,18 +101,9 @@ class Corrected:
 def read_document(path: Path) -> dict[str, Any]:
     """A diagnosis as plain data; raises ExportError where there is none."""
     try:
-        if path.stat().st_size > LARGEST:
-            raise ExportError(f"{path}: is too large for a diagnosis")
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ExportError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise ExportError(f"{path}: is no diagnosis: no JSON") from None
-    if not isinstance(found, dict) or "verdict" not in found:
-        raise ExportError(f"{path}: is no diagnosis: it states no verdict")
-    if why := unknown(found):
-        raise ExportError(f"{path}: is no diagnosis of this version: {why}")
-    return found
+        return read(path)
+    except DataError as error:
+        raise ExportError(str(error)) from None
 
 
 def require_sense(document: Mapping[str, Any], folder: Path) -> None:

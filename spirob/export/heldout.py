@@ -1,10 +1,7 @@
-"""The held-out logs of a diagnosis, and the scripts that play them in what was exported.
+"""The held-out logs of a diagnosis, and what a model that is played elsewhere makes of them.
 
-Scripts that play what was exported, each in a process that cannot import this project.
-
-The held-out logs of a diagnosis, and what a model that is played elsewhere makes of them.
-
-`left_out` says how large an effect of the model is on them: what leaving it out costs.
+Scripts play what was exported, each in a process that cannot import this project.  `left_out` says
+how large an effect of the model is on them: what leaving it out costs.
 """
 
 import json
@@ -17,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from spirob.errors import ExportError
 from spirob.export.code import python_text
 from spirob.export.corrected import Corrected, Held
+from spirob.logs.parquet import read_table
 from spirob.machine.motion import Motion, late
 from spirob.machine.recording import Recording
 
@@ -95,9 +92,10 @@ class Heldout:
     def __init__(self, model: Corrected):
         path = model.folder / FILE
         try:
-            self.table = pd.read_parquet(path)
-        except (OSError, ValueError):
-            raise ExportError(f"{path}: is missing or unreadable; diagnose again") from None
+            self.table = read_table(path)
+        except (OSError, ValueError) as error:
+            why = " ".join(str(error).split())[:100]
+            raise ExportError(f"{path}: cannot be read ({why}); diagnose again") from None
         needed = {"trial", "piece", "used", "modelled", "without", *COLUMNS}
         if missing := sorted(needed - set(self.table.columns)):
             raise ExportError(f"{path}: has no column '{missing[0]}'; diagnose again")

@@ -8,6 +8,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -39,6 +40,13 @@ def check_columns(file: pq.ParquetFile, names: Collection[str] | None) -> None:
         )
     if max(8 * about.num_rows * columns, unpacked) > LARGEST:
         raise ValueError(f"it unpacks to more than {LARGEST >> 20} MiB")
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """A table of numbers that the program wrote; raises ValueError where it claims too many."""
+    with pq.ParquetFile(path) as file:
+        check_table(file)
+        return file.read().to_pandas()
 
 
 TIME = "time_ns"

@@ -18,6 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import yaml
 
+from spirob.diagnosis import schema
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs.parquet import KEY
 from spirob.logs.schema import LOOP
@@ -33,6 +34,7 @@ class Source:
 
     why  for a file that may be absent: what its absence means; None where it is required
     instead  path of a lesser file that is read where this one is absent
+    reader   of the file; None: the one of its suffix
     """
 
     path: str
@@ -40,6 +42,7 @@ class Source:
     keys: tuple[str, ...] = ()
     why: str | None = None
     instead: str = ""
+    reader: Callable[[Path], Any] | None = None
 
 
 CHANNELS = ("current", "displacement", "velocity")
@@ -53,7 +56,7 @@ SOURCES = {
     "diagnosis": Source(
         "data/diagnosis/diagnosis.json",
         "decide",
-        ("verdict", "sentence", "effects", "candidates", "ladder", "atlas", "unit"),
+        reader=schema.read,
     ),
     "overlay": Source(
         "data/diagnosis/overlay.parquet",
@@ -233,10 +236,10 @@ def _is_there(path: Path) -> bool:
 
 
 def _read(path: Path, source: Source) -> Any:
-    reader = READERS[path.suffix]
+    reader = source.reader or READERS[path.suffix]
     try:
         content = reader(path)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, DataError) as error:
         raise DataError(
             f"{source.path} cannot be read ({error}); the stage '{source.stage}' writes it"
         ) from error

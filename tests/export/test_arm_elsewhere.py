@@ -14,6 +14,7 @@ from spirob.export.corrected import read_document
 from spirob.machine.arm import kept
 from tests.documents import document
 from tests.export.test_arm_heldout import COMPILER, arm_of
+from tests.logs.hostile import parquet_bomb
 
 FROM = 100  # of the cycles that are compared
 
@@ -63,6 +64,9 @@ def test_a_spoilt_table_is_a_sentence(home, tmp_path):
     table.to_parquet(tmp_path / "heldout.parquet")
     document = read_document(folder / "diagnosis.json")
     with pytest.raises(ExportError, match=r"heldout\.parquet: cannot be read \('use'\)"):
+        corrected_arm(document, tmp_path)
+    parquet_bomb(tmp_path / "heldout.parquet")
+    with pytest.raises(ExportError, match="unpacks to more than"):
         corrected_arm(document, tmp_path)
     (tmp_path / "heldout.parquet").unlink()
     with pytest.raises(ExportError, match="no trial of the arm was kept aside"):

@@ -243,6 +243,7 @@ def _candidate(name, title, probability, rmse, gain) -> dict:
         "left_out_rmse": 0.97 * rmse,
         "with": [],
         "heldout_rmse": rmse,
+        "alone_heldout_rmse": rmse,
         "screen_gain": gain,
     }
 
@@ -259,6 +260,7 @@ def _regime(regime, error, time, bias, rmse, kind="velocity") -> dict:
 
 
 DIAGNOSIS = {
+    "format": 1,
     "verdict": "named",
     "sentence": "The model lacks friction of the tendon in its guides (capstan friction): the "
     "missing current grows with load and bend and changes sign with the direction of travel.",
@@ -268,13 +270,16 @@ DIAGNOSIS = {
             "name": "capstan_friction",
             "title": "capstan friction",
             "probability": 0.93,
+            "together": 0.99,
             "equivalents": [],
+            "rivals": ["load_dependent_friction"],
             "parameters": {
                 "friction_coefficient": {"value": 0.214, "low": 0.2, "high": 0.229, "unit": "1"},
                 "sliding_speed": {"value": 4.3e-4, "low": 2e-4, "high": 9e-4, "unit": "m/s"},
             },
         }
     ],
+    "evidence": [],
     "candidates": [
         _candidate("capstan_friction", "capstan friction", 0.93, 0.0512, 0.71),
         _candidate("load_dependent_friction", "load-dependent friction", 0.06, 0.0794, 0.66),

@@ -50,6 +50,13 @@ def test_a_missing_key_lists_what_is_there(copy):
         load(copy)
 
 
+def test_a_diagnosis_of_another_version_is_a_sentence(copy):
+    path = copy / "data/diagnosis/diagnosis.json"
+    path.write_text(path.read_text().replace('"format": 1', '"format": 0', 1))
+    with pytest.raises(DataError, match=r"it states format 0, where 1 is read.*stage 'decide'"):
+        load(copy)
+
+
 def test_every_file_read_is_hashed(data, run):
     assert set(data.provenance.hashes) == {source.path for source in SOURCES.values()}
     assert data.provenance.seed == "recordings.seed = 7, diagnose.seed = 11"
