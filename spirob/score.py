@@ -1,9 +1,8 @@
 """Scores of a model, and how far each would move with other stretches of the same kind.
 
-How far a score would move with other stretches of the same kind: a bootstrap over blocks.
-
-Errors of one moment resemble those of the next, so whole blocks are drawn, never samples.  The
-model stays as it is: what another fit would do is not in the interval.
+A score's spread is a bootstrap over blocks.  Errors of one moment resemble those of the next, so
+whole blocks are drawn, never samples.  The model stays as it is: what another fit would do is not
+in the interval.
 """
 
 from dataclasses import asdict, dataclass

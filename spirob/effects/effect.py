@@ -1,14 +1,13 @@
-"""What an effect is: a declaration and one pure scalar function; what differs between two motors.
+"""What an effect is: a declaration and one pure scalar function.
 
 It declares where it acts (`port`), what it reads, what it remembers, its numbers and how to
 recognise it.  Everything else is derived from that: the compiled loop, the parameter vector, the
 check of the configuration, the diagnosis' sentence and the tests.
 
-What differs between two motors of one machine.
-
-A friction level is much the same in two motors of one make.  A number that may have either sign,
-the phase of a ripple or the offset of a sensor, is an accident of the single motor: a machine with
-two of them gets such a number twice, as mean and half difference (left minus right).
+Two motors of one machine differ.  A friction level is much the same in two motors of one make.  A
+number that may have either sign, the phase of a ripple or the offset of a sensor, is an accident of
+the single motor: a machine with two of them gets such a number twice, as mean and half difference
+(left minus right).
 """
 
 import inspect

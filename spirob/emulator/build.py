@@ -4,10 +4,9 @@ Every row of `ROWS` is drawn from a stream of the robot's own, so that a robot o
 same data sheet, noise and hidden effects as it has of another.  `as_designed` draws none of them.
 A build that cannot be is drawn again.
 
-Masses, inertias and outlines of the arm's units, integrated from their shape.
-
-A unit is the part of a cone of half width w(x) = w₀ - σx between two faces that are slanted by
-α = Δθ/2 away from its two hinges, so half its height at x is
+Masses, inertias and outlines of the arm's units are integrated from their shape.  A unit is the
+part of a cone of half width w(x) = w₀ - σx between two faces that are slanted by α = Δθ/2 away from
+its two hinges, so half its height at x is
 
     y(x) = min(w(x), x/tan α, (L - x)/tan α),      thickness b(x) = 0.6·2w(x)
 

@@ -3,8 +3,7 @@
 A trial starts from the same rest whatever came before, and its noise depends on nothing but the
 seed and the trial's name, so trials can run in any order and in parallel.
 
-How long the bus takes with voltages from the host: a reading's way up and a command's way down.
-
+A machine in voltage mode counts how long its bus takes, up for a reading and down for a command.
 What the host reads is from the end of a cycle; the voltage that follows from it acts about a cycle
 later.  How much later differs from machine to machine, and a little from frame to frame.
 """

@@ -6,10 +6,9 @@ since noise alone moves the slips of the tendon in time; a contact begins when t
 What a detector says before, or of a twin, is a false alarm; what it says while the tendon is
 pressed on by no more than a given travel is a hit, so travel stands for strength.
 
-Rates of contacts told apart by where the peg stands and by how the arm comes to it.
-
-Place and gap are drawn and are cut into equal parts, of contacts alone; speed and load, which set
-how hard the arm presses, are those of the motions, whose free twins count as free motion.
+Rates are told apart by where the peg stands and by how the arm comes to it.  Place and gap are
+drawn and are cut into equal parts, of contacts alone; speed and load, which set how hard the arm
+presses, are those of the motions, whose free twins count as free motion.
 """
 
 from collections.abc import Callable, Iterable, Sequence

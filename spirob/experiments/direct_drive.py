@@ -3,7 +3,8 @@
 The response to a contact is the difference to the same trial without it: what drifts without a
 contact is none.
 
-Why a hit near the tip is felt more: stiffness, inertia and give along the nominal straight arm.
+Stiffness, inertia and give along the nominal straight arm explain why a hit near the tip is felt
+more:
 
     stiffness  k_j of the last hinge before the place                                [N·m/rad]
     mass       Σ m_i of the units from that hinge on                                 [kg]

@@ -1,15 +1,13 @@
-"""When a signal answers, when a contact begins, and the recoil from it.
+"""When a signal answers, the recoil from a contact, and how far two currents are apart.
 
-Recoil from a contact: the trial goes on with its last part as soon as the detector speaks.
+The recoil begins as soon as the detector speaks: the trial then goes on with its last part.  A
+model may also repeat the motion of another side, and recoil when that one did.
 
-A model may also repeat the motion of another side, and recoil when that one did.
-
-How far a model's current is off the robot's, in one motion and each in its own.
-
-When a detector speaks and what a current is are two questions.  In one motion the model moves as
-the robot did and recoils when it did.  Each in its own, a recoil that comes at another time counts
-as error; there the robot is played several times, and its plays against each other say how much of
-such an error is its own.
+How far a model's current is off the robot's is asked in one motion and in each side's own.  When a
+detector speaks and what a current is are two questions.  In one motion the model moves as the robot
+did and recoils when it did.  Each in its own, a recoil that comes at another time counts as error;
+there the robot is played several times, and its plays against each other say how much of such an
+error is its own.
 """
 
 from collections import deque

@@ -1,10 +1,8 @@
 """The corrected arm: its numbers, effects and the trials kept aside, as the pipeline left them.
 
-How the numbers of a corrected arm vary together: those of its effects and those fitted before.
-
-The diagnosis states an interval for each number.  What goes with what follows here from the trials
-that were fitted: slopes of the same residual, and its covariance by blocks, to first order where
-the model stands.
+The diagnosis states an interval for each number.  How the numbers vary together, those of the
+effects and all others, follows here from the trials that were fitted: slopes of the same residual,
+and its covariance by blocks, to first order where the model stands.
 """
 
 import json

@@ -1,10 +1,9 @@
 """The gate before a fit: what moves a signal, what starts on a bound, what cannot be told apart.
 
-What the data do not tell, in physical words.
-
-A direction is a change of several numbers at once, each relative to its size, that leaves every
-signal as it is.  Two numbers that move against each other are known by their product, two that move
-together by their ratio; loads that grow together with what pulls them are the scale of force.
+What the data do not tell is said in physical words.  A direction is a change of several numbers at
+once, each relative to its size, that leaves every signal as it is.  Two numbers that move against
+each other are known by their product, two that move together by their ratio; loads that grow
+together with what pulls them are the scale of force.
 """
 
 from collections.abc import Mapping, Sequence

@@ -7,8 +7,8 @@ A motor shows, as current, what it has to hold over how strongly it pulls,
 so a fit moves in J/η, b/η, k/η, τ_d k/η and 1/η, in which the current is nearly linear; in the
 numbers themselves, or their logarithms, it is not, and Gauss-Newton steps go astray as soon as a
 missing effect has to change a number by a third.  Measured on the emulated arm with dry friction
-hidden: 20 evaluations to the optimum instead of 80, and the linearised effects rank as they do when
-fitted in full, where they did not before.
+hidden: 20 evaluations to the optimum, 80 in the numbers themselves, and only in these coordinates
+do the linearised effects rank as they do when fitted in full.
 """
 
 import re

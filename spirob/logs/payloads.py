@@ -1,7 +1,5 @@
 """The payloads of each topic, found in several chunks at once and taken out in bulk.
 
-Where the messages of chunks lie, several chunks at once.
-
 A chunk is followed by an index of its messages.  It is the quick way, and believed only where the
 chunk's own bytes say the same: every place named is a message of that channel, and between them
 and at both ends lie whole records that are none.  Otherwise the chunks are walked record by

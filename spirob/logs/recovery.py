@@ -3,8 +3,6 @@
 Every chunk whose checksum holds comes back with all its messages, every attachment whose checksum
 holds, and all metadata; a chunk that was cut or changed is left out, and said so.
 
-The records of a damaged MCAP file that are whole, wherever the damage lies.
-
 Records stand one after the other, so one wrong length hides all that follow.  A record is
 therefore believed only where its own parts fill it exactly; otherwise the next place is searched
 at which a chunk, an attachment, metadata, a schema or a channel does.

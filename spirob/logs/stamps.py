@@ -2,8 +2,6 @@
 
 What is certain is repaired and said; a column that is no time is refused.
 
-An even clock behind stamps that are coarse, late, or come in bursts.
-
 A row that begins a new stamp tells when it was; the others lie between.  Straight lines through
 these rows, as few as will do, are the clock: what stays to one side of a line is lost samples.
 """

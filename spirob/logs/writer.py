@@ -1,9 +1,8 @@
 """One trial, one MCAP file, readable up to the last half second whatever happens.
 
-A trial's log written in a thread of its own, in order, for a loop with deadlines.
-
-For a loop with deadlines: packing, compressing and writing a chunk of a log takes up to a few
-milliseconds, which a cycle of one millisecond does not have.
+For a loop with deadlines a thread of its own writes the log, in order: packing, compressing and
+writing a chunk of a log takes up to a few milliseconds, which a cycle of one millisecond does not
+have.
 """
 
 import io

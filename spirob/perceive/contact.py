@@ -13,10 +13,8 @@ seconds by least squares.  The paper gives the three thresholds, and neither win
 nor what starts the watch: here a detector is deaf until its windows are full, and whoever starts a
 motion resets it.
 
-What the contact detector sees, for a whole log at once: to try many thresholds on many trials.
-
-The same windows and rules as `contact.ContactDetector`, which is what a robot runs; a test holds
-one against the other.
+`ContactDetector` is what a robot runs, sample by sample.  The same windows and rules for a whole
+log at once serve to try many thresholds on many trials; a test holds one against the other.
 """
 
 from dataclasses import dataclass

@@ -6,10 +6,8 @@ Neighbouring faces never meet: the joints' end stop is at 0.96·Δθ.  The
 tendons are not MuJoCo's: their lengths are known in closed form (`plant.tendon`), which halves the
 cost of a step.  `tendons=True` adds them for export, so that other tools see the same machine.
 
-What the arm weighs at each of its hinges.
-
-For a chain of units with mass m_i and length l_i, direction u_i and centre of mass at l_i/2, the
-first moment of all that hinge i carries is
+The arm's weight acts at each of its hinges.  For a chain of units with mass m_i and length l_i,
+direction u_i and centre of mass at l_i/2, the first moment of all that hinge i carries is
 
     S_i = (m_i/2 + M_(i+1)) l_i u_i + S_(i+1),      M_i = m_i + M_(i+1),
 

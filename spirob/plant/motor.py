@@ -14,17 +14,16 @@ the sensor says of the motor current, y = i*, or y = i* + ε where the sensor is
 reading follows the command and the current does not.  The current i** reconstructed from the arm is
 an output.
 
-The winding (paper eq. 1) under the voltage that the host holds for a cycle.
+Under a voltage that the host holds for a cycle the winding (paper eq. 1) follows
 
     i(t + T) = i(t) E + (u - k_e ω - d)/R (1 - E),    E = exp(-R T / L)
 
 exact for held u and ω.  A new voltage comes in the middle of a step: `late` is when.
 
-Motor and winch (paper eqs. 4-8) coupled to the arm through a stiff one-sided tendon.
-
-The literal cycle, which feeds the previous cycle's acceleration back through J_eq/r² (kilograms)
-into an arm that weighs grams at the tendon, diverges within milliseconds.  Here the rotor keeps a
-state of its own and the tension is found linearly implicitly from both ends of the tendon:
+Motor and winch (paper eqs. 4-8) are coupled to the arm through a stiff one-sided tendon.  The
+literal cycle, which feeds the previous cycle's acceleration back through J_eq/r² (kilograms) into
+an arm that weighs grams at the tendon, diverges within milliseconds.  Here the rotor keeps a state
+of its own and the tension is found linearly implicitly from both ends of the tendon:
 
     m ẇ = τ/r - (b + b_f) w - F          m = J_eq/r², b = b_eq/r², τ = η G k_t i* + G τ_effects
     dv/dt = a + A F                      the arm: A = J M⁻¹ Jᵀ, a = all that is not this tension

@@ -4,8 +4,6 @@ Ball and peg are bodies of their own beside the arm, so MuJoCo moves them and th
 not know of them; their coordinates come after the hinges.  The ball slides in the plane.  The peg
 sits on a wheel so heavy that no contact slows it.  Gravity in the plane acts on neither.
 
-The outline of a unit that bends over its length.
-
 A rigid unit touches an object with the middle of its edge.  In an arm that bends evenly, n times
 between two hinges of the chain, each by q/n, that middle lies beyond the chord and the chord is
 shorter than the unit.  Wound evenly by q a unit, the elastic axis passes the middle of an edge at

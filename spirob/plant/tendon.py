@@ -14,11 +14,10 @@ tendons pull.  A tendon that cuts a corner as a chord gains leverage as the corn
 two tendons of tension T at height y push the hinge over with T y tan(β/2n)/n a radian, less a part
 for the taper of the line: at 4 N with 25 % of the base hinge's stiffness for n = 1, 4 % for n = 2.
 
-Where the tendons' holes lie, if not where the published drawing has them.
-
-Between two hinges a tendon runs through a hole of its unit, from a mouth near the base to one near
-the tip.  On the drawing the mouths lie on the unit's faces, all of them on one straight line of the
-straight arm.  Other designs have them elsewhere,
+The holes need not lie where the published drawing has them.  Between two hinges a tendon runs
+through a hole of its unit, from a mouth near the base to one near the tip.  On the drawing the
+mouths lie on the unit's faces, all of them on one straight line of the straight arm.  Other designs
+have them elsewhere,
 
     x = x_drawn + σL (units)      x = x_drawn - x_0 (mount)      y = κ y(x)
 

@@ -6,12 +6,10 @@ A packed signal is {"low", "step", "data"}; sample = low + step·(integer + 3276
 -32768 stands for a missing sample.  A small change of another signal does with 8 bits, "coarse":
 low + step·(integer + 127), -128 missing.  `assets/packing.js` is the other half.
 
-plotly.js without the address of any other host.
-
-The library names map servers, a chart editor and its own home page.  The page draws nothing of the
-kind, so those addresses are made unusable; what is left are XML namespaces, which are names and
-never fetched.  They are written with escaped slashes, the same string to JavaScript, so that the
-finished page can be checked by searching it for '://'.
+plotly.js names no other host here.  The library names map servers, a chart editor and its own home
+page.  The page draws nothing of the kind, so those addresses are made unusable; what is left are
+XML namespaces, which are names and never fetched.  They are written with escaped slashes, the same
+string to JavaScript, so that the finished page can be checked by searching it for '://'.
 """
 
 import base64

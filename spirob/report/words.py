@@ -1,9 +1,8 @@
 """Numbers and fits as people read them: sensible digits, one unit, and what a fit cannot resolve.
 
-Correlation and null space of a fit, in words.
-
-Two numbers that go together can change in step without the data noticing: only their ratio (or,
-where they go against each other, their product) is known well.
+Correlation and null space of a fit are put into words.  Two numbers that go together can change in
+step without the data noticing: only their ratio (or, where they go against each other, their
+product) is known well.
 """
 
 import math

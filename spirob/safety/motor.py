@@ -1,11 +1,10 @@
 """What one drive last said, in SI at the tendon, and whether its current reading flickers.
 
-Whether a drive's current reading flickers at rest: the sign of life that a stuck sensor lacks.
-
-Under a constant command a motor that stands may rightly say the same for ever, if its readings
-carry no noise; so constancy alone accuses nobody.  But a drive that has shown noise of several
-counts, standing, under an unchanged command, does not fall silent in it: with a deviation of 1.3
-counts two readings are equal in less than a quarter of the cases, and twenty in a row never.
+A current reading that flickers at rest is the sign of life that a stuck sensor lacks.  Under a
+constant command a motor that stands may rightly say the same for ever, if its readings carry no
+noise; so constancy alone accuses nobody.  But a drive that has shown noise of several counts,
+standing, under an unchanged command, does not fall silent in it: with a deviation of 1.3 counts two
+readings are equal in less than a quarter of the cases, and twenty in a row never.
 """
 
 from spirob.can_protocol import AMPERE_PER_COUNT, COUNTS_PER_TURN, decode_feedback

@@ -3,9 +3,8 @@
 The unit of its value is that of the feedback mode: A, m/s, m or N.  `blend` [s] is the time in
 which a jump or a kink is rounded; every profile starts from 0.
 
-Piecewise straight lines, smoothed: every jump and every kink becomes a short cosine blend.
-
-The line is kept as its events.  An event at t_j that jumps by a and changes the slope by s adds
+Straight lines are smoothed: every jump and every kink becomes a short cosine blend.  The line is
+kept as its events.  An event at t_j that jumps by a and changes the slope by s adds
 
     a·S(t - t_j) + s·R(t - t_j),   S(u) = u/b - sin(2πu/b)/(2π),  R = ∫S,   0 <= u <= b
 

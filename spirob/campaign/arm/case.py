@@ -2,9 +2,8 @@
 
 What is hidden stays on this side of the logs: the diagnosis is handed decoded logs, nothing else.
 
-The oracle: the error that remains once the right effect is known.
-
-The library's counterpart of what is hidden is added and everything refitted.  No diagnosis can be
+Beside each case stands its oracle, the error that remains once the right effect is known: the
+library's counterpart of what is hidden is added and everything refitted.  No diagnosis can be
 expected to do better, and where the oracle gains nothing, nothing can be named.  Its own fit must
 not be what fails, so it begins at the base and from afar too, as that of a leader of the search.
 """

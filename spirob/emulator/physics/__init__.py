@@ -7,10 +7,9 @@ compiled code `p` is the record of numbers, `s` the state, `w` the working room.
 Coordinates: φ_i, the absolute angle of unit i; hinge angle q_i = φ_i - φ_{i-1}; side 0 is the
 left tendon and drive, side 1 the right.
 
-How physics is compiled: without the interpreter's lock, IEEE order of operations kept.
-
-No fast-math: the same seed gives the same bits.  Only the entry point is cached on disk; see
-`layout.fingerprint` for why the others are not.
+Compiled code runs without the interpreter's lock and keeps IEEE order of operations (no fast-math):
+the same seed gives the same bits.  Only the entry point is cached on disk; see `layout.fingerprint`
+for why the others are not.
 """
 
 import numba

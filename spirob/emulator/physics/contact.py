@@ -1,10 +1,9 @@
 """Contact of the arm: with a round object, and with itself.
 
-Contact of the arm with one round object: a fixed cylinder, a peg on a circle, a ball.
-
-The outline of a unit is a convex polygon: its two slanted faces and its outer edge, on each side
-of the axis.  The point of it nearest to the cylinder's centre is the one contact point of that
-unit, exact for a round object.  With depth δ = R - distance and n from the point to the centre
+The object is a fixed cylinder, a peg on a circle, or a ball.  The outline of a unit is a convex
+polygon: its two slanted faces and its outer edge, on each side of the axis.  The point of it
+nearest to the cylinder's centre is the one contact point of that unit, exact for a round object.
+With depth δ = R - distance and n from the point to the centre
 
     N = k δ + c δ̇  ≥ 0          on the unit along -n
     F_t = -μ N v_t / √(v_t² + v_0²)     regularised Coulomb friction
@@ -15,9 +14,8 @@ dissipative and stable at any step.  v_0 = 1 mm/s is the creep that stands for s
 A peg goes round at constant speed.  A ball of mass m gives way within the step, which divides N
 by 1 + h (h k + c)/m; what the arm feels of it at the end of the step then moves it.
 
-Contact of the arm with itself: a turn of the curled arm lies on the turn before it.
-
-Corners of one unit's outline that enter the outline of another are pushed out the shortest way,
+With itself the arm is in contact where a turn of it lies on the turn before.  Corners of one unit's
+outline that enter the outline of another are pushed out the shortest way,
 
     N = k δ + c δ̇  ≥ 0,         F_t = -μ N v_t / √(v_t² + v_0²)
 

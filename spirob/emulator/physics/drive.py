@@ -1,13 +1,13 @@
 """The drive: the winding under a voltage, the loop that holds a current, and what it reports.
 
-The winding of a motor in voltage mode: what it is told is held until the next is there.
+The winding of a motor in voltage mode holds what it is told until the next is there,
 
     L i̇ + R i = V - k_e ω          |V| ≤ supply
 
 solved exactly for a held voltage.  What the host sends comes at some moment of a cycle: the step
 that it falls into is divided there.
 
-The drive: its current loop, the winding it feeds, and how warm that gets.
+A drive that holds a current has a loop before the same winding, and the winding warms up.
 
     L i̇ + R i = V - k_e ω          |V| ≤ 24 V
 
@@ -21,7 +21,7 @@ aims at is the command less a dead band with a soft knee, i = c - δ tanh(c/δ),
 What heat does to the magnets stands in motor.py; a is the heat that radiation carries off.  A
 drive that is told a voltage has no loop of its own.
 
-What a drive says of itself once a cycle, in counts, perhaps late.
+Once a cycle a drive says of itself, in counts:
 
 angle        ⌊8192 θ_e/2π⌋ mod 8192,  θ_e = θ + Σ a_n sin(nθ + ψ_n)  off-centre encoder (n = 1, 2)
 speed        rounded [rpm], of θ_e

@@ -1,6 +1,6 @@
 """From current to tendon: magnets, friction, gear, drum, a weight, and the bodies they turn.
 
-What the magnets make of a current, and what they do without one.
+The magnets make of a current the torque
 
     τ = k_t i / (1 + (|i|/i_s)ⁿ)^(1/n)
     k_t = k_t0 (1 + Σ ρ_j sin(ν_j θ + ψ_j)) / (1 + α_B ϑ)
@@ -13,10 +13,8 @@ Sources: Hanselman, "Brushless Permanent Magnet Motor Design" (ripple, cogging);
 with a free knee for saturation; magnet data sheets, which are linear in temperature to first order
 (the reciprocal agrees to that order and stays positive in a stalled motor).
 
-Friction of the rotor and of the gear behind it: bristles, grease and a fan.
-
-A bristle bends over an angle δ and slides at a level that falls with speed (Stribeck) and grows
-with the torque that the gear carries,
+Rotor and gear rub by bristles, grease and a fan.  A bristle bends over an angle δ and slides at a
+level that falls with speed (Stribeck) and grows with the torque that the gear carries,
 
     τ_f = [T_c + T_x exp(-(ω/ω_s)²) + (c + c_b (1 - z sgn τ_g)/2) |τ_g|/G + T_s S(Θ)] z
     ż = (ω - |ω| z)/δ        S = exp(-2 (sin((Θ - Θ_s)/2)/w_s)²)
@@ -31,7 +29,7 @@ with grease that resists one way more than the other and shears thin, and the dr
 Sources: Canudas de Wit, Olsson, Åström, Lischinsky 1995 (LuGre); Wang, Kim 2015 (directional
 efficiency of gears); Cross 1965 (shear-thinning with exponent 1); n ≈ 2 for churning and fans.
 
-The gear between rotor and winch: a spring that may be soft, and may have play.
+The gear between rotor and winch is a spring that may be soft and may have play,
 
     x = twist - clip(twist, -φ, φ)       twist = θ/G - Θ
     τ_g = k_g x (1 + a x²) + c_g ẋ       nothing at all inside the play ±φ
@@ -40,7 +38,7 @@ With k_g = 600 N·m/rad it is stiff against any tendon; with 2 N·m/rad, a rubbe
 soft as a soft tendon.  A tendon that is never slack keeps its gear on one flank, so play is felt
 only where tension is lost.  Source: dead zone of Nordin, Gutman 2002; cubic rubber, assumed.
 
-The drum that a tendon winds on, and what else hangs on it.
+The drum that a tendon winds on has the radius r and carries the torque
 
     r = r₀ (1 + βΘ/2π + ε sin(Θ + ψ) + ε₂ sin(2Θ + ψ₂))       τ_x = r (P - k_P x)
 
@@ -48,14 +46,14 @@ The drum grows as it winds (β), may be out of centre (ε) and oval (ε₂).  P 
 weight outside the robot that pulls at the line beside the tendon, positive winding in; x is the
 length wound in.
 
-A known weight that hangs on a line of its own, wound on the drum beside the tendon.
+A known weight hangs on a line of its own, wound on the drum beside the tendon:
 
     J = J_w + m r²        τ = -r m g
 
 Winding in lifts it.  The line stays taut while the drum gives way more slowly than the weight would
 fall.  Source: the weighing of a motor's torque constant with a hoisted mass, any text on drives.
 
-Rotor, gearbox and winch: two bodies a side, joined by the gear.
+Rotor and winch are two bodies a side, joined by the gear.
 
     J_m ω̇ = η τ + τ_cog - τ_v - τ_f - τ_g/G
     J_w Ω̇ = τ_g + τ_x - r T

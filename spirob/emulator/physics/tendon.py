@@ -1,6 +1,6 @@
 """Tendons: the line they are made of, how tight they are, and what the guides take.
 
-The line that a tendon is made of: how it answers a stretch, and how it creeps.
+The line answers a stretch e and creeps by x_m:
 
     T(e) = K [e - (1-κ) ε₀ (1 - exp(-e/ε₀))]   e > 0       T = κ K e   e ≤ 0 (slack, for the solver)
     ẋ_m = (C_m T - x_m)/τ_m                                 e = x - Δl - Σ x_m
@@ -10,10 +10,8 @@ stiffness; without a toe it is a plain spring.  Under load it grows by C_m T aft
 Sources: toe region of braided and polymer ropes (exponential form of Fung 1967); creep of UHMWPE
 line in data sheets, a Prony series of compliances.
 
-Tendons: their length across each hinge, and how tight they are.
-
-Between the guide before hinge i (at p from the hinge) and the guide after it (at c), β apart in
-the straight arm, the left tendon spans
+The length across each hinge follows from the guides.  Between the guide before hinge i (at p from
+the hinge) and the guide after it (at c), β apart in the straight arm, the left tendon spans
 
     ℓ_i² = |p|² + |c|² - 2|p||c| cos(β - q_i),      right: β + q_i
     g_i  = -∂ℓ_i/∂q_i,      shortening Δl = Σ_i ℓ_i(0) - ℓ_i(q_i)
@@ -26,11 +24,9 @@ the line has crept,
 taken at the end of the step: ė depends on both tensions through the arm and on its own through
 its winch, which leaves two linear complementarity conditions, solved by going through the cases.
 
-Friction of a tendon on the guides that it is led through.
-
-A tendon that slides round a guide through the wrap angle ω_k loses tension like a rope on a
-capstan.  A guide sits between two hinges and is wrapped by half of each, so its wrap is
-(|q_k| + |q_{k+1}|)/2 and all guides together have Σ|q|.  From the winch to the tip
+Guides rub.  A tendon that slides round a guide through the wrap angle ω_k loses tension like a rope
+on a capstan.  A guide sits between two hinges and is wrapped by half of each, so its wrap is (|q_k|
++ |q_{k+1}|)/2 and all guides together have Σ|q|.  From the winch to the tip
 
     T_k = T_{k-1} exp(-μ_k ω_k z_k)            T_{-1} = T at the winch
 

@@ -1,6 +1,6 @@
 """The sections of the page, one file each; a new file here is a new section.
 
-What a section is: a title, a template and the numbers that fill it.
+A section is a title, a template and the numbers that fill it.
 """
 
 import importlib
