@@ -26,7 +26,7 @@ as one of others.
 A diagonal that bounds each block, diag(|J|Σ|J|) ≥ J Jᵀ, would keep the form, and is stable as well.
 But it is an inertia that is not there, for friction that still creeps 40 g for each newton, times
 up to the number of hinges between: in steps of 0.1 ms it holds tips that slide along a flank
-(docs/emulator.md).
+(docs/lab/emulator.md).
 """
 
 import numpy as np
