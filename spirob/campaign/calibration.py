@@ -1,9 +1,10 @@
 """How sure a name may be, learned from cases whose truth is known: `certainty.json`.
 
-    python -m spirob.campaign.calibration cases.jsonl arms.jsonl [--out certainty.json]
+    python -m spirob.campaign.calibration name cases.jsonl arms.jsonl [--out certainty.json]
 
-Logistic regression of "the name is right" on the figures of `certainty`, over all chosen effects of
-all cases, whatever their verdict.  It is judged on each simulator by a fit to the others.
+A logistic regression on the figures of `certainty`, over all chosen effects of all cases, whatever
+their verdict: of "the name is right", or of "it says at least a part of what is right", which is
+what its "kin" is judged by.  It is judged on each simulator by a fit to the others.
 """
 
 import argparse
@@ -25,38 +26,44 @@ STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within 
 BINS = 5  # of the stated probability, in which the calibration error is taken
 ARM = "emulated arm"
 Line = Mapping[str, Any]
-Chosen = tuple[list[float], bool, str]  # figures, whether the name is right, simulator
+Chosen = tuple[Mapping[str, float], str, str]  # figures; right, near or wrong; simulator
+Cases = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def effects(lines: Sequence[Line]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Figures (n, 6), whether the name is right (n,) and simulator (n,) of all chosen effects.
+def effects(lines: Sequence[Line], of: str = "name") -> Cases:
+    """Figures (n, 6), whether it is right (n,) and simulator (n,) of all chosen effects.
 
     lines  of the campaign of rigs, or results of the trial of arms
+    of     "name" or "kin"
 
-    A name that says a part of what is hidden is neither right nor wrong, and left out; so is one
-    that is withheld whatever its figures are.
+    A name that says a part of what is hidden is neither right nor wrong, and left out; of its kin
+    it is right.  What is withheld whatever its figures are is left out of both.
     """
     found = [chosen for line in lines for chosen in (_arm if "evidence" in line else _rig)(line)]
-    rows, right, simulators = zip(*found, strict=True)
-    return np.array(rows), np.array(right), np.array(simulators)
+    counted = {"name": ("right", "wrong"), "kin": ("right", "near", "wrong")}[of]
+    names = FIGURES[of]
+    kept = [one for one in found if one[1] in counted and set(names) <= set(one[0])]
+    figures, said, simulators = zip(*kept, strict=True)
+    rows = np.array([[one[name] for name in names] for one in figures])
+    return rows, np.array(said) != "wrong", np.array(simulators)
 
 
 def _rig(line: Line) -> Iterator[Chosen]:
     truth = line["truth"]
     must = set().union(*truth["must"]) if truth["inside"] else set()
+    right = must | set(truth["besides"])
     for chosen in line["features"]["evidence"] if line["features"] else ():
         names = {chosen["name"], *chosen["equivalents"]}
-        hit = bool(names & (must | set(truth["besides"])))
-        told = chosen.get("probability") != 0.0
-        if told and (hit or not names & set(truth["near"])):
-            yield [chosen["figures"][name] for name in FIGURES], hit, line["simulator"]
+        if chosen.get("probability") != 0.0:
+            said = "right" if names & right else "near" if names & set(truth["near"]) else "wrong"
+            yield chosen["figures"], said, line["simulator"]
 
 
 def _arm(line: Line) -> Iterator[Chosen]:
     right = {name for kind in line["kind"].split("+") for name in ANSWERS[kind]}
     for name, one in line["evidence"]["first"].items():
         if one["probability"] > 0.0:
-            yield [one["figures"][figure] for figure in FIGURES], name in right, ARM
+            yield one["figures"], "right" if name in right else "wrong", ARM
 
 
 def read(paths: Sequence[Path]) -> list[Line]:
@@ -106,11 +113,12 @@ def calibration_error(stated: np.ndarray, right: np.ndarray) -> float:
 def main() -> None:
     """Fit, judge, write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("of", choices=FIGURES, help="what has to be right")
     parser.add_argument("cases", type=Path, nargs="+", help="lines of spirob trial")
-    parser.add_argument("--out", type=Path, help="where the numbers are written")
+    parser.add_argument("--out", type=Path, help="where its numbers are put")
     given = parser.parse_args()
     lines = read(given.cases)
-    rows, right, simulators = effects(lines)
+    rows, right, simulators = effects(lines, given.of)
     stated = left_out(rows, right, simulators)
     sure = stated >= 0.9
     print(
@@ -123,10 +131,11 @@ def main() -> None:
             "cases": [path.name for path in given.cases],
             "sha256": digest(given.cases),
             "seeds": sorted({line["seed"] for line in lines}),
-            "figures": list(FIGURES),
+            "figures": list(FIGURES[given.of]),
         }
-        text = json.dumps(about | learned(rows, right, simulators), indent=1)
-        write_text(given.out, text + "\n")
+        whole = json.loads(given.out.read_text()) if given.out.exists() else {}
+        whole[given.of] = about | learned(rows, right, simulators)
+        write_text(given.out, json.dumps(whole, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -4,11 +4,14 @@
 
 x are six figures of what a search shows of one chosen effect, as `figures` takes them; w, m, s
 stand in `certainty.json` beside this file, with the cases that they were learned from
-(`spirob.campaign.calibration`).  Logarithms are natural, errors squared:
+(`spirob.campaign.calibration`).  There are two of these: of the name itself, and of its kin, which
+is right where the name or one that says a part of the same is.  Logarithms are natural, errors
+squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the
                other is no richer, without the effect, and says something else
+ahead_of_kin   the same, of models without its kin, too: what the kin is judged by
 left           ln of what still follows from the motion, over what this effect took
 sharp          ln of an amplitude over half its interval's width, of the sharpest
 place          0 for the effect that takes most, then 1, 2, ...
@@ -25,17 +28,20 @@ from spirob.effects import Effect
 from spirob.identify.fit import Fit
 
 LEARNED = json.loads(Path(__file__).with_name("certainty.json").read_text())
-FIGURES = ("fall_heldout", "ahead_heldout", "left", "sharp", "place", "late")
+FIGURES = {
+    "name": ("fall_heldout", "ahead_heldout", "left", "sharp", "place", "late"),
+    "kin": ("fall_heldout", "ahead_of_kin", "left", "sharp", "place", "late"),
+}
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
 TINY = 1e-300
 MOST = 10.0  # of a logarithm: what is larger says no more
 
 
-def probability(figures: Mapping[str, float]) -> float:
-    """How likely a name with these figures is right, as it was in the campaign."""
-    x = np.array([figures[name] for name in FIGURES])
-    mean, scale, weights = (np.array(LEARNED[key]) for key in ("mean", "scale", "weights"))
-    return float(1.0 / (1.0 + np.exp(-(LEARNED["bias"] + weights @ ((x - mean) / scale)))))
+def probability(figures: Mapping[str, float], of: str = "name") -> float:
+    """How likely a name with these figures is right, as it was in the campaign; or its "kin"."""
+    x, learned = np.array([figures[name] for name in FIGURES[of]]), LEARNED[of]
+    mean, scale, weights = (np.array(learned[key]) for key in ("mean", "scale", "weights"))
+    return float(1.0 / (1.0 + np.exp(-(learned["bias"] + weights @ ((x - mean) / scale)))))
 
 
 def ratio(one: float, two: float) -> float:

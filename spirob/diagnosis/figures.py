@@ -43,20 +43,22 @@ def kin(search: Search[Any], chosen: Model, effect: type[Effect]) -> list[str]:
     return sorted(found, key=lambda name: found[name])
 
 
-def figures(ended: Ended, effect: type[Effect], same: Collection[str] = ()) -> dict[str, float]:
-    """What the search shows of one chosen effect.
-
-    same  names that count as this effect, too: the figures are then of all of them
-    """
+def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
+    """What the search shows of one chosen effect."""
     search, found, left = ended.search, ended.found, ended.left
     chosen, bare = found.chosen, found.rungs[0]
     without = search.models.tried[chosen.names - {effect.name()}]
     fall = without.mean_square - chosen.mean_square
-    others = [m.heldout_square for m in _others(search, chosen, {effect.name(), *same})]
     order = [next(iter(b.names - a.names)) for a, b in pairwise(found.rungs)]
+
+    def ahead(of: Collection[str]) -> float:
+        others = [m.heldout_square for m in _others(search, chosen, of)]
+        return ratio(min(others, default=bare.heldout_square), chosen.heldout_square)
+
     told = {
         "fall_heldout": ratio(without.heldout_square, chosen.heldout_square),
-        "ahead_heldout": ratio(min(others, default=bare.heldout_square), chosen.heldout_square),
+        "ahead_heldout": ahead({effect.name()}),
+        "ahead_of_kin": ahead({effect.name(), *kin(search, chosen, effect)}),
         "left": ratio(left.share * chosen.mean_square, max(fall, 0.0)),
         "sharp": sharp(chosen.fit, effect),
         "place": float(order.index(effect.name())),

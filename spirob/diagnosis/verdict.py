@@ -134,7 +134,7 @@ def concluded(
 
 
 def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:
-    """Each chosen effect by name.
+    """Each chosen effect by name; with its kin where only they together are likely.
 
     What held-out trials do not confirm is not likely at all, nor is a bent law of dry friction.
     """
@@ -144,16 +144,15 @@ def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:
         name, shown = effect.name(), figures(ended, effect)
         denied = shown["fall_heldout"] <= -np.log1p(-veto) or (off and is_dry(effect))
         own = 0.0 if denied else probability(shown)
-        weighed[name] = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
-    if likely(weighed):
-        return weighed
-    return {e.name(): _with_kin(ended, e, weighed[e.name()]) for e in found.chosen.effects}
+        one = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
+        unsure = 0.0 < own < LIKELY
+        weighed[name] = _with_kin(one, kin(ended.search, found.chosen, effect)) if unsure else one
+    return weighed
 
 
-def _with_kin(ended: Ended, effect: type[Effect], one: Weighed) -> Weighed:
-    """An effect that is too unlikely alone, with its kin where one of them is likely."""
-    others = kin(ended.search, ended.found.chosen, effect) if one.probability else []
-    together = probability(figures(ended, effect, others)) if others else 0.0
+def _with_kin(one: Weighed, others: Sequence[str]) -> Weighed:
+    """An effect that is too unlikely alone, and its kin beside it if one of them is likely."""
+    together = probability(one.figures, "kin") if others else 0.0
     if together < LIKELY:
         return one
     rivals = [*others, *(name for name in one.rivals if name not in others)]

@@ -9,39 +9,51 @@ from spirob.campaign.calibration import calibration_error, digest, effects, lear
 from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
 
 FOLDER = Path(__file__).parents[2] / "reports/campaign"
-CASES = [FOLDER / name for name in LEARNED["cases"]]
+
+
+def paths(of):
+    return [FOLDER / name for name in LEARNED[of]["cases"]]
+
+
+@pytest.fixture(scope="module", params=FIGURES)
+def of(request):
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def cases():
-    return effects(read(CASES))
+def cases(of):
+    return effects(read(paths(of)), of)
 
 
-def test_what_ships_is_what_the_cases_say(cases):
+def test_what_ships_is_what_the_cases_say(cases, of):
     rows, right, simulators = cases
     fit = learned(rows, right, simulators)
-    assert digest(CASES) == LEARNED["sha256"]
+    assert digest(paths(of)) == LEARNED[of]["sha256"]
+    assert LEARNED[of]["figures"] == list(FIGURES[of])
     for name, value in fit.items():
-        np.testing.assert_allclose(LEARNED[name], value, rtol=1e-5, atol=1e-7)
+        np.testing.assert_allclose(LEARNED[of][name], value, rtol=1e-5, atol=1e-7)
 
 
-def test_the_probability_is_that_of_the_regression(cases):
+def test_the_probability_is_that_of_the_regression(cases, of):
     rows, right, simulators = cases
     fit = learned(rows, right, simulators)
     for row in rows[:20]:
-        told = probability(dict(zip(FIGURES, row, strict=True)))
+        told = probability(dict(zip(FIGURES[of], row, strict=True)), of)
         score = fit["bias"] + np.dot(fit["weights"], (row - fit["mean"]) / fit["scale"])
         assert told == pytest.approx(1 / (1 + np.exp(-score)), rel=1e-6)
 
 
-def test_it_holds_on_simulators_that_it_was_not_fitted_to(cases):
-    """Names that are told with 90 % and more are seldom wrong; a coin is far worse."""
+SQUARE = {"name": 0.5, "kin": 0.65}  # of the error of who states the rate of all cases each time
+
+
+def test_it_holds_on_simulators_that_it_was_not_fitted_to(cases, of):
+    """Names that are told with 90 % and more are seldom wrong; the mean rate is far worse."""
     rows, right, simulators = cases
     stated = left_out(rows, right, simulators)
     sure = stated >= 0.9
     assert sure.sum() > 0.2 * len(right)
     assert np.mean(~right[sure]) < 0.1
-    assert np.mean((stated - right) ** 2) < 0.5 * np.mean(right) * np.mean(~right)
+    assert np.mean((stated - right) ** 2) < SQUARE[of] * np.mean(right) * np.mean(~right)
 
 
 def test_stated_rates_that_are_found_have_no_error():

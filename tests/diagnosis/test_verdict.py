@@ -98,14 +98,31 @@ def test_a_name_that_is_unlikely_alone_may_be_likely_with_its_kin(
 ):
     """It is then one of several, between which nothing is decided; one that is denied is none."""
     told = {"fall_heldout": 1.0 if alone else -1.0}
-    monkeypatch.setattr(module, "figures", lambda *a: told | {"kin": len(a[2]) if a[2:] else 0})
-    monkeypatch.setattr(module, "probability", lambda f: whole if f["kin"] else alone)
+    monkeypatch.setattr(module, "figures", lambda *given: told)
+    monkeypatch.setattr(module, "probability", lambda f, of="name": whole if of == "kin" else alone)
     one = ended(BARE, model([KIN], 0.003), model([EFFECT], 0.002))
     verdict = judged(one)
     assert verdict.weighed[NAME].probability == alone
     assert verdict.weighed[NAME].rivals == rivals
     assert verdict.kind == kind
     assert bool(likely(verdict.weighed)) is (kind != "unknown")
+
+
+def test_beside_a_sure_name_another_may_be_one_of_its_kin(monkeypatch):
+    """Both are then needed: the first is named, and between those of the second is decided."""
+    shares = {EFFECT.name(): 0.9, OTHER.name(): 0.3}
+    monkeypatch.setattr(module, "figures", lambda one, e: {"fall_heldout": 1.0, "of": e.name()})
+    monkeypatch.setattr(
+        module, "probability", lambda f, of="name": 0.8 if of == "kin" else shares[f["of"]]
+    )
+    first, last = model([EFFECT], 0.004), model([EFFECT, OTHER], 0.002)
+    verdict = judged(ended(BARE, first, model([EFFECT, FAR], 0.0025), last))
+    assert verdict.kind == "undecided"
+    assert {n: one.rivals for n, one in verdict.weighed.items()} == {
+        EFFECT.name(): [],
+        OTHER.name(): [FAR.name()],
+    }
+    assert likely(verdict.weighed) == [EFFECT.name(), OTHER.name()]
 
 
 @pytest.mark.parametrize(("effect", "said"), [(EFFECT, False), (OTHER, True)])
