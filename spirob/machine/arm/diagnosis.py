@@ -13,7 +13,7 @@ from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.fitting import Begun, begun
 from spirob.diagnosis.followup import asked
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Model, label
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict
 from spirob.diagnosis.verdict import searched as searched_for
@@ -27,7 +27,7 @@ from spirob.identify.residual import Filter, Residual
 from spirob.logs.readers import Table
 from spirob.machine.arm import kept
 from spirob.machine.arm.description import ArmFile, described
-from spirob.machine.arm.preparation import Settled, settled
+from spirob.machine.arm.preparation import Settled, settled, settled_with
 from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.roles import block, roles
 from spirob.machine.arm.shape import SHAPE
@@ -107,14 +107,57 @@ def searched(
         if "fit" in rig.model_fields_set
         else [n for n in (*SHAPE, *TOLERANCES) if n not in rig.known]
     )
+    asked = Asked(residuals, names, absent, free, settings, progress)
     ground = settled(residuals, names, start, free, settings, progress)
+    found = asked.searched(ground, ground.numbers)
+    if found.verdict.kind == "unknown" and not found.verdict.doubts and free:
+        ground, found = asked.with_contender(ground, found)
     if said is not None:
         said += ground.said
-    known = replace(settings, floor=max(settings.floor, ground.floor.share))
-    models = Simulated(ground.residuals, names, known, _begun(ground, names, known))
-    doubts = _doubts(models)
-    ended, verdict = searched_for(models, absent, known, progress, doubts)
-    return Searched(ended, verdict, ground.floor)
+    return found
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The logs by role, names of the usual numbers, candidates, and numbers of a shape that may be
+    searched for."""
+
+    residuals: Mapping[str, Residual]
+    names: Sequence[str]
+    absent: Sequence[type[Effect]]
+    free: Sequence[str]
+    settings: Settings
+    progress: Callable[[str], None]
+
+    def searched(
+        self, ground: Settled, bare: Mapping[str, float], effects: Sequence[type[Effect]] = ()
+    ) -> Searched:
+        """The search on the rows that count.
+
+        bare  numbers without an effect;  effects  of a model whose numbers the ground has
+        """
+        known = replace(self.settings, floor=max(self.settings.floor, ground.floor.share))
+        start = _begun(replace(ground, numbers=dict(bare)), self.names, known)
+        models = Simulated(ground.residuals, self.names, known, start)
+        if effects:
+            models.fitted(tuple(effects), ground.numbers)
+        doubts = _doubts(models)
+        ended, verdict = searched_for(models, self.absent, known, self.progress, doubts)
+        return Searched(ended, verdict, ground.floor)
+
+    def with_contender(self, ground: Settled, found: Searched) -> tuple[Settled, Searched]:
+        """The same with the arm's shape that of the best model with an effect, if that is named.
+
+        A strong effect may bend the arm into a shape that no fit without it has.
+        """
+        single = [m for m in found.models.tried.values() if len(m.effects) == 1]
+        if not single:
+            return ground, found
+        best = min(single, key=lambda m: m.mean_square)
+        self.progress(f"the arm's shape once more, with {label(best.effects)}")
+        other = settled_with(self.residuals, best.fit, self.free, self.settings, self.progress)
+        again = self.searched(other, ground.numbers, best.effects)
+        return (other, again) if again.verdict.named else (ground, found)
 
 
 def _begun(ground: Settled, names: Sequence[str], settings: Settings) -> Begun:

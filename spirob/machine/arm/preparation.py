@@ -13,7 +13,15 @@ import numpy as np
 
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.evidence import complete
-from spirob.identify.builds import SCATTER, TOLERANCES, Builds, Floor, floor_of
+from spirob.identify.builds import (
+    RESOLUTION,
+    SCATTER,
+    TOLERANCES,
+    Builds,
+    Floor,
+    floor_of,
+    weighted,
+)
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.residual import Residual, near
@@ -102,8 +110,15 @@ class Ground:
             kept[role] = replace(residual, trials=trials)
         return Arm(numbers, names, kept, shares)
 
-    def shaped(self, found: Fit) -> Arm:
-        """The arm with the shape that is searched for from this fit, where that pays."""
+    def weighed(self, numbers: dict[str, float], names: list[str]) -> Arm:
+        """The arm with these numbers, each row weighted by what its hinges' scatter leaves open."""
+        builds = Builds(numbers, names, self.settings.scale, {}, single=False)
+        kept = weighted(self.residuals, builds, complete(self.train, RESOLUTION))
+        return Arm(numbers, names, kept, {})
+
+    def shaped(self, found: Fit) -> tuple[dict[str, float], list[str]]:
+        """Numbers with the shape that is searched for from this fit, where that pays, and names of
+        those fitted."""
         scale, names = self.settings.scale, list(found.estimates)
         numbers = found.changes
         if self.free:
@@ -112,7 +127,7 @@ class Ground:
             shaped = self.fitted(self.train, freed, other, STEPS)
             if shaped.cost < PAYS * found.cost:
                 numbers, names = shaped.changes, freed
-        return self.on_its_rows(numbers, names)
+        return numbers, names
 
 
 def settled(
@@ -135,16 +150,41 @@ def settled(
         floor = ground.floor(whole, {})
         if _left(ground.train, found.residual) <= complete(ground.train, floor.share):
             return Settled(found.changes, whole.residuals, floor, [], as_drawn=True)
-    arm = ground.shaped(found)
-    numbers, seen, told = _built(ground, arm)
-    floor = ground.floor(replace(arm, numbers=numbers), seen)
+    arm = ground.on_its_rows(*ground.shaped(found))
+    numbers, widths, told = _built(ground, arm)
+    floor = ground.floor(replace(arm, numbers=numbers), widths)
     said = [*_shape_told(arm, names, ground.train), *_rows_told(arm, ground), *told]
     return Settled(numbers, arm.residuals, floor, said)
 
 
+def settled_with(
+    residuals: Mapping[str, Residual],
+    contender: Fit,
+    free: Sequence[str],
+    settings: Settings,
+    progress: Callable[[str], None],
+) -> Settled:
+    """The same for an arm with an effect, whose fit this is.
+
+    Under an effect an arm may buckle elsewhere.  So its shape is searched for with the effect, and
+    each row weighs by what builds with the effect leave open: of rows that none of them leaves open
+    there may be too few to decide.
+    """
+    names = list(contender.estimates)
+    ground = Ground(residuals, names, free, settings, progress)
+    first = ground.weighed(contender.changes, names)
+    here = replace(ground, residuals=first.residuals)
+    found = here.fitted(here.train, names, contender.changes, STEPS[-1:])
+    arm = ground.weighed(*here.shaped(found))
+    numbers, widths, told = _built(ground, arm)
+    floor = ground.floor(replace(arm, numbers=numbers), widths)
+    said = [*_shape_told(arm, names, ground.train), *told]
+    return Settled(numbers, arm.residuals, floor, said)
+
+
 def _built(ground: Ground, arm: Arm) -> tuple[dict[str, float], dict[str, float], list[str]]:
-    """The numbers with what of the build the logs tell, where that pays; of what they tell the 95 %
-    half widths; and what the gate says."""
+    """The numbers with what of the build the logs tell, where that pays; of all that is not known
+    of the build the 95 % half widths, beside the logs; and what the gate says."""
     asked, rules = [n for n in TOLERANCES if n in ground.free], ground.settings
     if not asked:
         return arm.numbers, {}, []
@@ -155,7 +195,7 @@ def _built(ground: Ground, arm: Arm) -> tuple[dict[str, float], dict[str, float]
         built = ground.fitted(train, [*arm.names, *new], numbers, STEPS[-1:])
         if built.cost < PAYS * robust_cost(close(numbers), rules.scale):
             numbers = built.changes
-    return numbers, told.seen, told.told(numbers, train.table)
+    return numbers, {**told.seen, **told.held}, told.told(numbers, train.table)
 
 
 def _left(of: Residual, missed: np.ndarray) -> float:

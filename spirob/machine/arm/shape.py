@@ -71,7 +71,7 @@ SHAPE: dict[str, tuple[float, float] | None] = {
 }
 FREED = ("arm.stiffness_exponent", "holes.shift", "holes.mount")  # fitted then, beside the usual
 LENGTH = 40.0  # A/m: a millimetre counts as much as what a wrong valley leaves of the current
-EASY = ("motor", "winch", "tendon")  # owners of numbers that are put right in each draw
+HARD = ("arm", "holes")  # owners of numbers that no step puts right
 
 
 def searched_shape(
@@ -96,7 +96,7 @@ def searched_shape(
     assert isinstance(heavy, Residual)
     scaling = Scaling(train.table, list(found.estimates))
     u = scaling.scaled({n: found.changes[n] for n in scaling.names})
-    easy = [k for k, n in enumerate(scaling.names) if n.split(".")[0] in EASY and n != STRENGTH]
+    easy = [k for k, n in enumerate(scaling.names) if n.split(".")[0] not in HARD and n != STRENGTH]
     fixed = {n: v for n, v in found.changes.items() if n not in scaling.names}
     at = heavy(found.changes)
     slopes = slopes_ahead(heavy, scaling, u, fixed, at, STEPS[-1])[:, easy]

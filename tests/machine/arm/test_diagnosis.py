@@ -1,6 +1,7 @@
 """The arm from anybody's CSV: the hidden effect is named, in the same words as any rig's."""
 
 import json
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -64,3 +65,29 @@ def test_an_unknown_number_is_named(tmp_path):
     arm = rig(fit=["winch.colour"])
     with pytest.raises(ConfigError, match=r"no number 'winch\.colour'"):
         diagnosis.searched(arm, {}, Settings(), print, [])
+
+
+@pytest.mark.parametrize(("named", "which"), [(["coulomb_friction"], 1), ([], 0)])
+def test_the_shape_beside_the_best_effect_is_taken_where_that_is_named(monkeypatch, named, which):
+    """Its numbers are those of the ground; those without an effect stay what they were."""
+    models = [
+        SimpleNamespace(effects=effects, mean_square=square, fit=f"fit of {square}")
+        for effects, square in (((), 9.0), (("a",), 3.0), (("b",), 4.0), (("a", "b"), 1.0))
+    ]
+    tried = SimpleNamespace(tried=dict(enumerate(models)))
+    grounds = [SimpleNamespace(numbers=n) for n in ({"alone": 1.0}, {"with it": 2.0})]
+    first, again = (
+        SimpleNamespace(models=tried, verdict=SimpleNamespace(named=n)) for n in ([], named)
+    )
+    asked_for = []
+    monkeypatch.setattr(
+        diagnosis, "settled_with", lambda *given: asked_for.append(given[1]) or grounds[1]
+    )
+    monkeypatch.setattr(diagnosis, "label", str)
+    monkeypatch.setattr(
+        diagnosis.Asked, "searched", lambda self, *given: asked_for.append(given) or again
+    )
+    asked = diagnosis.Asked({}, [], [], ["holes.shift"], Settings(), print)
+    ground, found = asked.with_contender(grounds[0], first)
+    assert asked_for == ["fit of 3.0", (grounds[1], {"alone": 1.0}, ("a",))]
+    assert (ground, found) == (grounds[which], (first, again)[which])
