@@ -29,11 +29,18 @@ def trials(true, candidates=CANDIDATES):
     return {role: residual(plant, {**OTHERS, **true}, role) for role in ROLES}
 
 
-def diagnosed(residuals, candidates=CANDIDATES, measure=None, **told):
-    """A search that starts at nominal numbers."""
-    start = begun(residuals["train"], NAMES, {}, SETTINGS)
+def diagnosed(residuals, candidates=CANDIDATES, measure=None, start=None, **told):
+    """A search that starts at nominal numbers, or at a fit from there."""
+    start = start or begun(residuals["train"], NAMES, {}, SETTINGS)
     models = Simulated(residuals, NAMES, SETTINGS, start, measure)
     return searched(models, find_effects(candidates), SETTINGS, **told)
+
+
+@pytest.fixture(scope="module")
+def offset():
+    """Data with an offset of 60 mA, and the fit of the usual numbers to them."""
+    residuals = trials({"current_offset.offset": 0.06})
+    return residuals, begun(residuals["train"], NAMES, {}, SETTINGS)
 
 
 def written(ended, verdict):
@@ -67,9 +74,9 @@ def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
     assert (few["effect"], few["before"]) == (name, told["ladder"][0]["heldout"])
 
 
-def test_whoever_doubts_gets_no_name_and_the_document_says_why():
+def test_whoever_doubts_gets_no_name_and_the_document_says_why(offset):
     doubts = ["The motors are exchanged."]
-    ended, verdict = diagnosed(trials({"current_offset.offset": 0.06}), doubts=doubts)
+    ended, verdict = diagnosed(offset[0], start=offset[1], doubts=doubts)
     told = written(ended, verdict)
     assert (told["verdict"], told["sentence"], told["doubts"]) == ("unknown", SENSELESS, doubts)
     assert told["effects"] == []
@@ -98,14 +105,14 @@ def test_the_noise_floor_is_the_sensors():
     ("alone", "with_it", "said"),
     [(0.5, 0.004, "named"), (0.004, 0.5, "named"), (0.5, 0.5, "nothing_missing")],
 )
-def test_an_effect_has_to_beat_the_lower_of_both_floors(alone, with_it, said):
+def test_an_effect_has_to_beat_the_lower_of_both_floors(alone, with_it, said, offset):
     """Of the machine without it and of the one that has it; without a name the first stands."""
 
     def measure(found):
         there = any(n.split(".")[0] in CANDIDATES for n in found.estimates)
         return Floor(with_it if there else alone, "so it was measured.")
 
-    ended, verdict = diagnosed(trials({"current_offset.offset": 0.06}), measure=measure)
+    ended, verdict = diagnosed(offset[0], start=offset[1], measure=measure)
     assert verdict.kind == said
     share = min(alone, with_it) if said == "named" else alone
     told = written(ended, verdict)
@@ -164,10 +171,9 @@ def test_what_only_led_the_numbers_out_of_a_poor_valley_is_no_effect(most):
     assert verdict.kind == "nothing_missing"
 
 
-def test_a_second_search_without_some_names_is_as_if_they_had_never_been():
+def test_a_second_search_without_some_names_is_as_if_they_had_never_been(offset):
     """The fit of the numbers alone is taken over, what was screened beside it, and no more."""
-    residuals = trials({"current_offset.offset": 0.06})
-    start = begun(residuals["train"], NAMES, {}, SETTINGS)
+    residuals, start = offset
     models = Simulated(residuals, NAMES, SETTINGS, start)
     first, verdict = searched(models, find_effects(CANDIDATES), SETTINGS)
     assert verdict.named == ["current_offset"]
