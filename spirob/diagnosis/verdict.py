@@ -215,26 +215,34 @@ class Words:
         return self.ended.search.models.train.effort.name  # type: ignore[no-any-return]
 
     def _named(self) -> tuple[str, str]:
-        chosen = self._chosen.effects
-        titles = [_with_equivalents(e, self.weighed[e.name()].equivalents) for e in chosen]
-        parts = [f"{e.signature} {e.explanation}" for e in chosen]
-        return f"Missing: {' and '.join(titles)}.", " ".join([*parts, self._fall_and_left()])
+        titles, causes = self._plain(self._chosen.effects)
+        return f"Missing: {titles}.", f"{causes} {self._fall_and_left()}"
 
     def _undecided(self) -> tuple[str, str]:
-        candidates = (*self.ended.search.candidates, *self._chosen.effects)
-        dry = {e.name() for e in candidates if is_dry(e)}
-        sets = []
-        for effect in self._chosen.effects:
-            one = self.weighed[effect.name()]
-            names = [effect.name(), *one.equivalents, *one.rivals]
-            told = " or ".join(plain(n) for n in names)
-            only_dry = len(names) > 1 and dry.issuperset(names)
-            sets.append(f"dry friction by one of its laws ({told})" if only_dry else told)
+        chosen = self._chosen.effects
+        plain_ones = [e for e in chosen if not self.weighed[e.name()].rivals]
+        titles, causes = self._plain(plain_ones)
+        sets = "; and ".join(self._one_of(e) for e in chosen if e not in plain_ones)
+        beside = "Undecided" if not plain_ones else f"Missing: {titles}. Undecided beside it"
         return (
-            f"Undecided: {'; and '.join(sets)}.",
-            f"Each of these explains most of the same of the {self._effort}; these data cannot "
-            f"tell them apart. {self._fall_and_left()}",
+            f"{beside}: {sets}.",
+            f"{causes} Each of those between which it is undecided explains most of the same of "
+            f"the {self._effort}; these data cannot tell them apart. "
+            f"{self._fall_and_left()}".lstrip(),
         )
+
+    def _plain(self, effects: Sequence[type[Effect]]) -> tuple[str, str]:
+        """Titles of effects, with what says the same; and what each does."""
+        titles = [_with_equivalents(e, self.weighed[e.name()].equivalents) for e in effects]
+        return " and ".join(titles), " ".join(f"{e.signature} {e.explanation}" for e in effects)
+
+    def _one_of(self, effect: type[Effect]) -> str:
+        """An effect and what it may be instead."""
+        candidates = (*self.ended.search.candidates, *self._chosen.effects)
+        one, dry = self.weighed[effect.name()], {e.name() for e in candidates if is_dry(e)}
+        names = [effect.name(), *one.equivalents, *one.rivals]
+        told = " or ".join(plain(n) for n in names)
+        return f"dry friction by one of its laws ({told})" if dry.issuperset(names) else told
 
     def _nothing_missing(self) -> tuple[str, str]:
         models, bare = self.ended.search.models, self.ended.found.rungs[0]

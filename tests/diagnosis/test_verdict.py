@@ -118,6 +118,9 @@ def test_beside_a_sure_name_another_may_be_one_of_its_kin(monkeypatch):
     first, last = model([EFFECT], 0.004), model([EFFECT, OTHER], 0.002)
     verdict = judged(ended(BARE, first, model([EFFECT, FAR], 0.0025), last))
     assert verdict.kind == "undecided"
+    told = f"Missing: {EFFECT.title}. Undecided beside it: cogging or load dependent friction."
+    assert verdict.sentence == told
+    assert verdict.explanation.startswith(EFFECT.signature)
     assert {n: one.rivals for n, one in verdict.weighed.items()} == {
         EFFECT.name(): [],
         OTHER.name(): [FAR.name()],
