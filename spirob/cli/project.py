@@ -173,7 +173,7 @@ def _lock(text: str) -> object:
     """The content of a `dvc.lock` that DVC would take: a cut one can still be valid YAML.
 
     Raises ValueError where it is none, where its last line is cut ("hash: md" is valid, and DVC
-    fails on it) or a value is missing.
+    fails on it), a value is missing, or what has a hash has no path.
     """
     import yaml
 
@@ -183,7 +183,7 @@ def _lock(text: str) -> object:
         found = yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ValueError("no YAML") from error
-    if _hollow(found):
+    if _hollow(found) or _nameless(found):
         raise ValueError("a value is missing")
     return found
 
@@ -193,6 +193,14 @@ def _hollow(found: object) -> bool:
     if isinstance(found, dict):
         return any(_hollow(value) for key, value in found.items() if key != "params")
     return any(map(_hollow, found)) if isinstance(found, list) else found is None
+
+
+def _nameless(found: object) -> bool:
+    """Whether an entry with a hash has no path: DVC may write that last."""
+    if isinstance(found, dict):
+        parts = any(_nameless(value) for key, value in found.items() if key != "params")
+        return parts or ("hash" in found and "path" not in found)
+    return isinstance(found, list) and any(map(_nameless, found))
 
 
 def _torn(path: Path, read: Callable[[str], object]) -> bool:

@@ -6,15 +6,18 @@ The same trace gives the same bytes, so a hash of the file tells whether anythin
 import json
 from collections.abc import Collection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.files import replacing
 from spirob.trace import Trace
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LARGEST = 2**29  # bytes
 
@@ -42,7 +45,7 @@ def check_columns(file: pq.ParquetFile, names: Collection[str] | None) -> None:
         raise ValueError(f"it unpacks to more than {LARGEST >> 20} MiB")
 
 
-def read_table(path: Path) -> pd.DataFrame:
+def read_table(path: Path) -> "pd.DataFrame":
     """A table of numbers that the program wrote; raises ValueError where it claims too many."""
     with pq.ParquetFile(path) as file:
         check_table(file)

@@ -31,15 +31,23 @@ def test_a_torn_file_goes_and_the_other_stays(project, name, cuts):
     assert all((project / other).exists() for other in kept)
 
 
-def test_wherever_its_lock_is_cut_dvc_runs_again(tmp_path):
+@pytest.mark.parametrize(
+    "entry",
+    [
+        ("path: a", "hash: md5", "md5: 0cc175b9c0f1b6a831c399e269772661", "size: 1"),
+        ("hash: md5", "md5: 0cc175b9c0f1b6a831c399e269772661", "size: 1", "path: a"),
+    ],
+    ids=["path first", "path last"],
+)
+def test_wherever_its_lock_is_cut_dvc_runs_again(tmp_path, entry):
     """Cut after `size:` it is still YAML, which DVC refuses; what is left must be what it takes."""
     Repo.init(str(tmp_path), no_scm=True).close()
     (tmp_path / "a").write_text("a")
     (tmp_path / "dvc.yaml").write_text(
         "stages:\n  b:\n    cmd: echo b > b\n    deps: [a]\n    outs: [b]\n"
     )
-    whole = "schema: '2.0'\nstages:\n  b:\n    cmd: echo b > b\n    deps:\n    - path: a\n"
-    whole += "      hash: md5\n      md5: 0cc175b9c0f1b6a831c399e269772661\n      size: 1\n"
+    whole = "schema: '2.0'\nstages:\n  b:\n    cmd: echo b > b\n    deps:\n    - "
+    whole += "\n      ".join(entry) + "\n"
     refused = 0
     for cut in range(len(whole)):
         (tmp_path / "dvc.lock").write_text(whole[:cut])
