@@ -236,7 +236,9 @@ def _parity(sign: float) -> Callable[[type[Effect], np.random.Generator], str]:
         ahead, back = (run(effect, numbers, i, 1e-3)[0] for i in (inputs, turned))
         ahead, back = ahead - _absent(inputs, ahead), back - _absent(turned, back)
         gap = np.abs(back - sign * ahead).max()
-        return f"turning the motion round misses by {gap:.3g}" if gap > EXACT else ""
+        if gap <= EXACT:
+            return ""
+        return f"turning the motion round, speed and position, misses by {gap:.3g}"
 
     return law
 
