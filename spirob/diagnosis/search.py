@@ -89,7 +89,10 @@ class Search(Generic[M]):
             if grown is None:
                 break
             kept = self._pruned(grown)
-            if kept.names == current.names or kept.mean_square >= current.mean_square:
+            if not _further(current, kept) and len(grown.effects) == len(current.effects) + 1:
+                # what the held-out trials deny alone, they may confirm beside another
+                kept = self._pruned(self._paired(current, offers) or current)
+            if not _further(current, kept):
                 break
             current = self._exchanged(kept)
             if current.names in seen:  # an exchange for a simpler effect may lead back
@@ -171,13 +174,18 @@ class Search(Generic[M]):
 
     def _grown(self, current: Model, offers: Sequence[Offer]) -> Model | None:
         """The best addition of one effect or of two, None where none matters."""
-        space, most = self.criteria.most - len(current.effects), self.criteria.finalists
+        most = self.criteria.finalists
         singles = [(o,) for o in offers[:most] if self._possible(current, o.error)]
         best = self._best_of(current, singles)
         again = self.models.tried[current.names]
-        if best is not None or space < 2 or again is not current:
+        if best is not None or again is not current:
             return best
-        # two true effects may each raise the error alone and lower it together
+        return self._paired(current, offers)
+
+    def _paired(self, current: Model, offers: Sequence[Offer]) -> Model | None:
+        """The best addition of two: each alone may raise the error that they lower together."""
+        if self.criteria.most - len(current.effects) < 2:
+            return None
         pairs = self.models.pairs(current, offers)
         pairs = [p for p in pairs if not self.models.related(p[1].effect, [p[2].effect])]
         return self._best_of(
@@ -277,6 +285,10 @@ class Search(Generic[M]):
             rungs.append(tried[effect])
             left.remove(effect)
         return rungs
+
+
+def _further(before: Model, after: Model) -> bool:
+    return after.names != before.names and after.mean_square < before.mean_square
 
 
 def alike(one: Model, two: Model, least: float) -> bool:

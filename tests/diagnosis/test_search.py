@@ -153,6 +153,17 @@ def test_what_held_out_trials_deny_is_told_and_not_chosen():
     assert found.vetoed == [ONE.name()]
 
 
+def test_what_held_out_trials_deny_alone_they_may_confirm_beside_another():
+    """Two laws that go together where they are fitted, and against each other held out."""
+    both = np.r_[A[:SAMPLES], -2.0 * A[SAMPLES:]] + 0.5 * C
+    machine = Linear(0.1 * A + 0.1 * both, {ONE: A, TWO: both})
+    search, found = searched(machine)
+    bare = found.rungs[0]
+    assert names(found.chosen) == {ONE.name(), TWO.name()}
+    assert all(search.worth.denied(bare, machine.fitted((e,), {})) for e in (ONE, TWO))
+    assert found.vetoed == []
+
+
 def test_who_takes_the_place_about_as_well_is_a_rival_and_who_says_the_same_an_equivalent():
     near = {ONE: A, TWO: A + 0.009 * B, THREE: A + 0.014 * C, FIVE: A + 0.04 * D}
     search, found = searched(Linear(0.1 * A, near, noise=0.005))
