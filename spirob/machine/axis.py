@@ -22,7 +22,7 @@ from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import as_usual, is_told, partnered, place
+from spirob.machine.delays import DELAY, as_usual, is_told, pace, partnered, place
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
@@ -40,6 +40,8 @@ from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.selection import split
+
+HALF = 0.5  # of the step in which delays are looked at: what lies nearer is the same place
 
 
 @dataclass(frozen=True)
@@ -180,16 +182,19 @@ def _place(search: RigSearch, model: Model) -> Bounded:
 def _once_more(done: _Searched) -> _Searched:
     """The search about another delay, where something that counts is left and that explains more.
 
-    Others are tried where the delay ended at a bound, and the usual one where none was possible: a
-    place found beside coarse shapes of laws may be another law's.
+    The effects that were found say more of the delay than any one of the library did: where they
+    place it elsewhere, or it ended at a bound, it is searched there.  The usual one is tried where
+    it was none of those looked at: a place found beside coarse shapes of laws may be another law's.
     """
     if done.chosen.mean_square < (TWICE * done.search.worth.least) ** 2:
         return done
-    fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
-    others = []
-    if done.chosen.fit.estimates["rig.delay"].at_bound:
-        others.append(_place(done.search, done.chosen))
-    if none.low < fitted.low or fitted.high < none.high:
+    period = max(r.period for r in done.ready.train)
+    fitted, none = done.ready.rig.fit["delay"], as_usual(period)
+    ended, others = done.chosen.fit.estimates[DELAY], []
+    anew = _place(done.search, done.chosen)
+    if ended.at_bound or abs(ended.value - anew.nominal) > HALF * pace(period):
+        others.append(anew)
+    if none not in others and (none.low < fitted.low or fitted.high < none.high):
         others.append(none)
     for delay in others:
         done.ready.progress(
