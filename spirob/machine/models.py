@@ -15,11 +15,12 @@ from spirob.identify.fit import fit
 from spirob.machine.candidates import related, same_wave
 from spirob.machine.delays import DELAY, only_aligns
 from spirob.machine.filtering import noise_in_effort
-from spirob.machine.flexible import Ceiling, ceiling, left_out_linear
+from spirob.machine.flexible import Ceiling, ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
+from spirob.machine.left_out import left_out
 from spirob.machine.leftovers import left_of, nothing, structured, unexplained
-from spirob.machine.screening import Screening, room
+from spirob.machine.screening import Screening
 from spirob.score import Score, score
 
 ITERATIONS = 40  # of a fit at most: one that has not arrived is taken for a poorer law
@@ -175,7 +176,7 @@ class Models(Predictor):
             for start in starts
         ]
         found = min(fits, key=lambda made: made.cost)
-        left = left_out_linear(found.jacobian, found.residual, self.folds, *room(table, found))
+        left = left_out(self.train, found, self.folds, ROUGH if rough else STEP)
         held = self.heldout(found.changes)
         made = Model(
             effects,
