@@ -33,7 +33,8 @@ from spirob.export.corrected import Corrected, Held
 from spirob.export.law import kernel_functions, kernel_name
 from spirob.export.translate import Function
 from spirob.machine.forward.torque import PASSES as SENSED
-from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, PASSES, READINGS, SENSOR
+from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, READINGS, SENSOR
+from spirob.machine.pipes import PASSES
 
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
 SHARE = "winch.efficiency"

@@ -82,7 +82,7 @@ class InverseProblem:
 
     def __call__(self, changes: Mapping[str, float]) -> np.ndarray:
         """Model minus measurement, (N,)."""
-        return self._thin(self._model(self.completed(changes))) - self._measured
+        return self._residual(self.completed(changes))
 
     def completed(self, changes: Mapping[str, float]) -> dict[str, float]:
         """The changes, with the own numbers of these logs as they fit best."""
@@ -91,7 +91,7 @@ class InverseProblem:
         start = {name: float(self._table.values[self._table.position(name)]) for name in self.own}
 
         def residual(values: Mapping[str, float]) -> np.ndarray:
-            return self._thin(self._model({**changes, **values})) - self._measured
+            return self._residual({**changes, **values})
 
         return {**changes, **profiled(residual, self.own, start)}
 
@@ -118,6 +118,10 @@ class InverseProblem:
     def model(self, changes: Mapping[str, float]) -> np.ndarray:
         """The modelled effort at every sample of every piece, filtered, (n,)."""
         return self._model(self.completed(changes))
+
+    def _residual(self, changes: Mapping[str, float]) -> np.ndarray:
+        effort = self.asked.effort(self._table.vector(changes), near=True)
+        return self._thin(self._smooth(effort)) - self._measured
 
     def _model(self, changes: Mapping[str, float]) -> np.ndarray:
         return self._smooth(self.asked.effort(self._table.vector(changes)))

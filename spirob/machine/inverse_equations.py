@@ -7,8 +7,13 @@
 m and F are the payload and the force of each log (`numbers`), k_b is a voltage's back-EMF.
 P are the pipes between the effort and the axis (torque constant, efficiency, dead band), S those
 between the effort and its reading (offset, gain, lag).  The first line is solved for e, so that the
-model knows nothing of the effort that it is compared with.  The kernels are those of the library,
-run over the measured signals.
+model knows nothing of a measured effort.  Where it is compared with one, e₀, it is taken about it,
+
+    e = e₀ + (wanted - P(e₀))/P'
+
+since the inverse is no fair judge of P: in a dead band one torque has many efforts, and where iron
+is full a torque may have none.  At the true numbers the two differ by noise alone.  The kernels are
+those of the library, run over the measured signals.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,14 +23,13 @@ from threading import Lock
 import numpy as np
 
 from spirob.effects import Effect
+from spirob.machine import pipes
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.motion import Motion, late
 from spirob.machine.rig import NUMBERS, PER_LOG
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
-PASSES = 12  # of the solution for the effort before the drive's pipes
-SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 READINGS = 4  # passes to where a wrong reading was taken; each leaves a small part of the last
@@ -33,7 +37,6 @@ HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 KEPT = 1e8  # bytes of effects' torques along all trials
-SOLVED = 1e-12  # of the largest effort
 Run = Callable[..., None]
 
 
@@ -63,8 +66,11 @@ class AskedEffort:
         self._lock = Lock()
         self._fixed = self._moving(motion)
 
-    def effort(self, p: np.ndarray) -> np.ndarray:
-        """The effort at every sample of every piece, (n,), for a vector of the table."""
+    def effort(self, p: np.ndarray, near: bool = False) -> np.ndarray:
+        """The effort at every sample of every piece, (n,), for a vector of the table.
+
+        near  to first order about the measured effort, which it is compared with
+        """
         own = self.own(p)
         behind = self._corrected(p)
         load = self.load(behind, p)
@@ -76,7 +82,10 @@ class AskedEffort:
         for port in ADDED:
             for effect in self.present(port, p):
                 needed = needed - self._torque(effect, p, motion, signals)
-        effort = self.solved(needed / own["scale"], p, motion, signals)
+        effort = needed / own["scale"]
+        if any(self.present(port, p) for port in (*BEFORE, "winch.efficiency")):
+            passed = self._nearby if near else self.through
+            effort = passed(effort, p, motion, signals)
         if own["back_emf"]:
             effort = effort + own["back_emf"] * motion.v
         for effect in (e for port in READ for e in self.present(port, p)):
@@ -173,40 +182,35 @@ class AskedEffort:
             "hinge.weight_y": motion.body["across"],
         }
 
-    def solved(
+    def through(
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """e with P(e) = wanted, by secants from e = wanted.
+        """e with P(e) = wanted, (n,)."""
+        return pipes.solved(lambda e: self._passed(e, p, motion, signals), wanted)
 
-        Where an effort changes nothing, in a dead band, the steps grow until it does; a secant over
-        its edge is of no use there.
-        """
-        pipes = [e for port in BEFORE for e in self.present(port, p)]
-        shares = self.present("winch.efficiency", p)
-        effort = wanted
-        if not pipes and not shares:
-            return effort
-        close = SOLVED * np.max(np.abs(wanted))
-        step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
-        moved, edges = np.zeros_like(effort), np.zeros(len(effort), bool)
-        for _ in range(PASSES):
-            seen = {**signals, "motor.current": effort, "motor.command": effort}
-            passed = effort
-            for effect in pipes:
-                passed = self.run(effect, p, motion, seen, passed)
-            share = np.ones_like(effort)
-            for effect in shares:
-                share = self.run(effect, p, motion, seen, share)
-            miss = wanted - share * passed
-            if np.max(np.abs(miss)) <= close:
-                break
-            flat = (np.sign(miss) == np.sign(missed)) & (np.abs(miss) > SHRINKS * np.abs(missed))
-            edges |= flat
-            smooth = np.where(edges, 1.0, _secant(moved, missed - miss))
-            step = np.where(flat, 2.0 * step, smooth)
-            moved, missed = step * miss, miss
-            effort = effort + moved
-        return effort
+    def _nearby(
+        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """The same to first order about the measured effort, from before its reading."""
+        own = self.own(p)
+        read = late(motion.effort, -own["delay"], motion) - own["back_emf"] * motion.v
+        shown = read
+        for effect in (e for port in READ for e in self.present(port, p)):
+            shown = self.run(effect, p, motion, {**signals, "motor.current": shown}, shown)
+        before = 2.0 * read - shown
+        return pipes.nearby(lambda e: self._passed(e, p, motion, signals), wanted, before)
+
+    def _passed(
+        self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """P(e), the torque that an effort makes over what it would make without the pipes, (n,)."""
+        seen = {**signals, "motor.current": effort, "motor.command": effort}
+        passed, share = effort, np.ones_like(effort)
+        for effect in (e for port in BEFORE for e in self.present(port, p)):
+            passed = self.run(effect, p, motion, seen, passed)
+        for effect in self.present("winch.efficiency", p):
+            share = self.run(effect, p, motion, seen, share)
+        return share * passed
 
     def run(
         self,
@@ -324,10 +328,3 @@ def _cells(table: Table, motion: Motion) -> dict[str, list[int]]:
 def _feels_load(effect: type[Effect]) -> bool:
     """Whether an effect reads the load; an error of the reading that does is a twist under it."""
     return "motor.load_torque" in effect.reads.values()
-
-
-def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
-    """Step for each unit that is missed, from the last move and its gain; 1 where far from it."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        steps = moved / gained
-    return np.where((steps > SHRINKS) & (steps < 1.0 / SHRINKS), steps, 1.0)

@@ -76,7 +76,7 @@ def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
     asked, motion = made.asked, made.asked.motion
     wanted = 0.5 * motion.v
     signals = asked.signals(motion, wanted)
-    effort = asked.solved(wanted, p, motion, signals)
+    effort = asked.through(wanted, p, motion, signals)
     effect = LIBRARY[name]
     share = effect.port == "winch.efficiency"
     above = np.ones_like(effort) if share else effort
