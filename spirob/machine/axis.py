@@ -22,7 +22,7 @@ from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import DELAY, as_usual, is_told, pace, partnered, place
+from spirob.machine.delays import DELAY, as_usual, is_told, partnered, place
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
@@ -40,8 +40,6 @@ from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.scaling import Sizes, sizes_of
 from spirob.machine.selection import split
-
-HALF = 0.5  # of the step in which delays are looked at: what lies nearer is the same place
 
 
 @dataclass(frozen=True)
@@ -183,16 +181,15 @@ def _once_more(done: _Searched) -> _Searched:
     """The search about another delay, where something that counts is left and that explains more.
 
     The effects that were found say more of the delay than any one of the library did: where they
-    place it elsewhere, or it ended at a bound, it is searched there.  The usual one is tried where
-    it was none of those looked at: a place found beside coarse shapes of laws may be another law's.
+    place it elsewhere and explain more there, or it ended at a bound, it is searched there.  The
+    usual one is tried where it was none of those looked at: a place found beside coarse shapes of
+    laws may be another law's.
     """
     if done.chosen.mean_square < (TWICE * done.search.worth.least) ** 2:
         return done
-    period = max(r.period for r in done.ready.train)
-    fitted, none = done.ready.rig.fit["delay"], as_usual(period)
-    ended, others = done.chosen.fit.estimates[DELAY], []
-    anew = _place(done.search, done.chosen)
-    if ended.at_bound or abs(ended.value - anew.nominal) > HALF * pace(period):
+    fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
+    anew, others = _place(done.search, done.chosen), []
+    if done.chosen.fit.estimates[DELAY].at_bound or _fits_better(done, anew):
         others.append(anew)
     if none not in others and (none.low < fitted.low or fitted.high < none.high):
         others.append(none)
@@ -203,6 +200,13 @@ def _once_more(done: _Searched) -> _Searched:
         other = _searched(_about(done.ready, delay))
         done = other if done.search.worth.matters(done.chosen, other.chosen) else done
     return done
+
+
+def _fits_better(done: _Searched, delay: Bounded) -> bool:
+    """Whether the chosen effects explain more about another delay."""
+    search, _ = _search(_about(done.ready, delay))
+    begin = done.chosen.fit.changes | {DELAY: delay.nominal}
+    return done.search.worth.matters(done.chosen, search.models.fitted(done.chosen.effects, begin))
 
 
 def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:

@@ -46,11 +46,6 @@ def usual(period: float) -> float:
     return max(min(ROWS * period, LONG), FEW * period, LEAST)
 
 
-def pace(period: float) -> float:
-    """Seconds from one delay that is looked at to the next, for a log's sample period."""
-    return max(period, usual(period) / FINE)
-
-
 def as_usual(period: float) -> Bounded:
     """A delay to fit that is no more than that of any log."""
     most = usual(period)
@@ -151,7 +146,7 @@ def place(
     """
     period = max(r.period for r in problem.recordings)
     most, here = usual(period), model.fit.changes.get(DELAY, 0.0)
-    apart = pace(period)
+    apart = max(period, most / FINE)
     far = round(FARTHEST / apart) + 1  # what lies at an end is a best place only if beyond is worse
     delays = apart * np.arange(-far, far + 1)
     rows, efforts = problem.later(delays - here, max(1, len(model.left) // ENOUGH))
