@@ -88,9 +88,7 @@ class AskedEffort:
             effort = passed(effort, p, motion, signals)
         if own["back_emf"]:
             effort = effort + own["back_emf"] * motion.v
-        for effect in (e for port in READ for e in self.present(port, p)):
-            effort = self.run(effect, p, motion, signals | {"motor.current": effort}, effort)
-        effort = late(effort, own["delay"], motion)
+        effort = late(self._shown(effort, p, motion, signals), own["delay"], motion)
         for effect in self.present("sensing.frame", p):
             # the motion in the frame is late: compare with the command of that time
             effort = effort + motion.effort - self.in_cycles(effect, p, motion)
@@ -194,11 +192,19 @@ class AskedEffort:
         """The same to first order about the measured effort, from before its reading."""
         own = self.own(p)
         read = late(motion.effort, -own["delay"], motion) - own["back_emf"] * motion.v
-        shown = read
-        for effect in (e for port in READ for e in self.present(port, p)):
-            shown = self.run(effect, p, motion, {**signals, "motor.current": shown}, shown)
-        before = 2.0 * read - shown
+        before = read
+        if any(self.present(port, p) for port in READ):
+            before = pipes.nearby(lambda e: self._shown(e, p, motion, signals), read, read)
         return pipes.nearby(lambda e: self._passed(e, p, motion, signals), wanted, before)
+
+    def _shown(
+        self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """S(e), what is read of an effort, (n,)."""
+        for effect in (e for port in READ for e in self.present(port, p)):
+            seen = {**signals, "motor.current": effort}
+            effort = self.run(effect, p, motion, seen, effort)
+        return effort
 
     def _passed(
         self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]

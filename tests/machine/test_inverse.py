@@ -85,6 +85,28 @@ def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
     np.testing.assert_allclose(reached, wanted, atol=1e-9 * np.abs(wanted).max())
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("torque_constant_saturation", "current_gain"),
+        ("driver_dead_band", "current_offset"),
+        ("winding_heating", "direction_dependent_efficiency"),
+        ("torque_ripple",),
+    ],
+)
+def test_about_the_effort_that_a_machine_takes_nothing_is_missed(names):
+    """Also behind a reading that is a gain or an offset off."""
+    made = problem(*names)
+    at = {"rig.inertia": 0.03, "rig.viscous": 0.2}
+    at |= {f"{e}.{f}": p.nominal for e in names for f, p in LIBRARY[e].parameters().items()}
+    taken = {**log(), "u": made.asked.effort(made.table.vector(at))}
+    rig, effects = made.rig, [LIBRARY[name] for name in names]
+    again = InverseProblem(rig, None, [prepare("log", taken, rig)], effects, SIZES, 0.02)
+    missed = np.sqrt(np.mean(again(at) ** 2))  # the log's filter rounds the corners of a dead band
+    bare = np.sqrt(np.mean(again({"rig.inertia": 0.03, "rig.viscous": 0.2}) ** 2))
+    assert missed < 0.01 * bare
+
+
 @pytest.mark.parametrize("before", [(), ("torque_constant_saturation",), ("current_lag",)])
 @pytest.mark.parametrize("name", ["coulomb_friction", "load_dependent_friction", "current_offset"])
 def test_what_an_effect_adds_is_the_difference_that_it_makes(name, before):
