@@ -17,11 +17,14 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.screening import room
 
 BENT = 0.1  # of the residual: by so much it may differ from what its slopes told of a step
+WORST = 1e6  # of the largest residual: by how much more a fold is missed says nothing
 STEPS = 4  # of a fit to the others: it begins close to where it ends
 
 
 def left_out(problem: InverseProblem, found: Fit, folds: np.ndarray, width: float) -> np.ndarray:
     """The residual of each fold by the numbers that the other folds ask for, (N,).
+
+    A fold on which the others' numbers run away is missed by `WORST`, never by what has no square.
 
     found  fitted to all of them;  folds  (N,) label of each sample
     width  of differences, in the coordinates of `Scaling`
@@ -34,11 +37,14 @@ def left_out(problem: InverseProblem, found: Fit, folds: np.ndarray, width: floa
         inside = folds == fold
         residual = problem(found.changes | scaling.physical(begin + step))
         told = found.residual + found.jacobian @ step
-        if np.linalg.norm(residual - told) > BENT * np.linalg.norm(found.residual):
+        with np.errstate(over="ignore"):
+            off = np.linalg.norm(residual - told)
+        if off > BENT * np.linalg.norm(found.residual):
             numbers = _fitted(problem, scaling, found, ~inside, width)
             residual = problem(found.changes | numbers)
         out[inside] = residual[inside]
-    return out
+    worst = WORST * float(np.max(np.abs(found.residual)))
+    return np.clip(np.nan_to_num(out, nan=worst), -worst, worst)
 
 
 def _fitted(

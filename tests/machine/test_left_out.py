@@ -77,3 +77,14 @@ def test_of_a_bent_one_it_is_a_fit_to_the_others():
     off = np.linalg.norm(left_out(problem, found, folds, WIDTH) - anew)
     assert off < 0.5 * np.linalg.norm(linear(problem, found, folds) - anew)
     assert off < 0.2 * np.linalg.norm(anew)
+
+
+def test_a_fold_on_which_the_model_runs_away_is_missed_by_a_finite_error():
+    problem, found, folds = moving(None, lambda u, v: 0.0 * u)
+    wild = Others(problem, 1.0)
+    wild.problem = lambda changes: np.where(folds < 2, np.nan, 1e200)
+    wild.table = problem.table
+    wild.many = lambda points: [found.residual for _ in points]
+    left = left_out(wild, found, folds, WIDTH)
+    assert np.isfinite(left**2).all()
+    assert np.abs(left).min() > 1e5 * np.abs(found.residual).max()
