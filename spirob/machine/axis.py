@@ -189,7 +189,8 @@ def _once_more(done: _Searched) -> _Searched:
         return done
     fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
     anew, others = _place(done.search, done.chosen), []
-    if done.chosen.fit.estimates[DELAY].at_bound or _fits_better(done, anew):
+    at_bound = done.chosen.fit.estimates[DELAY].at_bound
+    if anew != fitted and (at_bound or _fits_better(done, anew)):
         others.append(anew)
     if none not in others and (none.low < fitted.low or fitted.high < none.high):
         others.append(none)

@@ -107,6 +107,18 @@ def test_about_the_effort_that_a_machine_takes_nothing_is_missed(names):
     assert missed < 0.01 * bare
 
 
+@pytest.mark.parametrize(("iron", "wanted"), [(0.0, 1.0), (0.5, 1.0), (20.0, 1.0), (20.0, -5.0)])
+def test_full_iron_is_compared_by_the_torque_of_an_ampere(iron, wanted):
+    """e = τ·√(1 + s·e₀²), however far the torque τ is from what the current e₀ makes of it."""
+    made = problem("torque_constant_saturation")
+    motion = made.asked.motion
+    at = {"rig.inertia": 0.0, "rig.viscous": wanted, "torque_constant_saturation.saturation": iron}
+    found = made.asked.effort(made.table.vector(at), near=True)
+    per_ampere = 1.0 / np.sqrt(1.0 + iron * motion.effort**2)
+    expected = wanted * motion.v / per_ampere
+    np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("before", [(), ("torque_constant_saturation",), ("current_lag",)])
 @pytest.mark.parametrize("name", ["coulomb_friction", "load_dependent_friction", "current_offset"])
 def test_what_an_effect_adds_is_the_difference_that_it_makes(name, before):
