@@ -153,14 +153,22 @@ class Worth:
         least = 1.0 - (self.settings.veto if whole else 0.0)
         return after.heldout_square > least * before.heldout_square
 
+    def refuted(self, model: Judged, other: Judged) -> bool:
+        """Whether another leaves half of what the model leaves held out, less by what counts."""
+        fall = model.heldout_square - other.heldout_square
+        return fall > max((1.0 - HALF) * model.heldout_square, self.least**2)
+
     def simplest(self, models: Sequence[Model]) -> Model:
         """The poorest model to which no other is clearly preferable.
 
         A richer model has to be better by the least size of an effect: the edges of a smooth sign
-        never fit quite, and a richer law always takes some of that.
+        never fit quite, and a richer law always takes some of that.  An equal that the held-out
+        trials refute beside another is none: on logs of one direction dry friction is a constant
+        force, and one of the other direction tells.
         """
         best = min(models, key=lambda m: m.mean_square)
         equal = [m for m in models if m is best or not self._beaten(m, best)]
+        equal = [m for m in equal if not any(self.refuted(m, other) for other in equal)]
         return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
 
     def _beaten(self, model: Model, best: Model) -> bool:

@@ -28,7 +28,7 @@ def kin(search: Search[Any], chosen: Model, effect: type[Effect]) -> list[str]:
     """Names of the effects that make most of what this one makes, in its place; the best first.
 
     Their models differ from the chosen one by less than half the squared error that the effect
-    takes, on the samples that are fitted.
+    takes, on the samples that are fitted; the held-out trials refute none of them.
     """
     rest = chosen.names - {effect.name()}
     fall = search.models.tried[rest].mean_square - chosen.mean_square
@@ -38,7 +38,7 @@ def kin(search: Search[Any], chosen: Model, effect: type[Effect]) -> list[str]:
         if len(other) != 1 or len(model.names) != len(chosen.names) or model.names == chosen.names:
             continue
         apart = float(np.mean((model.fit.residual - chosen.fit.residual) ** 2))
-        if apart < MOSTLY * fall:
+        if apart < MOSTLY * fall and not search.worth.refuted(model, chosen):
             found[next(iter(other))] = model.heldout_square
     return sorted(found, key=lambda name: found[name])
 

@@ -248,12 +248,13 @@ class Search(Generic[M]):
         return [m for m in self._extended(lesser, others) if self.models.plain(m)]
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
-        """Exchanges that are neither richer nor clearly worse."""
+        """Exchanges that are neither richer nor clearly worse, held out neither."""
         others = self._exchanges(model, effect)
-        poorer = [
-            m for m in others if m.numbers <= model.numbers and not self.worth.clearly(m, model)
-        ]
+        poorer = [m for m in others if m.numbers <= model.numbers and self._rivals_with(m, model)]
         return [*poorer, *self._richer(model, effect)]
+
+    def _rivals_with(self, other: Model, model: Model) -> bool:
+        return not self.worth.clearly(other, model) and not self.worth.refuted(other, model)
 
     def _richer(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Models with another law of dry friction that halve what is left, though it is small.

@@ -153,3 +153,13 @@ def test_an_arm_is_asked_less_of_a_richer_law_and_no_less_than_its_models_own_re
     """A simulation has no sharp edges that a richer law takes some of."""
     assert (ArmCriteria().floor, ArmCriteria().richer) == (RESOLUTION, 0.0)
     assert (ArmCriteria().share, ArmCriteria().veto) == (Criteria().share, Criteria().veto)
+
+
+def test_of_equals_the_held_out_trials_refute_what_they_do_not_bear():
+    """Two laws that fit alike: the richer is taken where the simpler misses what was not fitted."""
+    rich = machines.model([RICH], 0.3, 0.3)
+    for missed, taken in ((0.4, SIMPLE), (0.6, RICH)):  # 0.44 of its square is left, and 0.25
+        simple = machines.model([SIMPLE], 0.3, missed)
+        assert FLOOR.simplest([simple, rich]).effects == (taken,)
+    small = [machines.model([e], 0.3, missed) for e, missed in ((SIMPLE, 0.09), (RICH, 0.01))]
+    assert FLOOR.simplest(small).effects == (SIMPLE,), "what it misses does not count"

@@ -93,7 +93,13 @@ def test_more_of_what_speaks_for_a_name_makes_it_likelier():
 )
 def test_what_makes_most_of_an_effect_is_of_its_kin(apart, far, said):
     """Of a law of one, by half the square that it takes; the best on held-out trials first."""
-    near, third = model([OTHER], 1.0, 0.2, apart * WAVE), model([THIRD], 1.0, 0.5, far * WAVE)
+    near, third = model([OTHER], 1.0, 0.11, apart * WAVE), model([THIRD], 1.0, 0.12, far * WAVE)
     chosen = model([EFFECT], 0.0, 0.1, 0.0 * WAVE)
     one = ended(model([], 1.0), near, third, chosen)
     assert kin(one.search, chosen, EFFECT) == [e.name() for e in said]
+
+
+def test_what_the_held_out_trials_refute_is_of_no_kin():
+    near = model([OTHER], 1.0, 0.5, 0.1 * WAVE)
+    chosen = model([EFFECT], 0.0, 0.1, 0.0 * WAVE)
+    assert kin(ended(model([], 1.0), near, chosen).search, chosen, EFFECT) == []
