@@ -128,6 +128,12 @@ SIGNALS = {
     "motor.load_torque": Signal(
         "N·m", "motor", "tendon's torque r·F/G seen by the rotor", (-1.0, 1.0)
     ),
+    "motor.inertia_torque": Signal(
+        "N·m",
+        "motor",
+        "part of the load torque that accelerates what may be the motor's own; none in the arm",
+        (-1.0, 1.0),
+    ),
     "motor.power": Signal("W", "motor", "electrical power that the motor draws", (-500.0, 500.0)),
     "winch.angle": Signal("rad", "motor", "drum angle since the start of the trial", (-50.0, 50.0)),
     "winch.displacement": Signal("m", "motor", "wound-in length x", (-0.4, 0.4)),

@@ -51,6 +51,7 @@ SIGNALS = {
     "motor.current": "effort",
     "motor.command": "effort",
     "motor.load_torque": "load",
+    "motor.inertia_torque": "(LOAD_INERTIA * a)",
     "hinge.angle": "q",
     "hinge.speed": "v",
     "hinge.stiffness": "HINGE_STIFFNESS",
@@ -114,7 +115,10 @@ def equations(model: Corrected) -> Equations:
 def _constants(model: Corrected) -> dict[str, float]:
     found = {name.upper(): value for name, value in model.numbers.items()}
     found |= {"REST_SPEED": model.rest_speed, "ANGLE": model.angle}
-    found |= {"HINGE_STIFFNESS": model.stiffness, "OWN_INERTIA": model.own_inertia}
+    inertia = model.numbers["inertia"]  # the motor's alone where a body carries the rest
+    ahead, behind = (inertia, 0.0) if model.body else (0.0, inertia)
+    found |= {"HINGE_STIFFNESS": model.stiffness, "LOAD_INERTIA": behind}
+    found |= {"OWN_INERTIA": model.own_inertia + ahead}
     for one in model.effects:
         found |= {number_name(one, field): value for field, value in one.values.items()}
     return found
@@ -152,7 +156,8 @@ def _texts(model: Corrected) -> list[tuple[str, str]]:
         ):
             raise ExportError(f"effect '{one.name}': an error of the position with memory stays")
     shares = [e.values["rotor_share"] for e in twisted if "rotor_share" in e.values]
-    share = repr(max(shares, default=1.0 if not twisted else 0.0))
+    all_ahead = not twisted or model.body is not None
+    share = repr(1.0 if all_ahead else max(shares, default=0.0))
     sensed = {
         "behind": "    q, v, a = behind(q, v, a, dt)" if wrong else "",
         "hinge": _calls(model.at(HINGE), "-load"),

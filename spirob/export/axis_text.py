@@ -22,7 +22,8 @@ def compensate(s, position, speed, acceleration, dt):
 '''
     + MOVED
     + """\
-    needed = load + VISCOUS * v + s.offset + OWN_INERTIA * a + {share} * INERTIA * (a - slow)
+    needed = load + VISCOUS * v + s.offset + OWN_INERTIA * a
+    needed = needed + {share} * LOAD_INERTIA * (a - slow)
 {added}
     wanted = needed / SCALE
     effort = wanted
@@ -36,13 +37,13 @@ def compensate(s, position, speed, acceleration, dt):
 LOADED = '''
 def loaded(s, q, a):
     """What the transmission passes on, without effects."""
-    return INERTIA * a + STIFFNESS * q + s.carried
+    return LOAD_INERTIA * a + STIFFNESS * q + s.carried
 '''
 WITH_PAYLOAD = '''
 def loaded(s, q, a):
     """What the transmission passes on, without effects."""
     weight = PAYLOAD_COSINE * math.cos({turned}) + PAYLOAD_SINE * math.sin({turned})
-    own = INERTIA * a + STIFFNESS * q
+    own = LOAD_INERTIA * a + STIFFNESS * q
     return own + s.payload * (PAYLOAD_INERTIA * a + weight) + s.carried
 '''
 MOTOR = (
@@ -61,7 +62,8 @@ def torque(s, position, speed, acceleration, effort, dt):
     """What drive and effects put on the axis, friction negative, at this effort."""
     q = position
     v = speed
-    load = loaded(s, q, acceleration)
+    a = acceleration
+    load = loaded(s, q, a)
     held = 0.0
 {held}
     load = load - held

@@ -248,9 +248,10 @@ def _library(
     """The laws of the effects that the model holds, of those that may act, why others may not."""
     turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
     side = (rig.position and rig.position.side) or "motor"
-    own = for_axis(held, turned, side)
+    shared = body is None and ("inertia" in rig.fit or rig.known.get("inertia", 0.0) > 0.0)
+    own = for_axis(held, turned, side, shared)
     whole = [e for e in all_effects().values() if e.name() not in without]
-    library = [*own, *(e for e in for_axis(whole, turned, side) if e not in own)]
+    library = [*own, *(e for e in for_axis(whole, turned, side, shared) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
@@ -279,7 +280,8 @@ def _search(ready: _Ready) -> tuple[Search, Identifiability]:
     table = train.table
     asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
     gate = probe(train, asked, {n: table.about[n].nominal for n in asked})
-    if gate.silent:
+    shapes = {f"{e.name()}.{f}" for e in ready.own for f in e.fitted() if f not in e.neutral}
+    if set(gate.silent) - shapes:  # a shape may say nothing until its amplitude is another
         raise ConfigError(f"fit: {gate.sentence}")
     absent = [e for e in ready.possible if e not in ready.own]
     models = Models(train, heldout, names, ready.settings.floor)

@@ -28,6 +28,7 @@ SIGNALS = {
     "motor.speed",
     "motor.angle",
     "motor.load_torque",
+    "motor.inertia_torque",
     "winch.displacement",
 }
 HINGE = {

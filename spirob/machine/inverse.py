@@ -50,7 +50,9 @@ class InverseProblem:
         self._table = table_of(rig, effects, sizes, logs)
         motion = motion_of(self.recordings, body, sizes.mass)
         stiffness = body.stiffness if body else 0.0
-        self.asked = AskedEffort(motion, effects, self._table, sizes, rest_speed, stiffness)
+        self.asked = AskedEffort(
+            motion, effects, self._table, sizes, rest_speed, stiffness, body is not None
+        )
         self.workers = 2 if len(motion.q) >= LONG else 1
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))

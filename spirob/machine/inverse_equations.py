@@ -4,7 +4,9 @@
                  - Σ τ_effects(q, v, ...)
     e_model    = S(e + k_b·v)
 
-m and F are the payload and the force of each log (`numbers`), k_b is a voltage's back-EMF.
+m and F are the payload and the force of each log (`numbers`), k_b is a voltage's back-EMF.  The
+load that friction may feel is what the transmission passes on.  Where a body is described, J is the
+motor's own inertia and no part of that; where none is, nothing tells the two apart.
 P are the pipes between the effort and the axis (torque constant, efficiency, dead band), S those
 between the effort and its reading (offset, gain, lag).  The first line is solved for e, so that the
 model knows nothing of a measured effort.  Where it is compared with one, e₀, it is taken about it,
@@ -47,6 +49,7 @@ class AskedEffort:
 
     stiffness   of the driven joint [N·m/rad], which effects at a hinge read
     rest_speed  below which the axis counts as standing
+    described   whether a body is, which carries what is moved beside the motor
     """
 
     def __init__(
@@ -57,10 +60,11 @@ class AskedEffort:
         sizes: Sizes,
         rest_speed: float,
         stiffness: float,
+        described: bool,
     ):
         self.motion, self.effects, self.table, self.sizes = motion, list(effects), table, sizes
         self.rest_speed, self._stiffness = rest_speed, stiffness
-        self._has_body = bool(np.any(motion.body["payload"]))
+        self._described, self._carries = described, bool(np.any(motion.body["payload"]))
         self._of_logs = _cells(table, motion)
         self._carried = self._load_cells()
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
@@ -78,9 +82,11 @@ class AskedEffort:
         load = self.load(behind, p)
         motion, share = self._ahead(behind, load, p)
         needed = load + own["viscous"] * motion.v + self.of_log("offset", p)
-        if motion is not behind:
+        if self._described:
+            needed = needed + own["inertia"] * motion.a
+        elif motion is not behind:
             needed = needed + share * own["inertia"] * (motion.a - behind.a)
-        signals = self.signals(motion, load)
+        signals = self.signals(motion, load, p)
         for port in ADDED:
             for effect in self.present(port, p):
                 needed = needed - self._torque(effect, p, motion, signals)
@@ -106,20 +112,22 @@ class AskedEffort:
         return self.motion.spread(p[cells]) if cells else 0.0
 
     def load(self, motion: Motion, p: np.ndarray) -> np.ndarray:
-        """What the transmission passes on to this motion, (n,): all that the axis carries."""
+        """What the transmission passes on to this motion, (n,); without a body, all of it."""
         own = self.own(p)
-        load = own["inertia"] * motion.a + own["stiffness"] * motion.q + motion.body["load"]
+        load = own["stiffness"] * motion.q + motion.body["load"]
+        if not self._described:
+            load = load + own["inertia"] * motion.a
         tip = self.tip_mass(p) + self.of_log("payload", p)
         if np.any(tip):
             load = load + tip * self._payload(motion, own)
-        signals = self.signals(motion, load)
+        signals = self.signals(motion, load, p)
         for effect in self.present(HINGE, p):
             load = load - self._torque(effect, p, motion, signals)
         return load
 
     def _payload(self, motion: Motion, own: Mapping[str, float]) -> np.ndarray:
         """What a payload of 1 adds to the load, (n,)."""
-        if self._has_body:
+        if self._carries:
             return motion.body["payload"] / self.sizes.mass
         turned = motion.q if self.sizes.axis_unit == "rad" else np.zeros_like(motion.q)
         weight = own["payload_cosine"] * np.cos(turned) + own["payload_sine"] * np.sin(turned)
@@ -137,7 +145,7 @@ class AskedEffort:
         felt = any(_feels_load(e) for port in ADDED for e in self.present(port, p))
         if effect.port not in ADDED and (effect.port != HINGE or felt):
             return None
-        signals = self.signals(self.motion, self.load(self.motion, p))
+        signals = self.signals(self.motion, self.load(self.motion, p), p)
         own = self.own(p)
         torque = self._torque(effect, p, self.motion, signals)
         return late(-torque / own["scale"], own["delay"], self.motion)
@@ -161,10 +169,12 @@ class AskedEffort:
         name = effect.name()
         return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
 
-    def signals(self, motion: Motion, load: np.ndarray) -> dict[str, np.ndarray]:
+    def signals(self, motion: Motion, load: np.ndarray, p: np.ndarray) -> dict[str, np.ndarray]:
         """What kernels may read, each (n,)."""
+        shared = 0.0 if self._described else float(p[self.table.position("rig.inertia")])
         fixed = self._fixed if motion is self.motion else self._moving(motion)
-        return {**fixed, "motor.load_torque": load}
+        carried = {"motor.load_torque": load, "motor.inertia_torque": shared * motion.a}
+        return {**fixed, **carried}
 
     def _moving(self, motion: Motion) -> dict[str, np.ndarray]:
         """Of these, what follows from the motion alone."""
@@ -310,7 +320,7 @@ class AskedEffort:
         self, wrong: Sequence[type[Effect]], p: np.ndarray, motion: Motion, load: np.ndarray
     ) -> np.ndarray:
         """What the sensor reads beside this motion, (n,)."""
-        signals = self.signals(motion, load)
+        signals = self.signals(motion, load, p)
         error = np.zeros_like(motion.q)
         for effect in wrong:
             error += self.run(effect, p, motion, signals, motion.q) - motion.q

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from spirob.diagnosis.model import Model
-from spirob.machine.laws import LOAD_SIDE, for_axis
+from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.models import RigSearch
 from spirob.machine.rig import RigFile
 
@@ -76,7 +76,7 @@ def fits_at_load(at_load: RigSearch, chosen: Model) -> bool:
     Less would be too little to contradict what most descriptions mean: the edges of friction at a
     reversal look like a little play behind the sensor.
     """
-    kept = tuple(for_axis((e for e in chosen.effects if e.name() not in LOAD_SIDE), side="load"))
+    kept = tuple(e for e in chosen.effects if e.name() not in LOAD_SIDE)
     laws = [e for e in at_load.candidates if e in LOAD_SIDE.values()]
     grown = at_load.extended(kept, chosen.fit.changes, laws)
     return any(at_load.worth.halves(chosen, model) for model in grown)

@@ -58,6 +58,7 @@ SIGNALS = {  # signal -> expression in the loop, valid at every port that may re
     "motor.speed": "(p.winch.gear_ratio * s.rate[m] / s.radius[m])",
     "motor.angle": "(p.winch.gear_ratio * s.turned[m] + s.first_angle[m])",
     "motor.load_torque": "(s.radius[m] * s.tension[m] / p.winch.gear_ratio)",
+    "motor.inertia_torque": "0.0",  # the plant's rotor is before the load
     "motor.power": "s.current[m] * (p.motor.resistance * s.current[m]"
     " + p.motor.emf_constant * p.winch.gear_ratio * s.rate[m] / s.radius[m])",
     "winch.angle": "s.turned[m]",

@@ -75,7 +75,7 @@ def problem_of(folder, names, body=False, side="motor", step=STEP, seconds=6.0, 
     a = np.gradient(np.gradient(q, t), t)
     recording = prepare("log", {"t": t, "q": q, "i": 0.06 * a + 0.1 * np.sin(9 * t)}, rig)
     made = RigidBody(rig.body, folder, True) if body else None
-    effects = for_axis((all_effects()[n] for n in names), 0.0 if body else 2.0, side)
+    effects = for_axis((all_effects()[n] for n in names), 0.0 if body else 2.0, side, not body)
     sizes, rest = sizes_of(rig, made, [recording])
     logs = log_numbers(rig, [recording], sizes)
     return InverseProblem(rig, made, [recording], effects, sizes, rest, logs)

@@ -7,17 +7,18 @@ import pytest
 
 from spirob.diagnosis.orders import peaks
 from spirob.effects import all_effects
+from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.filtering import rates
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.kernel_loop import loop_of
-from spirob.machine.laws import load_side
+from spirob.machine.laws import for_axis, load_side
 from spirob.machine.motion import late
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, dimensions, parameters
 from spirob.machine.shapes import counts_periods, shaping
-from tests.machine.rigs import description
+from tests.machine.rigs import PENDULUM, description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 LIBRARY = all_effects()
@@ -75,7 +76,7 @@ def test_what_lies_between_effort_and_torque_is_solved_for(name, number, value):
     p = made.table.vector({f"{name}.{number}": value})
     asked, motion = made.asked, made.asked.motion
     wanted = 0.5 * motion.v
-    signals = asked.signals(motion, wanted)
+    signals = asked.signals(motion, wanted, p)
     effort = asked.through(wanted, p, motion, signals)
     effect = LIBRARY[name]
     share = effect.port == "winch.efficiency"
@@ -271,3 +272,19 @@ def test_a_load_on_a_soft_gear_has_its_motor_move_by_the_twist_besides():
     expected = stiff * (1 - 0.3 * 0.05 * 0.03 * w**2)
     assert 1 - 0.3 * 0.05 * 0.03 * w**2 < 0.95
     np.testing.assert_allclose(soft, expected, atol=2e-3 * np.abs(expected).max())
+
+
+def test_of_a_described_body_the_fitted_inertia_is_the_motor_s_and_no_load(tmp_path):
+    """Friction by the load feels the body alone; the motor's effort moves both."""
+    (tmp_path / "arm.xml").write_text(PENDULUM)
+    rig = RigFile.model_validate(description(body={"mjcf": "arm.xml", "joint": "shoulder"}))
+    body = RigidBody(rig.body, tmp_path, True)
+    effects = for_axis([LIBRARY["load_dependent_friction"]], shared=False)
+    made = InverseProblem(rig, body, [prepare("log", log(), rig)], effects, SIZES, 0.02)
+    asked, motion = made.asked, made.asked.motion
+    light, heavy = ({"rig.viscous": 0.0, "rig.inertia": j} for j in (0.0, 0.4))
+    rubs = {"load_dependent_friction.loss_ratio": 0.2}
+    without, own = (made.table.vector(x | rubs) for x in (light, heavy))
+    np.testing.assert_array_equal(asked.load(motion, own), asked.load(motion, without))
+    moved = asked.effort(own) - asked.effort(without)
+    np.testing.assert_allclose(moved, 0.4 * motion.a, atol=1e-9 * np.abs(motion.a).max())

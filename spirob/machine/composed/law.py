@@ -289,6 +289,6 @@ def _outside(
     """Share of the compared samples of which a signal is outside of a range."""
     vector = problem.table.vector(problem.completed(changes))
     motion = problem.asked.seen(vector)
-    signals = problem.asked.signals(motion, problem.asked.load(motion, vector))
+    signals = problem.asked.signals(motion, problem.asked.load(motion, vector), vector)
     values, room = problem.thinned(signals[signal]), ROOM * (high - low)
     return float(np.mean((values < low - room) | (values > high + room)))

@@ -201,6 +201,7 @@ class Axis:
         problem, get = self.problem, self.problem.table.position
         cells = {"REST": problem.rest_speed, "ANGLE": problem.sizes.angle}
         cells["HINGE"] = problem.body.stiffness if problem.body else 0.0
+        cells["LOAD"] = 0.0 if problem.body else self.p[get("rig.inertia")]
         return np.array(
             [cells[x] if x in cells else self.p[get(f"rig.{x.lower()}")] for x in OWN], float
         )
@@ -249,7 +250,7 @@ def reported(asked: AskedEffort, p: np.ndarray, effort: np.ndarray) -> np.ndarra
         starts.append(starts[-1] + len(rows[-1]))
     index = np.concatenate(rows)
     longer = replace(motion, starts=np.array(starts), q=motion.q[index])
-    seen = {name: x[index] for name, x in asked.signals(motion, np.zeros_like(effort)).items()}
+    seen = {name: x[index] for name, x in asked.signals(motion, np.zeros_like(effort), p).items()}
     found = effort[index]
     for effect in asked.present("sensing.report", p):
         found = asked.run(effect, p, longer, seen | {"motor.current": found}, found)

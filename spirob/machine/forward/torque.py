@@ -28,7 +28,7 @@ import math
 import numpy as np
 from numba import njit
 '''
-TORQUE = """def torque(time, q, v, load, effort, dt, own, at, p, memory, following):
+TORQUE = """def torque(time, q, v, a, load, effort, dt, own, at, p, memory, following):
     held = 0.0
 {held}
     load -= held
@@ -54,6 +54,7 @@ SIGNALS = {  # what a kernel reads -> expression in the loop
     "motor.current": "effort",
     "motor.command": "effort",
     "motor.load_torque": "load",
+    "motor.inertia_torque": "(own[LOAD] * a)",
     "hinge.angle": "q",
     "hinge.speed": "v",
     "hinge.stiffness": "own[HINGE]",
@@ -61,8 +62,8 @@ SIGNALS = {  # what a kernel reads -> expression in the loop
     "hinge.weight_y": "at[ACROSS]",
 }
 PASSES = 10  # of the solution for the effort behind the sensor, which the drive regulates
-# cells of `own`
-OWN = ("INERTIA", "VISCOUS", "STIFFNESS", "SCALE", "BACK_EMF", "REST", "ANGLE", "HINGE")
+# cells of `own`; LOAD is the part of the inertia that the load holds
+OWN = ("INERTIA", "LOAD", "VISCOUS", "STIFFNESS", "SCALE", "BACK_EMF", "REST", "ANGLE", "HINGE")
 # of the body at a position: F = M·a + g + d·v + c·v² + dry·sign(v), and of `RigidBody.weights`
 AT = ("MASS", "STANDING", "LINEAR", "SQUARE", "DRY", "ALONG", "ACROSS")
 
@@ -75,10 +76,10 @@ def memory_of(effects: Sequence[type[Effect]]) -> list[float]:
 def source(effects: Sequence[type[Effect]]) -> str:
     """Text of `torque` and of the kernels that it calls.
 
-    torque(time, q, v, load, effort, dt, own, at, p, memory, following) gives the torque that drive
-    and effects put on the axis [N·m or N] where the drive's sensor reads `axis`.  `own` holds the
-    axis' numbers in the order of OWN, `at` what AT says of the body there, `p` the numbers of the
-    effects one after the other, `memory` their states, of which `following` gets the next.
+    torque(time, q, v, a, load, effort, dt, own, at, p, memory, following) gives the torque that
+    drive and effects put on the axis [N·m or N] where the drive's sensor reads `axis`.  `own` holds
+    the axis' numbers in the order of OWN, `at` what AT says of the body there, `p` the numbers of
+    the effects one after the other, `memory` their states, of which `following` gets the next.
     """
     cells = "\n".join(f"{name} = {k}" for row in (OWN, AT) for k, name in enumerate(row))
     sensor = _calls(effects, ("sensing.current",), "seen").replace("    ", "        ")
@@ -181,8 +182,8 @@ def beside(q, row, table, grid, at):
 def total(time, q, v, a, effort, dt, own, at, p, memory, following):
     """Torque that accelerates the axis and its body."""
     body = at[STANDING] + (at[LINEAR] + at[SQUARE] * v) * v + at[DRY] * math.tanh(v / own[REST])
-    load = (own[INERTIA] + at[MASS]) * a + own[STIFFNESS] * q + body
-    out = torque(time, q, v, load, effort, dt, own, at, p, memory, following)
+    load = (own[LOAD] + at[MASS]) * a + own[STIFFNESS] * q + body
+    out = torque(time, q, v, a, load, effort, dt, own, at, p, memory, following)
     return out - own[VISCOUS] * v - own[STIFFNESS] * q - body
 
 

@@ -10,7 +10,9 @@ from collections.abc import Iterable
 from spirob.effects import Effect
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
+from spirob.machine.laws.direction_dependent_efficiency import DirectionDependentEfficiency
 from spirob.machine.laws.gear_compliance import GearCompliance
+from spirob.machine.laws.load_dependent_friction import LoadDependentFriction
 from spirob.machine.laws.tip_payload import TipPayload
 
 AXIS: dict[str, type[Effect]] = {law.name(): law for law in (Backlash, GearCompliance)}
@@ -18,22 +20,39 @@ LOAD_SIDE: dict[str, type[Effect]] = {
     law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
 }
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
+LOSSES: dict[str, type[Effect]] = {
+    law.name(): law for law in (LoadDependentFriction, DirectionDependentEfficiency)
+}
 TURNED = 1.0  # rad: over less, a weight on a lever is a spring with an offset
 INERTIA = "N·m·s²/rad"  # of a number that says how much of the moved inertia is the load's
 
 
 def for_axis(
-    effects: Iterable[type[Effect]], turned: float = 0.0, side: str = "motor"
+    effects: Iterable[type[Effect]],
+    turned: float = 0.0,
+    side: str = "motor",
+    shared: bool = True,
 ) -> list[type[Effect]]:
     """The same effects, each by its law for an axis where there is one.
 
     turned  by how much an axis turns whose body nobody described [rad]; 0 where it slides
     side    where the position sensor sits, at the "motor" or at the "load"
+    shared  whether a part of the load may be the motor's own inertia: not where a body is
+            described, which carries the rest, or where no inertia is moved
     """
-    own = LOAD_SIDE if side == "load" else AXIS
+    own = (LOAD_SIDE if side == "load" else AXIS) | (LOSSES if shared else _CARRIED)
     if turned >= TURNED:
         own = own | LEVER
     return [own.get(e.name(), e) if e.__module__.startswith("spirob.") else e for e in effects]
+
+
+def _carried(law: type[Effect]) -> type[Effect]:
+    """The same of a load that holds nothing of the motor's."""
+    own = {"__module__": law.__module__, "__doc__": law.__doc__, "held": {"rotor_share"}}
+    return type(law.__name__, (law,), own | {"kernel": staticmethod(law.kernel)})
+
+
+_CARRIED = {name: _carried(law) for name, law in LOSSES.items()}
 
 
 def shares_inertia(effect: type[Effect]) -> bool:

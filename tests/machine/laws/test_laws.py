@@ -7,7 +7,7 @@ from spirob.effects import all_effects
 from spirob.effects.check import check
 from spirob.effects.replay import run
 from spirob.machine.candidates import applicable
-from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE, TURNED, for_axis
+from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE, LOSSES, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.rig import RigFile
@@ -16,7 +16,7 @@ from tests.machine.rigs import description
 DT = 1e-3
 
 
-LAWS = [*AXIS.values(), *LEVER.values(), *LOAD_SIDE.values()]
+LAWS = [*AXIS.values(), *LEVER.values(), *LOAD_SIDE.values(), *LOSSES.values()]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=[law.__module__ for law in LAWS])
@@ -55,6 +55,33 @@ def test_they_take_the_place_of_the_laws_of_a_tendon():
     assert {e for e in laws if e.name() in AXIS} == set(AXIS.values())
     possible, _ = applicable(laws, RigFile.model_validate(description()), False, 0.0, True)
     assert set(AXIS.values()) <= set(possible)
+
+
+def test_a_gear_that_is_driven_holds_a_part_of_the_load():
+    """η back over 1/η ahead is 1/(1 + x): the motor holds that much of a load that drives it."""
+    held = np.array([2.0, -2.0, 2.0, -2.0])
+    signals = {"speed": np.array([1.0, -1.0, -1.0, 1.0]), "rest_speed": np.full(4, 1e-3)}
+    signals |= {"load": held + 0.3 * 0.5, "inertia_torque": np.full(4, 0.5)}
+    numbers = {"back_excess": 0.25, "rotor_share": 0.3}
+    torque, _ = run(LOSSES["direction_dependent_efficiency"], numbers, signals, DT)
+    driven = [False, False, True, True]
+    np.testing.assert_allclose(held - torque, np.where(driven, held / 1.25, held), atol=1e-12)
+
+
+def test_what_turns_ahead_of_a_gear_rubs_on_no_teeth():
+    signals = {"speed": np.ones(3), "rest_speed": np.full(3, 1e-3)}
+    signals |= {"load": np.array([1.0, 0.4, -0.6]), "inertia_torque": np.full(3, 0.8)}
+    numbers = {"loss_ratio": 0.1, "softness": 1.0, "rotor_share": 0.5}
+    torque, _ = run(LOSSES["load_dependent_friction"], numbers, signals, DT)
+    np.testing.assert_allclose(torque, [-0.06, 0.0, -0.1], atol=1e-12)
+
+
+def test_the_share_is_fitted_only_where_a_load_may_hold_some_of_the_motor_s_inertia():
+    library = [all_effects()[name] for name in LOSSES]
+    for shared in (True, False):
+        laws = for_axis(library, shared=shared)
+        assert [e.name() for e in laws] == list(LOSSES)
+        assert all(("rotor_share" in e.fitted()) is shared for e in laws)
 
 
 def test_a_rig_without_inertia_has_no_load_to_leave_behind():

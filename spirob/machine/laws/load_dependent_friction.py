@@ -1,0 +1,44 @@
+"""Friction by the load of an axis, whose motor's own inertia no gear carries."""
+
+import math
+
+from spirob.effects.effect import Effect
+from spirob.effects.motor.load_dependent_friction import LoadDependentFriction as OfTendon
+from spirob.parameter import bounded
+
+
+class LoadDependentFriction(Effect):
+    """τ = -m·|τ_load - μ·J·a|·tanh(ω/(σ·ω_0)); ω_0 as in `coulomb_friction`.
+
+    Of an axis whose body nobody described τ_load holds all that is moved; μ is the share of its
+    inertia J that turns ahead of the gear, and presses on no teeth.
+    """
+
+    port = "motor.torque"
+    reads = {
+        "speed": "motor.speed",
+        "rest_speed": "motor.rest_speed",
+        "load": "motor.load_torque",
+        "inertia_torque": "motor.inertia_torque",
+    }
+    neutral = {"loss_ratio": 0.0}
+    traits = {"dissipative"}
+    equation = "-m*Abs(load - μ*inertia_torque)*tanh(speed/(σ*rest_speed))"
+    title = OfTendon.title
+    signature = OfTendon.signature
+    explanation = OfTendon.explanation
+    tell_apart = OfTendon.tell_apart
+    needs = OfTendon.needs
+    references = OfTendon.references
+
+    loss_ratio: float = bounded(0.05, 0.0, 0.6, "1", "m", "lost part of the load torque")
+    softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")
+    rotor_share: float = bounded(
+        0.3, 0.0, 1.0, "1", "μ", "share of the inertia that moves with the motor"
+    )
+
+    @staticmethod
+    def kernel(speed, rest_speed, load, inertia_torque, loss_ratio, softness, rotor_share):
+        """Friction torque on the axis."""
+        carried = load - rotor_share * inertia_torque
+        return -loss_ratio * abs(carried) * math.tanh(speed / (softness * rest_speed))
