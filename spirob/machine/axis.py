@@ -22,7 +22,7 @@ from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.free_curve import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import DELAY, as_usual, is_told, partnered, place
+from spirob.machine.delays import DELAY, as_usual, is_told, partnered, place, widened
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
@@ -192,6 +192,8 @@ def _once_more(done: _Searched) -> _Searched:
     at_bound = done.chosen.fit.estimates[DELAY].at_bound
     if anew != fitted and (at_bound or _fits_better(done, anew)):
         others.append(anew)
+    elif anew == fitted and at_bound and _fits_better(done, wider := widened(fitted)):
+        others.append(wider)
     if none not in others and (none.low < fitted.low or fitted.high < none.high):
         others.append(none)
     for delay in others:

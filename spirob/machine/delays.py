@@ -52,6 +52,12 @@ def as_usual(period: float) -> Bounded:
     return Bounded(nominal=0.0, low=-most, high=most)
 
 
+def widened(delay: Bounded) -> Bounded:
+    """The same with twice as wide bounds."""
+    half = 0.5 * (delay.high - delay.low)
+    return Bounded(nominal=delay.nominal, low=delay.low - half, high=delay.high + half)
+
+
 def is_told(rig: RigFile) -> bool:
     """Whether the description says what to make of the delay."""
     return "delay" in rig.known or "delay" in rig.fit
@@ -139,8 +145,9 @@ def place(
 ) -> Bounded:
     """Seconds by which the effort trails the motion, bounds as far about as the logs leave open.
 
-    Bounds hold all delays that leave hardly more than the best one.  The usual ones are among them
-    unless all of those are farther; the best one at the end of what is looked at is none.
+    Where a usual one leaves hardly more than the best one, it is taken, within what is usual:
+    beside a law that is not found yet many delays are alike.  Else bounds hold all that leave
+    hardly more; the best one at the end of what is looked at is none.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
@@ -159,17 +166,17 @@ def place(
     nominal, low, high, near = (
         round(float(x), GRAIN) for x in (delays[best], delays[first], delays[last], most)
     )
-    ends, usual_too = {0, len(delays) - 1}, low <= near and high >= -near
-    if best in ends or (usual_too and {first, last} & ends):
+    if best in (0, len(delays) - 1):
         return as_usual(period)
-    low, high = (min(low, -near), max(high, near)) if usual_too else (low - near, high + near)
-    return Bounded(nominal=nominal, low=low, high=high)
+    if low <= near and high >= -near:
+        return Bounded(nominal=min(max(nominal, -near), near), low=-near, high=near)
+    return Bounded(nominal=nominal, low=low - near, high=high + near)
 
 
 def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:
-    """The best place, and the first and last around it that leave hardly more, of (K,).
+    """A place, and the first and last around it that leave hardly more than any, of (K,).
 
-    usual  (K,) places one of which is taken where it leaves hardly more than any other
+    It is the best one, of the usual ones (K,) where one of those leaves hardly more.
     """
     enough = left <= np.min(left) / (1.0 - TOLD)
     allowed = enough & usual if np.any(enough & usual) else enough
@@ -177,7 +184,7 @@ def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:
     out = np.flatnonzero(~enough)
     first = int(np.max(out[out < k], initial=-1)) + 1
     last = int(np.min(out[out > k], initial=len(left))) - 1
-    return first + int(np.argmin(left[first : last + 1])), first, last
+    return k, first, last
 
 
 def _falls(laws: Sequence[_Law]) -> np.ndarray:
