@@ -13,7 +13,7 @@ from joblib import Parallel, delayed
 from pipeline.robots import build, drive_of, loop_of
 from pipeline.schema import Config
 from pipeline.stage import HIDDEN, public_config, read_json, read_yaml, workers
-from spirob.control.law import FORCE
+from spirob.control import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent

@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from spirob.control.law import CURRENT, VELOCITY, Schedule
+from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.emulator import EmulatedRobot
 from spirob.identify.measurement import Measurement
 from spirob.logs import Transmission, read_log

@@ -11,7 +11,7 @@ held at, and models get what that log tells (`windings`):
 
     i(k+1) = E i(k) + b₁ u(k-d-1) + b₀ u(k-d) - k_e ω (1 - E)/R,    τ = (d + δ)T
 
-the windings under held voltages as in `control.host_loop`, driven by the voltages that were sent
+the windings under held voltages as in `control`, driven by the voltages that were sent
 and the speed that was read, of a cycle the mean of its ends.  τ, each motor's R and each motor's
 k_e are those that leave the least of the measured current; L is nominal.  Currents that jump tell
 τ, rotors that turn tell k_e; currents that are held tell neither.
@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 import scipy
 
-from spirob.control.host_loop import HostLoop, Placed, Winding, placed
+from spirob.control import HostLoop, Placed, Winding, placed
 from spirob.errors import ConfigError, DataError
 from spirob.experiments import Experiment, Known, Play, Side, plan, row, trial
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS

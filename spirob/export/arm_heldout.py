@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.control.law import CURRENT
+from spirob.control import CURRENT
 from spirob.effects import Effect
 from spirob.errors import ExportError
 from spirob.export.arm import CorrectedArm

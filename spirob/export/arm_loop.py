@@ -123,7 +123,7 @@ GIVEN = ["p", "s", "w", "c", "arm", "moved", "memory", *PLAYED]
 
 def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
     """The module beside the MJCF of an arm."""
-    from spirob.control import law
+    from spirob import control
 
     plant = model.plant()
     begun = plant.start(Scene(), model.changes).constants()
@@ -141,7 +141,7 @@ def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
         "ARM": _plain(begun["arm"], LEFT_OUT),
     }
     constants += [f"{n} = {values!r}" for n, values in records.items()]
-    modes = {n: getattr(law, n) for n in ("CURRENT", "VELOCITY", "DISPLACEMENT", "FORCE")}
+    modes = {n: getattr(control, n) for n in ("CURRENT", "VELOCITY", "DISPLACEMENT", "FORCE")}
     return MODULE.format(
         name=name,
         modes="\n".join(f"{n} = {int(v)}" for n, v in modes.items()),

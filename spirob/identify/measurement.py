@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.logs.replay import scene_of, schedule_of
 from spirob.robot import MOTORS, Scene
 from spirob.trace import Trace

@@ -26,7 +26,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from spirob.control.law import CURRENT, DISPLACEMENT, VELOCITY
+from spirob.control import CURRENT, DISPLACEMENT, VELOCITY
 from spirob.errors import SimulationError
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, Problem, Rotor, Stretch, compared, effort_rms

@@ -25,7 +25,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, DataEnd, Metadata
 
-from spirob.control.law import CURRENT, DISPLACEMENT, FORCE, VELOCITY
+from spirob.control import CURRENT, DISPLACEMENT, FORCE, VELOCITY
 from spirob.drives import Drive
 from spirob.drives.drive import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, MissingLog, TooShort

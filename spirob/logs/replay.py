@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.control.law import Schedule
+from spirob.control import Schedule
 from spirob.errors import ConfigError, DataError
 from spirob.robot import MOTORS, Ball, Cylinder, Peg, Scene, Weights
 from spirob.trace import Trace

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import cache
 
-from spirob.control import host_loop, law
+from spirob import control
 from spirob.effects import Effect
 from spirob.effects.effect import SUFFIX, differences
 from spirob.effects.generated import CALLED, call, kernels, load, pasted
@@ -19,7 +19,7 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     chain.chain_factor,
     chain.chain_solve,
     chain.chain_step,
-    law.current_command,
+    control.current_command,
     motor.own,
     motor.current_loop_gains,
     motor.drive_current,
@@ -33,7 +33,7 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     motor.demanded_tension,
     motor.one_sided_tensions,
 )
-ON_THE_HOST: tuple[Callable[..., object], ...] = (host_loop.host_voltage, motor.held_current)
+ON_THE_HOST: tuple[Callable[..., object], ...] = (control.host_voltage, motor.held_current)
 TEMPLATES: tuple[Callable[..., object], ...] = (  # in the order in which they run
     loop.begin,
     loop.pose,

@@ -9,7 +9,7 @@ import scipy
 from numba.core.errors import NumbaError
 
 from spirob.can_protocol import AMPERE_PER_COUNT
-from spirob.control.law import CURRENT, VELOCITY, Schedule
+from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.effects import Effect, replay
 from spirob.effects.check import Finding
 from spirob.effects.replay import run

@@ -2,7 +2,7 @@
 """The coupled cycle, as a template: `plant.assemble` fills in the ports and compiles it.
 
     report   what the drives say                                   (effects at `sensing`)
-    command  feedback law -> i_cmd, and the host's voltage         (control.law, control.host_loop)
+    command  feedback law -> i_cmd, and the host's voltage         (control)
     j_a      drive and R-L circuit -> i*                           (steps, motor)
     j_b      i* -> torque at the drum                              (steps)
     j_c      rotors, tendons and arm together -> F, Δl, dΔl/dt     (steps, motor, chain or MuJoCo)

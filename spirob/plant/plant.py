@@ -7,7 +7,7 @@ from dataclasses import fields
 import mujoco
 import numpy as np
 
-from spirob.control.law import Schedule
+from spirob.control import Schedule
 from spirob.drives.codec import VOLT_PER_COUNT
 from spirob.effects import Effect
 from spirob.effects.effect import differences

@@ -71,9 +71,9 @@ PASSING = _kind(
 )
 SETTINGS = _kind(
     [  # what the trial asks for, and the controller's numbers
-        ("mode", "i8", BOTH),  # constants of `control.law`
+        ("mode", "i8", BOTH),  # constants of `control`
         ("limit", "f8", BOTH),  # of the commanded current [A]
-        ("velocity", "f8"),  # gains of `control.law`
+        ("velocity", "f8"),  # gains of `control`
         ("integral", "f8"),
         ("displacement", "f8"),
         ("force", "f8"),

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from spirob.control.host_loop import HostLoop, Placed, placed
-from spirob.control.law import Gains
+from spirob.control import Gains, HostLoop, Placed, placed
 from spirob.errors import ConfigError
 from spirob.geometry import PUBLISHED, UNITS, Drawing, SpiralArm
 from spirob.parameter import Numbers, bounded

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.effects import Effect
 from spirob.errors import SimulationError
 from spirob.plant.assemble import memory_rows

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from spirob.can_protocol import encode_command
-from spirob.control.host_loop import CYCLE, HostLoop, Placed, host_voltage, placed
-from spirob.control.law import Gains, current_command
+from spirob.control import CYCLE, Gains, HostLoop, Placed, current_command, host_voltage, placed
 from spirob.drives import Drive, Translator
 from spirob.drives.codec import encode_volts
 from spirob.errors import ConfigError, HardwareError

@@ -15,7 +15,7 @@ from spirob.can_protocol import (
     decode_command,
     encode_feedback,
 )
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.errors import HardwareError
 from spirob.logs.reader import CHANNELS, FILTER_WINDOW, VOLTAGE
 from spirob.plant import Plant, Response, Session

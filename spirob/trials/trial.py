@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.control.law import MODES, Schedule
+from spirob.control import MODES, Schedule
 from spirob.errors import ConfigError
 from spirob.logs.replay import scene_from
 from spirob.robot import CYCLE_NS, MOTORS, Scene

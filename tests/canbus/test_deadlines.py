@@ -13,7 +13,7 @@ import pytest
 
 from spirob.canbus import CanRobot, open_bus
 from spirob.canbus.robot import EDGES, PRIORITY, Lateness, Urgency
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.logs import Transmission, read_log
 from spirob.logs.writer import TrialLog
 from spirob.safety import Limits

@@ -11,7 +11,7 @@ import can
 import pytest
 
 from spirob.canbus import CanRobot, open_bus
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.safety import Limits

@@ -9,7 +9,7 @@ import pytest
 from spirob.can_protocol import COMMAND_ID, encode_command
 from spirob.canbus import CanRobot, open_bus
 from spirob.canbus.robot import Urgency
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.emulator.__main__ import main as serve
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.logs import Transmission
 from spirob.perceive.features import table

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, decode_feedback, encode_command
 from spirob.canbus import CanRobot, open_bus
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.drives import Translator, find_drive
 from spirob.drives.drive import Drive, translated
 from spirob.errors import ConfigError, MissingLog

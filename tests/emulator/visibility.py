@@ -25,7 +25,7 @@ from spirob.can_protocol import (
     decode_feedback,
     encode_feedback,
 )
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.hidden import effects
 from spirob.emulator.machine import Machine

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.experiments import Side
 from spirob.experiments.active_contact import RIGHT, ActiveContact

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.host_loop import Winding
+from spirob.control import Winding
 from spirob.errors import DataError
 from spirob.experiments.host_loop import answer, windings
 from spirob.plant.motor import held_current

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, VELOCITY, Schedule
+from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
 from spirob.errors import ExportError
 from spirob.export.arm import CorrectedArm, corrected_arm

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
-from spirob.control.law import CURRENT, VELOCITY, Schedule
+from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
 from spirob.export import arm, exporting, targets
 from spirob.export.arm import CorrectedArm

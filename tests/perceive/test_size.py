@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.errors import ConfigError, DataError
 from spirob.logs import Transmission

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from spirob.control.law import Schedule
+from spirob.control import Schedule
 from spirob.plant import Plant
 from spirob.plant.motor import current_loop_gains, drive_current
 from spirob.robot import Scene

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from spirob.control.law import CURRENT, VELOCITY, Gains, Schedule
+from spirob.control import CURRENT, VELOCITY, Gains, Schedule
 from spirob.plant import Rig
 from spirob.plant.rig import Winch
 

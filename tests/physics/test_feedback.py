@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, DISPLACEMENT, FORCE, VELOCITY, Schedule
+from spirob.control import CURRENT, DISPLACEMENT, FORCE, VELOCITY, Schedule
 from spirob.plant import Plant
 from spirob.robot import Scene
 from tests.physics.playing import GEARED, rising, seconds

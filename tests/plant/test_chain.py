@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
 from spirob.plant.body import build_spec

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.effects import find_effects
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig

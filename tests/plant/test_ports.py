@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, VELOCITY, Schedule
+from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig

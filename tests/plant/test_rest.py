@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, Schedule
+from spirob.control import CURRENT, Schedule
 from spirob.effects import find_effects
 from spirob.plant import Plant, Rig
 from spirob.plant.body import hinge_weights

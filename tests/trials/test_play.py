@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.can_protocol import AMPERE_PER_COUNT
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, TrialLog, read_log
 from spirob.robot import Scene

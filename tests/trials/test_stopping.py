@@ -100,7 +100,7 @@ def test_a_full_disk_sends_zero_first_and_keeps_what_was_written(tmp_path, monke
 
 
 def test_a_stop_is_told_by_the_log_with_every_frame_of_its_last_cycle(tmp_path):
-    from spirob.control.law import Gains
+    from spirob.control import Gains
     from spirob.logs import Transmission
     from spirob.logs.messages import unpack_frames
     from spirob.logs.reader import read_content

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, VELOCITY
+from spirob.control import CURRENT, VELOCITY
 from spirob.errors import ConfigError
 from spirob.robot import Scene
 from spirob.trials import Trial

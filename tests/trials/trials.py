@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.logs import Transmission
 from spirob.trials import Trial, record
 

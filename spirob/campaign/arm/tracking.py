@@ -27,7 +27,7 @@ import numpy as np
 import yaml
 
 from spirob.campaign.tracking import STIFF, summary
-from spirob.control.law import CURRENT, DISPLACEMENT, Gains, Schedule
+from spirob.control import CURRENT, DISPLACEMENT, Gains, Schedule
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.export.arm import BASE, CorrectedArm, corrected_arm

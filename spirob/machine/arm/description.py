@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, field_validator, model_validator
 
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.diagnosis import criteria
 from spirob.effects import Effect
 from spirob.errors import ConfigError

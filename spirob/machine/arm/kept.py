@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from spirob.control.law import MODES, Schedule
+from spirob.control import MODES, Schedule
 from spirob.identify.measurement import MEASURED, Measurement
 from spirob.robot import MOTORS, Scene
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from spirob.control.law import CURRENT, DISPLACEMENT, Schedule
+from spirob.control import CURRENT, DISPLACEMENT, Schedule
 from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import Measurement
 from spirob.logs.readers import Table

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.control.law import CURRENT, DISPLACEMENT
+from spirob.control import CURRENT, DISPLACEMENT
 from spirob.diagnosis.evidence import noise_floor
 from spirob.effects import find_effects
 from spirob.errors import ConfigError, DataError, MissingChannel

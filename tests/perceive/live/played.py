@@ -3,7 +3,7 @@
 import pandas as pd
 
 from spirob.can_protocol import CanFrame
-from spirob.control.law import Gains
+from spirob.control import Gains
 from spirob.drives import find_drive
 from spirob.emulator import EmulatedRobot
 from spirob.emulator.rig import EmulatedRig

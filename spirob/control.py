@@ -1,11 +1,26 @@
-"""The paper's current loop on the host, step j_a: a voltage out of what the bus has brought.
+"""What a trial asks of each motor in each cycle: feedback points, and the current loop on the host.
+
+Each law is one scalar function, the same on a real robot (plain Python, once a cycle) and inside
+the compiled model.
+
+The feedback points make a current of a reference.  Measured quantities are what the drive reports,
+already in SI units: wound-in length x, its rate v, current i.
+
+    current        i_cmd = i_ref
+    velocity       i_cmd = K_v (v_ref - v) + I,        İ = K_i (v_ref - v)
+    displacement   velocity law with v_ref = ẋ_ref + K_x (x_ref - x)
+    force          i_cmd = (F_ref + K_F (F_ref - F)) / n,   F = n·i - c·v
+
+(paper, "Alternative feedback points", e_Δℓ, e_Δℓ̇, e_F and Φ.)  The integral stops while the
+command is at its limit and the error would drive it further (anti-windup).
+
+The current loop on the host, step j_a, makes a voltage out of that current:
 
     u_ff = L di_cmd/dt + R i_cmd + k_e ω                      (12)
     u_fb = K_p e + K_i ∫e dt + K_d de/dt,   e = i_cmd - i     (13)
 
-Once a cycle, with readings as old as the bus makes them.  One scalar function, the same on a robot
-(plain Python) and inside the compiled model.  R, L and k_e are what the host believes; of the
-back-EMF it may feed forward a share (`drive.emf_compensation`), all of it in the paper.
+Readings are as old as the bus makes them.  R, L and k_e are what the host believes; of the back-EMF
+it may feed forward a share (`drive.emf_compensation`), all of it in the paper.
 
 Its gains are placed by the poles of (14) with hold and latency in the loop.  A voltage is held for
 a cycle T, and acts τ = (d + δ)T after the reading that it follows from:
@@ -32,6 +47,86 @@ import numpy as np
 
 from spirob.errors import ConfigError
 from spirob.parameter import Numbers, bounded
+
+CURRENT, VELOCITY, DISPLACEMENT, FORCE = 0, 1, 2, 3
+MODES = {"current": CURRENT, "velocity": VELOCITY, "displacement": DISPLACEMENT, "force": FORCE}
+
+
+class Gains(Numbers):
+    """Gains of the mechanical feedback; defaults suit the geared rig (18 kg seen at the tendon)."""
+
+    owner = "gains"
+
+    velocity: float = bounded(35.0, 0.0, 1e4, "A·s/m", "K_v", "proportional, on velocity")
+    integral: float = bounded(260.0, 0.0, 1e6, "A/m", "K_i", "integral, on velocity")
+    displacement: float = bounded(8.0, 0.0, 1e3, "1/s", "K_x", "displacement error to velocity")
+    force: float = bounded(0.5, 0.0, 100.0, "1", "K_F", "proportional, on tendon force")
+    newton_per_ampere: float = bounded(15.0, 0.01, 1e3, "N/A", "n", "nominal ηGk_t/r")
+    drag: float = bounded(92.0, 0.0, 1e5, "N·s/m", "c", "nominal b_eq/r²")
+
+
+def current_command(
+    mode,
+    reference,
+    reference_rate,
+    displacement,
+    velocity,
+    current,
+    integral,
+    dt,
+    current_limit,
+    gain_velocity,
+    gain_integral,
+    gain_displacement,
+    gain_force,
+    newton_per_ampere,
+    drag,
+):
+    """Commanded current [A] and the next value of the integral [A].
+
+    mode            CURRENT, VELOCITY, DISPLACEMENT or FORCE
+    reference       [A], [m/s], [m] or [N], by mode;  reference_rate  [m/s], displacement only
+    displacement, velocity, current   as measured: [m], [m/s], [A]
+    current_limit   the command stays within ± this [A]
+    """
+    if mode == 0:
+        return min(max(reference, -current_limit), current_limit), 0.0
+    if mode == 3:
+        force = newton_per_ampere * current - drag * velocity
+        command = (reference + gain_force * (reference - force)) / newton_per_ampere
+        return min(max(command, -current_limit), current_limit), 0.0
+    error = reference - velocity
+    if mode == 2:
+        error = reference_rate + gain_displacement * (reference - displacement) - velocity
+    command = gain_velocity * error + integral
+    limited = min(max(command, -current_limit), current_limit)
+    if command == limited or command * error < 0.0:
+        integral += gain_integral * error * dt
+    return limited, integral
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Feedback mode and reference of every motor at every cycle.
+
+    mode           (M,) int, constants of `control`; fixed during a trial
+    reference      (T, M) in the unit of the mode: A, m/s, m or N
+    reference_rate (T, M) [m/s], read by the displacement mode only
+    current_limit  (M,) the command stays within ± this [A]
+    held           (M,) currents under which the arm has come to rest before [A]; None: none
+    """
+
+    mode: np.ndarray
+    reference: np.ndarray
+    reference_rate: np.ndarray
+    current_limit: np.ndarray
+    held: np.ndarray | None = None
+
+    @property
+    def cycles(self) -> int:
+        """Length of the trial in cycles."""
+        return len(self.reference)
+
 
 CYCLE = 1e-3  # s: the loop's period
 
@@ -93,7 +188,7 @@ LATEST = 10e-3  # s; how far a margin of latency is looked for
 TIMES = 1e4  # by which gains are multiplied at most when a margin is looked for
 HALVINGS = 60
 GRID = 400
-Gains = tuple[float, float, float]
+Placement = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -125,7 +220,7 @@ class Placed:
     latest   latency [s] at which these gains become unstable, at most `LATEST`
     """
 
-    gains: Gains
+    gains: Placement
     poles: np.ndarray
     times: float
     latest: float
@@ -141,7 +236,7 @@ class Placed:
         )
 
 
-def polynomial(winding: Winding, latency: float, gains: Gains) -> np.ndarray:
+def polynomial(winding: Winding, latency: float, gains: Placement) -> np.ndarray:
     """Coefficients of the loop's characteristic polynomial, highest power first."""
     proportional, integral, derivative = gains
     whole, first, second = winding.answer(latency)
@@ -157,12 +252,12 @@ def polynomial(winding: Winding, latency: float, gains: Gains) -> np.ndarray:
     return np.polyadd(np.polymul(alone, under), np.polymul([first, second], over))
 
 
-def poles(winding: Winding, latency: float, gains: Gains) -> np.ndarray:
+def poles(winding: Winding, latency: float, gains: Placement) -> np.ndarray:
     """Poles of the loop in z; it is stable where all are within the unit circle."""
     return np.roots(polynomial(winding, latency, gains))
 
 
-def stable(winding: Winding, latency: float, gains: Gains) -> bool:
+def stable(winding: Winding, latency: float, gains: Placement) -> bool:
     """Whether every error dies out."""
     return bool(np.abs(poles(winding, latency, gains)).max() < 1.0)
 
@@ -175,7 +270,7 @@ def fastest(winding: Winding, latency: float) -> float:
     return float(-np.log(z[np.argmax(gain)]) / (2 * np.pi * CYCLE))
 
 
-def for_bandwidth(winding: Winding, latency: float, bandwidth: float) -> Gains:
+def for_bandwidth(winding: Winding, latency: float, bandwidth: float) -> Placement:
     """K_p, K_i and K_d = 0 with poles at the winding's own and at a bandwidth [Hz].
 
     Raises ConfigError with the largest bandwidth where that one cannot be had.
@@ -192,7 +287,7 @@ def for_bandwidth(winding: Winding, latency: float, bandwidth: float) -> Gains:
     return proportional, proportional * (1.0 - winding.decay) / CYCLE, 0.0
 
 
-def largest(winding: Winding, latency: float, gains: Gains) -> float:
+def largest(winding: Winding, latency: float, gains: Placement) -> float:
     """The factor on all gains up to which the loop is stable, at most `TIMES`."""
 
     def holds(factor: float) -> bool:
@@ -203,7 +298,7 @@ def largest(winding: Winding, latency: float, gains: Gains) -> float:
     return _edge(holds, factors)
 
 
-def latest(winding: Winding, gains: Gains) -> float:
+def latest(winding: Winding, gains: Placement) -> float:
     """The latency [s] up to which these gains are stable, at most `LATEST`."""
     return _edge(lambda tau: stable(winding, tau, gains), np.linspace(0.0, LATEST, GRID))
 

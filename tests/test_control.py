@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.control.host_loop import (
+from spirob.control import (
     CYCLE,
     HostLoop,
     Winding,

@@ -1,1 +1,0 @@
-"""Feedback laws that turn a reference and the drive's feedback into a current command."""
