@@ -4,10 +4,14 @@ A robot is driven one cycle at a time.  `exchange` sends one command frame and r
 that came back within the cycle.  Everything above (controller, log, filter) sees only this.
 """
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
 
 from spirob.can_protocol import CanFrame
+from spirob.errors import ConfigError
 
 MOTORS = ("left", "right")  # left: the tendon on the +y side of the arm
 CYCLE_NS = 1_000_000  # 1 kHz
@@ -105,3 +109,58 @@ class Robot(Protocol):
 
     def close(self) -> None:
         """Command zero current and release the bus; safe to call twice."""
+
+
+OBJECTS: dict[str, type] = {
+    "cylinder": Cylinder,
+    "ball": Ball,
+    "peg": Peg,
+    "weights": Weights,
+}
+
+
+ABOVE_ZERO = ("diameter", "mass", "radius", "period")
+
+
+NOT_BELOW_ZERO = ("friction", "left", "right")
+
+
+def scene_from(scene: Mapping[str, Any] | None, where: str) -> Scene:
+    """A scene from plain data: nothing, or one of `OBJECTS` as `{cylinder: {diameter: ..., ...}}`.
+
+    Raises ConfigError; `where` names what the scene belongs to.
+    """
+    scene = _mapping(scene or {}, f"{where}: scene", tuple(OBJECTS))
+    present = [kind for kind in OBJECTS if scene.get(kind)]
+    if len(present) > 1:
+        raise ConfigError(f"{where}: scene holds {' and '.join(present)}, but may hold only one")
+    return Scene(**{kind: _object(scene[kind], f"{where}: scene.{kind}", kind) for kind in present})
+
+
+def _object(given: Any, where: str, kind: str) -> Any:
+    about = fields(OBJECTS[kind])
+    given = _mapping(given, where, tuple(f.name for f in about))
+    values: dict[str, float] = {}
+    for key, value in given.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+            raise ConfigError(f"{where}.{key} must be a finite number, not {value!r}")
+        values[key] = float(value)
+    for field in about:
+        if field.default is MISSING and field.name not in values:
+            raise ConfigError(f"{where} needs '{field.name}'")
+    for key in ABOVE_ZERO:
+        if values.get(key, 1.0) <= 0:
+            raise ConfigError(f"{where}.{key} must be above 0, not {values[key]:g}")
+    for key in NOT_BELOW_ZERO:
+        if values.get(key, 0.0) < 0:
+            raise ConfigError(f"{where}.{key} must not be below 0, not {values[key]:g}")
+    return OBJECTS[kind](**values)
+
+
+def _mapping(value: Any, where: str, known: tuple[str, ...]) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise ConfigError(f"{where} must be a mapping, not {value!r}")
+    for key in value:
+        if key not in known:
+            raise ConfigError(f"{where} has no key '{key}'; it has: {', '.join(known)}")
+    return value

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from spirob.control import CURRENT, Schedule
-from spirob.logs.replay import scene_of, schedule_of
-from spirob.robot import MOTORS, Scene
+from spirob.errors import DataError
+from spirob.robot import MOTORS, Scene, scene_from
 from spirob.trace import Trace
 
 MEASURED = ("current", "displacement", "velocity")
@@ -98,3 +98,27 @@ def _as_sent(schedule: Schedule, trace: Trace) -> Schedule:
         if schedule.mode[m] == CURRENT and known:
             reference[:, m] = trace[name]
     return replace(schedule, reference=reference)
+
+
+def schedule_of(trace: Trace) -> Schedule:
+    """Mode, references and limits as they were asked, cycle by cycle.
+
+    Raises DataError where the trial's description lacks a motor's current limit.
+    """
+    trial: Any = trace.meta.get("trial", {})
+    try:
+        limits = [float(trial["motors"][motor]["current_limit"]) for motor in MOTORS]
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"{trace.name}: its description lacks a current_limit: {error}") from error
+    return Schedule(
+        mode=np.array([int(trace[f"{motor}.mode"][0]) for motor in MOTORS]),
+        reference=np.column_stack([trace[f"{motor}.reference"] for motor in MOTORS]),
+        reference_rate=np.column_stack([trace[f"{motor}.reference_rate"] for motor in MOTORS]),
+        current_limit=np.array(limits),
+    )
+
+
+def scene_of(trace: Trace) -> Scene:
+    """What surrounded the arm; raises ConfigError naming the trial and the key."""
+    scene: Any = trace.meta.get("scene") or {}
+    return scene_from(scene, f"trial '{trace.name}'")

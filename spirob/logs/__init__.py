@@ -7,7 +7,6 @@ Raw CAN frames are the truth of a log; everything in SI units is derived from th
 from spirob.logs.cycles import Transmission
 from spirob.logs.parquet import read_parquet, write_parquet
 from spirob.logs.reader import read_log
-from spirob.logs.replay import scene_of, schedule_of
 from spirob.logs.writer import TrialLog
 
 __all__ = [
@@ -15,7 +14,5 @@ __all__ = [
     "TrialLog",
     "read_log",
     "read_parquet",
-    "scene_of",
-    "schedule_of",
     "write_parquet",
 ]

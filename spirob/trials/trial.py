@@ -1,16 +1,15 @@
 """One trial: what is asked of each motor, for how long, in which scene, and what it is for."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
 from spirob.control import MODES, Schedule
 from spirob.errors import ConfigError
-from spirob.logs.replay import scene_from
-from spirob.robot import CYCLE_NS, MOTORS, Scene
-from spirob.trials.profile import Profile, profile_from
+from spirob.robot import CYCLE_NS, MOTORS, Scene, scene_from
+from spirob.trials.profiles import PROFILES, Profile
 
 ROLES = ("train", "validate", "heldout")
 LONGEST = 24 * 3600.0  # seconds
@@ -126,3 +125,33 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return value
+
+
+def profile_from(given: Any, mode: str, where: str) -> Profile:
+    """A profile from plain data `{kind: sine, amplitude: 0.02, ...}`.
+
+    Raises ConfigError; `where` names the trial and the key.
+    """
+    if not isinstance(given, Mapping) or "kind" not in given:
+        raise ConfigError(f"{where} must be a mapping with the key 'kind', not {given!r}")
+    if given["kind"] not in PROFILES:
+        known = ", ".join(PROFILES)
+        raise ConfigError(f"{where}.kind '{given['kind']}' is unknown; known: {known}")
+    chosen = PROFILES[given["kind"]]
+    if mode not in chosen.modes:
+        modes = ", ".join(chosen.modes)
+        raise ConfigError(f"{where}: '{given['kind']}' is for mode {modes}, not '{mode}'")
+    known_keys = {about.name: about for about in fields(chosen)}
+    for key in given:
+        if key != "kind" and key not in known_keys:
+            listed = ", ".join(known_keys)
+            raise ConfigError(f"{where} has no key '{key}'; {given['kind']} has: {listed}")
+    for key, about in known_keys.items():
+        if about.default is MISSING and key not in given:
+            raise ConfigError(f"{where} needs '{key}' for {given['kind']}")
+    try:
+        profile = chosen(**{key: value for key, value in given.items() if key != "kind"})
+        profile(np.zeros(1))
+    except ValueError as error:
+        raise ConfigError(f"{where}: {error}") from error
+    return profile

@@ -12,7 +12,8 @@ from spirob.can_protocol import (
     decode_feedback,
 )
 from spirob.errors import DataError, HardwareError, MissingChannel, MissingLog, TooShort
-from spirob.logs import Transmission, TrialLog, read_log, scene_of, schedule_of
+from spirob.identify.measurement import scene_of, schedule_of
+from spirob.logs import Transmission, TrialLog, read_log
 from spirob.logs.messages import unpack_frames
 from spirob.logs.reader import read_content
 from spirob.logs.schema import COMMAND_TOPIC, RAW_TOPIC

@@ -7,10 +7,9 @@ from spirob.control import CURRENT, Schedule
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError
-from spirob.logs.replay import scene_from
 from spirob.plant import Plant, Rig
 from spirob.plant.single import single_dynamics
-from spirob.robot import Ball, Peg, Scene
+from spirob.robot import Ball, Peg, Scene, scene_from
 
 RIG = Rig.from_mapping({"winch": {"gear_ratio": 1.0}})
 CYCLES = 400

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from spirob.errors import ConfigError
 from spirob.trials import PROFILES
-from spirob.trials.profile import profile_from
+from spirob.trials.trial import profile_from
 
 T = np.arange(0, 3.0, 1e-4)
 LEVEL = st.floats(-2.0, 2.0)
