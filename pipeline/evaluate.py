@@ -15,9 +15,8 @@ from pipeline.train import CHOICE
 from spirob.campaign.arm.rates import right
 from spirob.files import replacing
 from spirob.perceive.model_file import load_model
-from spirob.perceive.score import mean_gain, scored
 from spirob.perceive.size import TARGET, predict
-from spirob.perceive.study import importance, learning_curve, rivals
+from spirob.perceive.study import importance, learning_curve, mean_gain, rivals, scored
 
 
 def stage(root: Path) -> None:

@@ -26,8 +26,8 @@ from pipeline.wraps import wrapped
 from spirob.parameter import Table
 from spirob.perceive.interval import CONFIDENCE, coverage, estimate, supported
 from spirob.perceive.model_file import load_model
-from spirob.perceive.score import mean_gain, score, scored
 from spirob.perceive.size import SizeModel, predict
+from spirob.perceive.study import mean_gain, score, scored
 
 MOVED = 1.2  # ratio from which on a fitted number stood in for the effect
 

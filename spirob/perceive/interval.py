@@ -23,8 +23,15 @@ import numpy as np
 import pandas as pd
 
 from spirob.errors import ConfigError, DataError
-from spirob.perceive.score import folds
-from spirob.perceive.size import TARGET, SizeModel, SizeSettings, feature_matrix, predict, train
+from spirob.perceive.size import (
+    TARGET,
+    SizeModel,
+    SizeSettings,
+    feature_matrix,
+    folds,
+    predict,
+    train,
+)
 
 MOST_FOLDS = 10
 

@@ -39,7 +39,6 @@ from sklearn.svm import SVR
 
 from spirob.errors import ConfigError, DataError
 from spirob.parameter import Numbers, bounded
-from spirob.perceive.score import folds
 
 REACH = 3.0  # deviations; samples spread evenly over a range end at 1.7
 
@@ -262,3 +261,17 @@ def _require_predictor(name: str) -> None:
     known = (*PREDICTORS, *BASES)
     if name not in known:
         raise ConfigError(f"no size predictor '{name}'; known: {', '.join(known)}")
+
+
+def folds(diameters: np.ndarray, count: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Train and test rows of at most `count` folds that hold whole diameters out.
+
+    Raises DataError with fewer than three diameters.
+    """
+    from sklearn.model_selection import GroupKFold
+
+    groups = len(np.unique(diameters))
+    if groups < 3:
+        raise DataError(f"training a size model needs at least 3 diameters, the table has {groups}")
+    splitter = GroupKFold(min(count, groups))
+    return list(splitter.split(diameters[:, None], groups=np.rint(1e6 * diameters).astype(int)))

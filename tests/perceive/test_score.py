@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError
-from spirob.perceive.score import mean_error, mean_gain, score
+from spirob.perceive.study import mean_error, mean_gain, score
 
 
 def test_scores_are_the_definitions_in_millimetres():

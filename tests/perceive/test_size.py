@@ -10,8 +10,8 @@ from spirob.logs import Transmission
 from spirob.logs.reader import read_log
 from spirob.perceive.features import table
 from spirob.perceive.interval import held_out, unfamiliar, used_features
-from spirob.perceive.score import folds, score
-from spirob.perceive.size import PREDICTORS, SizeSettings, predict, train
+from spirob.perceive.size import PREDICTORS, SizeSettings, folds, predict, train
+from spirob.perceive.study import score
 from spirob.trials import Trial, record
 from spirob.trials.wrap import wrap_trial
 from tests.perceive.conftest import simulate
