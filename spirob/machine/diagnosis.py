@@ -1,7 +1,7 @@
 """From logs to a verdict: a plain rig, or our arm logged by somebody else.
 
 Logs are read (`spirob.logs.readers`) and repaired (`recording`); `axis` fits, searches and judges a
-plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report.rig`
+plain rig, `arm.diagnosis` our arm.  `Diagnosis.save` in `result` writes, `spirob.report`
 draws.  Numbers that fail where nobody foresaw it are told in a sentence.
 """
 

@@ -135,7 +135,7 @@ class Diagnosis:
 
         Each is written whole or not at all.
         """
-        from spirob.report.rig import build_rig_page
+        from spirob.report import build_rig_page
 
         out = Path(folder)
         if out.exists() and not out.is_dir():

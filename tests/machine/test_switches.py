@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from spirob.machine.diagnosis import diagnose
-from spirob.report.rig import build_rig_page
+from spirob.report import build_rig_page
 from spirob.report.sections.switches import RigSwitches
 from spirob.report.sections.verdict import kind
 from tests.machine.rigs import description
