@@ -21,7 +21,7 @@ from spirob.experiments import Play, Side, repeating
 from spirob.logs import read_log
 from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
-from spirob.plant.single import single_dynamics
+from spirob.plant.plant import single_dynamics
 from spirob.robot import MOTORS, Scene
 from spirob.trials import Trial, record
 from spirob.trials.simulation import simulate

@@ -26,7 +26,7 @@ import numpy as np
 
 from spirob.errors import ConfigError
 from spirob.geometry import PUBLISHED
-from spirob.plant.single import Motion
+from spirob.plant.plant import Motion
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.trace import Trace, moving_average
 from spirob.trials.play import Reaction

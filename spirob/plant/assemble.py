@@ -1,16 +1,30 @@
-"""Generate and compile the coupled loop for a set of effects."""
+"""Generate and compile the coupled loop for a set of effects.
 
+It calls MuJoCo's C functions, from compiled code and, with the JIT off, from Python (`native`).
+Numba resolves them as external symbols of the library that the `mujoco` wheel ships, so that the
+loop can be cached on disk and runs without the GIL.  Models and data are passed by address, arrays
+by the address of their first element.
+"""
+
+import ctypes
+import glob
 import inspect
+import os
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import cache
 
+import llvmlite.binding as llvm
+import mujoco
+import numba
+from numba import types
+
 from spirob import control
 from spirob.effects import Effect
 from spirob.effects.effect import SUFFIX, differences
 from spirob.effects.generated import CALLED, call, kernels, load, pasted
-from spirob.errors import EffectError
+from spirob.errors import EffectError, SimulationError
 from spirob.plant import body, chain, loop, motor, objects, steps, tendon
 from spirob.ports import PORTS
 
@@ -86,10 +100,10 @@ import numba
 import numpy as np
 from numba import njit
 
+from spirob.plant.assemble import native
 from spirob.plant.chain import SKIPPED
-from spirob.plant.native import functions
 
-_native = functions()
+_native = native()
 mj_step1, mj_step2, mj_solveM = _native["mj_step1"], _native["mj_step2"], _native["mj_solveM"]
 '''
 
@@ -200,3 +214,38 @@ def _number(effect: type[Effect], field: str) -> str:
     if field + SUFFIX not in differences(effect):
         return value
     return f"({value} + (1.0 - 2.0 * m) * {value}{SUFFIX})"
+
+
+_ADDRESS = types.intp
+_SIGNATURES = {
+    "mj_step1": (types.void(_ADDRESS, _ADDRESS), [ctypes.c_void_p] * 2),
+    "mj_step2": (types.void(_ADDRESS, _ADDRESS), [ctypes.c_void_p] * 2),
+    "mj_solveM": (
+        types.void(_ADDRESS, _ADDRESS, _ADDRESS, _ADDRESS, types.intc),
+        [ctypes.c_void_p] * 4 + [ctypes.c_int],
+    ),
+}
+
+
+def _library() -> str:
+    folder = os.path.dirname(mujoco.__file__)
+    names = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
+    found = [path for name in names for path in sorted(glob.glob(os.path.join(folder, name)))]
+    if not found:
+        raise SimulationError(f"the mujoco package holds no library ({', '.join(names)})")
+    return found[0]
+
+
+def native() -> dict[str, object]:
+    """`mj_step1`, `mj_step2`, `mj_solveM` for the generated loop."""
+    path = _library()
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        library = ctypes.CDLL(path)
+        plain = {}
+        for name, (_, arguments) in _SIGNATURES.items():
+            function = getattr(library, name)
+            function.argtypes, function.restype = arguments, None
+            plain[name] = function
+        return plain
+    llvm.load_library_permanently(path)
+    return {n: types.ExternalFunction(n, signature) for n, (signature, _) in _SIGNATURES.items()}

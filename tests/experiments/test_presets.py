@@ -11,7 +11,7 @@ from pipeline.config import composed
 from pipeline.schema import validated
 from spirob.errors import ConfigError
 from spirob.experiments import EXPERIMENTS, SIDES, Side, experiment_from, repeating
-from spirob.plant.single import Motion
+from spirob.plant.plant import Motion
 from spirob.trials import Trial
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.plant import Plant
-from spirob.plant.single import single_dynamics
+from spirob.plant.plant import single_dynamics
 from spirob.robot import Scene
 from tests.physics.playing import DIRECT, GEARED, currents, relative, rising, seconds
 

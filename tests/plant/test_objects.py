@@ -8,7 +8,7 @@ from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.errors import ConfigError
 from spirob.plant import Plant, Rig
-from spirob.plant.single import single_dynamics
+from spirob.plant.plant import single_dynamics
 from spirob.robot import Ball, Peg, Scene, scene_from
 
 RIG = Rig.from_mapping({"winch": {"gear_ratio": 1.0}})
