@@ -1,12 +1,17 @@
-"""Units of a file to SI: value_SI = factor · (value + offset); which numbers a machine may have."""
+"""Units of a file to SI, value_SI = factor · (value + offset), and as powers of the base units.
 
+Besides: which numbers a machine may have.
+"""
+
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Annotated
 
 from pydantic import AfterValidator
 
-from spirob.errors import ConfigError
+from spirob.errors import ConfigError, EffectError
 
 
 @dataclass(frozen=True)
@@ -110,3 +115,55 @@ def sized_not_zero(value: float) -> float:
     if value == 0.0:
         raise ValueError("0 would erase it")
     return sized(value)
+
+
+# exponents of metre, kilogram, second, ampere, kelvin; `reading` is whatever a sensor reports
+BASE = ("m", "kg", "s", "A", "K", "reading")
+NAMED: dict[str, str] = {
+    "N": "kg·m/s²",
+    "W": "kg·m²/s³",
+    "J": "kg·m²/s²",
+    "V": "kg·m²/(A·s³)",
+    "Ω": "kg·m²/(A²·s³)",
+    "H": "kg·m²/(A²·s²)",
+    "Hz": "1/s",
+    "rad": "1",
+    "°C": "K",
+}
+SUPERSCRIPT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+SYMBOL = re.compile(r"([A-Za-zΩ°]+)([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]*)$")
+
+Exponents = dict[str, int]
+
+
+def exponents(unit: str) -> Exponents:
+    """Powers of the base units in a unit such as "N·m·s²/rad²"; an angle has none.
+
+    Raises EffectError on a symbol that is not known.
+    """
+    above, _, below = unit.partition("/")
+    total: Exponents = {}
+    for part, sign in ((above, 1), (below.strip("()"), -1)):
+        for symbol in filter(None, part.split("·")):
+            for base, power in _factor(symbol, unit).items():
+                total[base] = total.get(base, 0) + sign * power
+    return {base: power for base, power in total.items() if power}
+
+
+def rescaled(unit: str, sizes: Mapping[str, float]) -> float:
+    """What one of this unit becomes when the base units are measured in others."""
+    out = 1.0
+    for base, power in exponents(unit).items():
+        out *= sizes[base] ** power
+    return out
+
+
+def _factor(symbol: str, unit: str) -> Exponents:
+    if symbol == "1":
+        return {}
+    found = SYMBOL.match(symbol)
+    if found is None or (found[1] not in BASE and found[1] not in NAMED):
+        raise EffectError(f"unit '{unit}': '{symbol}' is not known; write units like N·m·s²/rad²")
+    power = int(found[2].translate(SUPERSCRIPT) or 1)
+    parts = {found[1]: 1} if found[1] in BASE else exponents(NAMED[found[1]])
+    return {base: power * times for base, times in parts.items()}

@@ -12,11 +12,11 @@ import numpy as np
 import scipy
 
 from spirob.effects import all_effects, replay
-from spirob.effects.effect import Effect
-from spirob.effects.equation import BASE, evaluate, size
+from spirob.effects.effect import Effect, evaluate
 from spirob.effects.replay import run
 from spirob.errors import EffectError
 from spirob.ports import PORTS, SIGNALS
+from spirob.units import BASE, rescaled
 
 STEPS = (2.5e-4, 5e-4, 1e-3)  # s, of the physics and of the bus
 EXACT = 1e-9
@@ -165,10 +165,10 @@ def units(effect: type[Effect]) -> Iterator[str]:
     sizes = {base: 2.0 ** (k + 1) for k, base in enumerate(BASE)}  # exact in binary
     unit_of = {a: SIGNALS[s].unit for a, s in effect.reads.items()}
     unit_of["upstream"] = PORTS[effect.port].unit
-    scale = {a: size(u, sizes) for a, u in unit_of.items()}
+    scale = {a: rescaled(u, sizes) for a, u in unit_of.items()}
     numbers = replay.typical(effect, rng)
     about = effect.parameters()
-    other = {n: v * size(about[n].unit, sizes) for n, v in numbers.items()}
+    other = {n: v * rescaled(about[n].unit, sizes) for n, v in numbers.items()}
     inputs = replay.motion(effect, rng, 50, 1e-3)
     got, _ = run(effect, other, {a: v * scale[a] for a, v in inputs.items()}, 1e-3 * sizes["s"])
     want = run(effect, numbers, inputs, 1e-3)[0] * scale["upstream"]

@@ -14,6 +14,8 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
+import numpy as np
+
 from spirob.errors import EffectError
 from spirob.parameter import Numbers, Parameter
 from spirob.ports import PORTS, READABLE, SIGNALS
@@ -171,3 +173,42 @@ def differences(effect: type[Effect]) -> dict[str, Parameter]:
                 f"half of left minus right: {about.meaning}",
             )
     return found
+
+
+FUNCTIONS = {  # that an equation may use
+    "Abs": np.abs,
+    "Max": np.maximum,
+    "Min": np.minimum,
+    "sign": np.sign,
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tanh": np.tanh,
+    "pi": np.pi,
+}
+
+
+def evaluate(
+    effect: type[Effect],
+    text: str,
+    numbers: Mapping[str, float],
+    arguments: Mapping[str, np.ndarray | float],
+) -> np.ndarray:
+    """Value of an effect's equation for numbers by field name and arguments by name.
+
+    Raises EffectError when the text is no expression in those names.
+    """
+    symbols = {about.symbol: numbers[name] for name, about in effect.parameters().items()}
+    names = {**FUNCTIONS, **arguments, **symbols, "__builtins__": {}}
+    try:
+        value = eval(compile(text, "<equation>", "eval"), names)
+    except (SyntaxError, NameError, TypeError) as wrong:
+        known = ", ".join([*symbols, *arguments, *FUNCTIONS])
+        raise EffectError(f"equation '{text}': {wrong}; it may use {known}") from wrong
+    return np.asarray(value, dtype=float) * np.ones(_length(arguments))
+
+
+def _length(arguments: Mapping[str, np.ndarray | float]) -> int:
+    return max((np.size(v) for v in arguments.values()), default=1)
