@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spirob.effects.external.constant_force import ConstantForce
+from spirob.effects.winch.constant_force import ConstantForce
 from spirob.experiments.direct_drive import ALUMINIUM, DRUM, DRUM_WIDTH, RADIUS
 from spirob.experiments.host_loop import GainSet
 from spirob.plant import Plant, Rig

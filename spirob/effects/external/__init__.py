@@ -1,1 +1,0 @@
-"""Effects that act from outside."""
