@@ -7,8 +7,7 @@ and lie in data/recorded/logs.
 import shutil
 from pathlib import Path
 
-from pipeline.posture import FOLDER
-from pipeline.robots import record_all
+from pipeline.robots import POSTURE, record_all
 from pipeline.stage import HIDDEN, entry, public_config, read_yaml, write_json
 from pipeline.trials import experiment_trials, robot_wraps
 from spirob.errors import MissingLog
@@ -22,7 +21,7 @@ def stage(root: Path, with_wraps: bool = True) -> None:
     config = public_config(root)
     trials = experiment_trials(config) + (robot_wraps(config) if with_wraps else [])
     truth = {}
-    (root / FOLDER).mkdir(parents=True, exist_ok=True)  # stays empty where nothing can be seen
+    (root / POSTURE).mkdir(parents=True, exist_ok=True)  # stays empty where nothing can be seen
     if config.robot.kind == "can":
         for trial in trials:
             _fetch(root, f"{trial['name']}.mcap")

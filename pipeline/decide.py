@@ -2,32 +2,35 @@
 
 Names that do not hold under a softer pull are taken away; where something is missing that has no
 name, a law is composed.  Where nothing was asked, nothing could be played, or what was played tells
-nothing of those in question, the diagnosis stands as it is.
+nothing of those in question, the diagnosis stands as it is.  The law lies beside the diagnosis:
+`law.py`, an effect like any other, and composed.parquet, its drawing.
 """
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.composed import composed
 from pipeline.diagnose import model_of, settings_of
 from pipeline.model import plant, weighed_residuals
-from pipeline.overlay import motion, overlay
+from pipeline.overlay import motion, overlay, write_table
 from pipeline.own_effects import given, lay_beside
 from pipeline.schema import Config
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws
 from spirob.diagnosis import schema
 from spirob.diagnosis.atlas import KEYS
-from spirob.diagnosis.document import document, metrics, restated
+from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.document import CEILING, document, metrics, restated
 from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import Answer, Question, answered
 from spirob.diagnosis.proposals import Proposal
+from spirob.files import write_text
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
+from spirob.machine.composed.arm import composed_for_arm
 
 SEARCH, OUT = Path("data/search"), Path("data/diagnosis")
 NAMELESS = {"effect": "", "effects": "", "probability": 0.0}  # metrics where a name fell
@@ -109,6 +112,42 @@ def _model(
     write_json(root / OUT / "model.json", stands)
     overlay(root / OUT, own, base, stands["changes"])
     motion(root / OUT, own, stands["changes"])
+
+
+ROLES = ("train", "validate", "heldout")
+
+
+def composed(
+    root: Path,
+    config: Config,
+    settings: Settings,
+    told: Mapping[str, Any],
+    changes: Mapping[str, float],
+) -> dict[str, Any] | None:
+    """A law for what the library lacks: what the document says of it, None where none holds.
+
+    settings  with the floor of the machine
+    told  the diagnosis that stands;  changes  numbers of its model
+    """
+    own = weighed_residuals(root, config, plant(config))
+    fitted = read_json(root / "data/identified/base.json", "identify")["parameters"]
+    names = [name for name in fitted if name not in told["vague"]]
+    best = _least(told["ladder"])
+    law = composed_for_arm(own, names, changes, best, settings, tell)
+    if law is None:
+        tell("no law of a few terms takes what is left")
+        return None
+    write_text(root / OUT / law.document["file"], law.text)
+    write_table(root / OUT / "composed.parquet", law.drawing)
+    tell(law.document["sentence"])
+    return law.document
+
+
+def _least(ladder: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """RMSE by role of the best that the search found."""
+    rungs = [rung for rung in ladder if rung["label"] != CEILING]
+    best = min(rungs, key=lambda rung: float(rung["validate"]["rmse"]))
+    return {role: float(best[role]["rmse"]) for role in ROLES}
 
 
 if __name__ == "__main__":

@@ -9,9 +9,8 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
-from pipeline.direct import informed
 from pipeline.schema import Config
-from pipeline.sides import Models, play_all
+from pipeline.sides import Models, informed, play_all
 from pipeline.stage import (
     HIDDEN,
     entry,

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from pipeline.direct import informed
-from pipeline.sides import Stand
+from pipeline.sides import Stand, informed
 from pipeline.stage import entry, tell, write_json
 from spirob.experiments import Known, Play, Side
 from spirob.experiments.host_contact import HostContact

@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
 import yaml
 from joblib import Parallel, delayed
 
-from pipeline.posture import WatchedRobot
 from pipeline.schema import Config
 from pipeline.stage import tell, workers
+from spirob.can_protocol import CanFrame
 from spirob.canbus import CanRobot, open_bus
 from spirob.drives import Drive, find_drive
 from spirob.drives.drive import require_fast_enough
@@ -18,10 +20,11 @@ from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
+from spirob.files import replacing
 from spirob.logs.cycles import Transmission
 from spirob.logs.writer import git_commit, versions
 from spirob.plant import Plant, Rig
-from spirob.robot import Robot, Scene
+from spirob.robot import CYCLE_NS, Robot, Scene
 from spirob.safety import Limits
 from spirob.trials import Trial, record
 from spirob.trials.play import HostCurrentLoop, require_fitting
@@ -143,3 +146,45 @@ def loop_of(config: Config, rig: Rig, limits: Limits | None = None) -> HostCurre
     if config.robot.kind == "simulated":
         return None
     return HostCurrentLoop.of(rig, (limits or Limits()).voltage)
+
+
+POSTURE = Path("data/truth/posture")
+EVERY = 33  # cycles, about 30 frames a second
+
+
+class WatchedRobot:
+    """A `Robot` that notes its hinge angles now and then and is otherwise the emulated one.
+
+    Drives do not see the arm's shape, so no log holds it and nothing that judges reads it: it lies
+    beside the truth, and the report draws it on top of the model after the verdict.
+    """
+
+    def __init__(self, robot: EmulatedRobot):
+        self._robot = robot
+        self._cycles = 0
+        self._seen: list[np.ndarray] = []
+
+    def prepare(self, scene: Scene) -> None:
+        """As the robot does."""
+        self._robot.prepare(scene)
+
+    def exchange(self, command: bytes) -> list[CanFrame]:
+        """As the robot does."""
+        if self._cycles % EVERY == 0:
+            heading = self._robot.machine.state["phi"][0]
+            self._seen.append(np.diff(heading, prepend=0.0))
+        self._cycles += 1
+        return self._robot.exchange(command)
+
+    def close(self) -> None:
+        """As the robot does."""
+        self._robot.close()
+
+    def write(self, root: Path, trial: str) -> None:
+        """data/truth/posture/TRIAL.parquet: trial, time [s], angle of each hinge [rad]."""
+        angles = np.array(self._seen)
+        columns = {f"q{i}": angles[:, i] for i in range(angles.shape[1])}
+        time = np.arange(len(angles)) * EVERY * CYCLE_NS * 1e-9
+        table = pd.DataFrame({"trial": trial, "time": time} | columns)
+        with replacing(root / POSTURE / f"{trial}.parquet") as temporary:
+            table.to_parquet(temporary, compression="zstd", index=False)

@@ -1,4 +1,14 @@
-"""Plays trials: one on every side, robot, models, single dynamics; or many on one of them."""
+"""Plays trials: one on every side, robot, models, single dynamics; or many on one of them.
+
+The trial before a passive experiment tells of a robot on direct drive what its models have to know
+(`informed`): its loop's own numbers (`spirob.experiments.host_loop`), and how its hinges lose.
+Behind a gear the arm swings too slowly for that to show, so that a fit of the geared machine leaves
+it open.  On direct drive both tendons shake the arm, and
+
+    τ_d = argmin Σ (v_robot - v_model(τ_d))²
+
+over both tendons' speeds.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,6 +19,7 @@ from zlib import crc32
 
 import numpy as np
 from joblib import Parallel, delayed
+from scipy.optimize import minimize_scalar
 
 from pipeline.robots import build, drive_of, loop_of
 from pipeline.schema import Config
@@ -17,7 +28,7 @@ from spirob.control import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
-from spirob.experiments import Play, Side, repeating
+from spirob.experiments import Experiment, Play, Side, repeating
 from spirob.logs import read_log
 from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
@@ -198,3 +209,36 @@ def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str,
         if schedule.mode[m] == FORCE:
             force[:, m] = schedule.reference[:, m]
     return Side.from_motion(single_dynamics(bare, np.maximum(force, 0.0), trial.scene), played)
+
+
+DAMPING = "arm.damping_time"
+REACH = (2e-3, 0.2)  # s
+CLOSE = 0.02  # of the number
+
+
+def informed(
+    config: Config, hidden: Mapping[str, Any], experiment: Experiment, models: Models, logs: Path
+) -> tuple[Experiment, Models]:
+    """Experiment and models with what the robot's trial has told; hardware is not driven."""
+    first = experiment.before()
+    if first is None or config.robot.kind == "can":
+        return experiment, models
+    side = robot_side(config, hidden, first, logs / f"{first.name}.mcap")
+    experiment = experiment.informed(side)
+    again = experiment.before() or first
+    return experiment, {name: damped(config, again, m, side) for name, m in models.items()}
+
+
+def damped(config: Config, play: Play, model: Mapping[str, Any], robot: Side) -> dict[str, Any]:
+    """A model with the damping under which its tendons move as the robot's in this trial."""
+
+    def moved(log_time: float) -> dict[str, Any]:
+        return {**model, "changes": {**model["changes"], DAMPING: float(np.exp(log_time))}}
+
+    def apart(log_time: float) -> float:
+        other = model_side(config, play, moved(log_time))
+        return float(np.mean((robot.velocity - other.velocity) ** 2))
+
+    bounds = (np.log(REACH[0]), np.log(REACH[1]))
+    found = minimize_scalar(apart, bounds=bounds, method="bounded", options={"xatol": CLOSE})
+    return moved(float(found.x))

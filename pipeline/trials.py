@@ -11,7 +11,7 @@ from spirob.trials.wrap import WrapSettings, wrap_trial
 
 # Streams of the seed.  1, 3, 4 and 6 to 8 are used up: the errors on wraps drawn from them were
 # known when what the stack learns from was fixed, so that they cannot test it any more.
-# 9 draws the machines (`machines.py`).
+# 9 draws the machines (`wraps.py`).
 PAPER_WRAPS, TRAIN_DRAWN = 2, 5
 ROBOT_WRAPS, UNSEEN_WRAPS, UNSEEN_DRAWN = 10, 11, 12
 

@@ -6,6 +6,11 @@ Each job of the Hydra multirun plays one share and writes its features to data/w
 `features` puts them together.  How many shares there are changes no bit of them.  The launcher runs
 as many jobs at once as there are cores; another launcher (SLURM, Dask) is a choice of the command
 line, `hydra/launcher=...`.
+
+Of the machines that play them no two have the same numbers.  A model is never quite the robot.
+What is learned from one model alone leans on whatever tells its sizes best, on features too that
+the robot has otherwise; learned from many machines about the model it has to do with what they have
+in common (domain randomisation: Tobin et al., IROS 2017).
 """
 
 import sys
@@ -20,15 +25,15 @@ import numpy as np
 import pandas as pd
 from omegaconf import DictConfig
 
-from pipeline.machines import numbers_of
 from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import FAILED, public_config, read_json, tell, workers
 from pipeline.trials import paper_wraps, train_wraps
-from spirob.effects import find_effects
+from spirob.effects import Effect, find_effects
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, MissingLog, SpirobError
 from spirob.files import replacing
+from spirob.parameter import Table
 from spirob.perceive.features import table
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate
@@ -119,6 +124,32 @@ def write(path: Path, features: pd.DataFrame) -> None:
     """A table of features, whole or not at all."""
     with replacing(path) as temporary:
         features.to_parquet(temporary, compression="zstd")
+
+
+MACHINES = 9  # stream of the seed
+
+
+def numbers_of(
+    config: Config,
+    effects: Sequence[type[Effect]],
+    table: Table,
+    changes: Mapping[str, float],
+    k: int,
+) -> dict[str, float]:
+    """Numbers of the machine that plays the k-th drawn wrap.
+
+    What is fitted, and what the model's `effects` bring, is multiplied by a factor of its own,
+    drawn evenly from 1 ± `perceive.drawn.machines`, and kept within its bounds; all else is as in
+    `changes`.  The k-th machine depends on no other.
+    """
+    spread = config.perceive.drawn.machines
+    brought = [f"{e.name()}.{f}" for e in effects for f in e.parameters()]
+    names = [*config.identify.parameters, *brought]
+    rng = np.random.default_rng([config.perceive.seed, MACHINES, k])
+    factors = 1.0 + spread * rng.uniform(-1.0, 1.0, len(names))
+    values = table.vector(changes)[[table.position(name) for name in names]]
+    moved = np.clip(values * factors, *table.bounds(names))
+    return {**changes, **dict(zip(names, moved.tolist(), strict=True))}
 
 
 if __name__ == "__main__":

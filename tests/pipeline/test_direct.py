@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline import direct
+from pipeline import sides
 from spirob.experiments import Play, Side
 
 
@@ -17,11 +17,11 @@ def swing(damping):
 @pytest.mark.parametrize("damping", [0.008, 0.02, 0.05])
 def test_the_damping_of_the_robot_is_found(monkeypatch, damping):
     def played(config, play, model):
-        return swing(model["changes"][direct.DAMPING])
+        return swing(model["changes"][sides.DAMPING])
 
-    monkeypatch.setattr(direct, "model_side", played)
+    monkeypatch.setattr(sides, "model_side", played)
     model = {"effects": ["capstan_friction"], "changes": {"arm.base_stiffness": 0.2}}
-    found = direct.damped(None, Play("jumps", {}), model, swing(damping))
-    assert found["changes"][direct.DAMPING] == pytest.approx(damping, rel=0.03)
+    found = sides.damped(None, Play("jumps", {}), model, swing(damping))
+    assert found["changes"][sides.DAMPING] == pytest.approx(damping, rel=0.03)
     assert found["changes"]["arm.base_stiffness"] == 0.2
     assert found["effects"] == ["capstan_friction"]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.config import composed
-from pipeline.machines import numbers_of
 from pipeline.model import plant
 from pipeline.schema import validated
+from pipeline.wraps import numbers_of
 from spirob.effects import find_effects
 
 ROOT = Path(__file__).parents[2]

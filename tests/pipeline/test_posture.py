@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.posture import EVERY, FOLDER, WatchedRobot
+from pipeline.robots import EVERY, POSTURE, WatchedRobot
 from spirob.can_protocol import encode_command
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.robot import Scene
@@ -27,7 +27,7 @@ def test_the_frames_are_the_same_and_the_left_tendon_bends_to_the_left(tmp_path)
     assert played(watched) == alone
     watched.write(tmp_path, "pull")
     watched.close()
-    table = pd.read_parquet(tmp_path / FOLDER / "pull.parquet")
+    table = pd.read_parquet(tmp_path / POSTURE / "pull.parquet")
     assert np.allclose(np.diff(table["time"]), EVERY * 1e-3)
     assert len(table) == -(-CYCLES // EVERY)
     hinges = table.filter(regex=r"^q\d+$")

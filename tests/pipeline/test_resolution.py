@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.resolution import resolution
+from pipeline.identify import resolution
 from spirob.identify.fit import Estimate, Fit
 from spirob.parameter import Parameter, Table
 
