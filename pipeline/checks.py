@@ -16,7 +16,7 @@ from pipeline.schema import Config
 from pipeline.sides import merged
 from pipeline.trials import experiment_trials, paper_wraps, robot_wraps, unseen_wraps
 from spirob.campaign.arm.strength import strength_of
-from spirob.can_interface import require_known
+from spirob.can_protocol import require_known
 from spirob.effects import Effect, find_effects
 from spirob.emulator.faults import wire_from
 from spirob.emulator.hidden import load

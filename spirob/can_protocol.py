@@ -3,19 +3,23 @@
 `c620.dbc` is the single truth.  cantools reads it; because all fields are aligned to bytes the
 same layouts are compiled here to `struct` and `numpy` for speed, and a test proves both equal on
 random payloads.  Counts become SI units in `canbus` and `logs`, nowhere else.
+
+Besides: whether an interface of python-can can be used here, before it is opened.
 """
 
 import struct
 from dataclasses import dataclass
 from importlib import resources
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spirob.errors import DataError
+from spirob.errors import DataError, HardwareError
 
 if TYPE_CHECKING:
     from cantools.database import Database
+
 
 COMMAND_ID = 0x200
 FEEDBACK_ID = 0x200  # plus the drive's number, from 1
@@ -113,3 +117,35 @@ def feedback_payloads(
 def decode_feedback_array(data: np.ndarray) -> np.ndarray:
     """Many feedback payloads, (n, 8) uint8, as a structured array of counts."""
     return np.ascontiguousarray(data, dtype=np.uint8).view(_FEEDBACK_ARRAY)[:, 0]
+
+
+# interface -> the module that it needs beside python-can, which extra `can` brings
+NEEDS = {
+    "udp_multicast": "msgpack",
+    "robotell": "serial",
+    "seeedstudio": "serial",
+    "serial": "serial",
+    "slcan": "serial",
+}
+PACKAGES = {"serial": "pyserial"}
+
+
+def require_known(interface: str, what: str) -> None:
+    """Raises HardwareError, about `what`, where python-can has no such interface."""
+    import can  # slow to import, and only needed where a bus is to be opened
+
+    if interface not in can.VALID_INTERFACES:
+        known = ", ".join(sorted(can.VALID_INTERFACES))
+        raise HardwareError(f"{what}: no interface '{interface}'; known: {known}")
+
+
+def require_interface(interface: str, what: str) -> None:
+    """Raises HardwareError, about `what`, where there is no such interface or its library lacks."""
+    require_known(interface, what)
+    module = NEEDS.get(interface)
+    if module and find_spec(module) is None:
+        package = PACKAGES.get(module, module)
+        raise HardwareError(
+            f"{what}: {interface} needs {package}, which is not installed: "
+            f'pip install -e ".[can]", or pip install {package}'
+        )

@@ -11,8 +11,7 @@ from typing import Any
 import can
 import numpy as np
 
-from spirob.can_interface import require_interface
-from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
+from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command, require_interface
 from spirob.canbus.robot import CanRobot
 from spirob.drives import Drive, Translator
 from spirob.errors import HardwareError

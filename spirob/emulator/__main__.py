@@ -11,7 +11,7 @@ import sys
 
 import can
 
-from spirob.can_interface import require_interface
+from spirob.can_protocol import require_interface
 from spirob.emulator.build import BUILDS, TYPICAL
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
