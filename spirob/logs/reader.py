@@ -30,9 +30,7 @@ from spirob.drives import Drive
 from spirob.drives.drive import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, MissingLog, TooShort
 from spirob.logs.cycles import Cycles, Transmission
-from spirob.logs.messages import unpack_commands, unpack_frames
-from spirob.logs.payloads import CHUNK_LIMIT, RECORD, MessagesByTopic, Payloads, stream
-from spirob.logs.schema import (
+from spirob.logs.messages import (
     ABOUT,
     COMMAND_TOPIC,
     DBC_FILE,
@@ -41,7 +39,10 @@ from spirob.logs.schema import (
     RAW_TOPIC,
     STOPPED,
     TRIAL_FILE,
+    unpack_commands,
+    unpack_frames,
 )
+from spirob.logs.payloads import CHUNK_LIMIT, RECORD, MessagesByTopic, Payloads, stream
 from spirob.robot import MOTORS
 from spirob.trace import Trace, moving_average
 

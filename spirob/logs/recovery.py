@@ -22,9 +22,9 @@ from mcap.writer import CompressionType, Writer
 
 from spirob.errors import DataError
 from spirob.files import replacing
+from spirob.logs.messages import SCHEMAS
 from spirob.logs.payloads import MESSAGE_HEAD, RECORD, records, stream, unpacking_limit
 from spirob.logs.reader import BROKEN, MAGIC, read_bytes, unpack_chunk
-from spirob.logs.schema import SCHEMAS
 from spirob.logs.writer import CHUNK_BYTES
 
 _SEARCHED = bytes([Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.METADATA])

@@ -26,8 +26,7 @@ from spirob.drives import Drive
 from spirob.errors import DataError
 from spirob.files import publish
 from spirob.logs.cycles import Transmission
-from spirob.logs.messages import JointPacker, pack_command, pack_frame
-from spirob.logs.schema import (
+from spirob.logs.messages import (
     ABOUT,
     COMMAND_TOPIC,
     CONFIG_FILE,
@@ -39,6 +38,9 @@ from spirob.logs.schema import (
     SCHEMAS,
     STOPPED,
     TRIAL_FILE,
+    JointPacker,
+    pack_command,
+    pack_frame,
 )
 from spirob.robot import MOTORS
 

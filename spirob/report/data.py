@@ -20,8 +20,8 @@ import yaml
 
 from spirob.diagnosis import schema
 from spirob.errors import DataError, MissingChannel, MissingLog
+from spirob.logs.messages import LOOP
 from spirob.logs.parquet import KEY
-from spirob.logs.schema import LOOP
 from spirob.plant import Rig
 from spirob.report.arm import NoClip, film
 from spirob.report.provenance import Provenance, collect

@@ -14,9 +14,8 @@ from spirob.can_protocol import (
 from spirob.errors import DataError, HardwareError, MissingChannel, MissingLog, TooShort
 from spirob.identify.measurement import scene_of, schedule_of
 from spirob.logs import Transmission, TrialLog, read_log
-from spirob.logs.messages import unpack_frames
+from spirob.logs.messages import COMMAND_TOPIC, RAW_TOPIC, unpack_frames
 from spirob.logs.reader import read_content
-from spirob.logs.schema import COMMAND_TOPIC, RAW_TOPIC
 from spirob.robot import CYCLE_NS
 from spirob.trace import moving_average
 from spirob.trials import Trial

@@ -13,8 +13,8 @@ SUFFIXES = {".mcap"}
 
 def read(asked: Asked) -> Table:
     """Channels, and `time` in seconds; a note for what is damaged or held."""
+    from spirob.logs.messages import RAW_TOPIC
     from spirob.logs.reader import read_log
-    from spirob.logs.schema import RAW_TOPIC
 
     log = McapLog(asked)
     topics = tuple(log.encodings)

@@ -2,15 +2,17 @@
 
 import pytest
 
-from spirob.logs.messages import JointPacker, pack_command, pack_frame
-from spirob.logs.schema import (
+from spirob.logs.messages import (
     COMMAND_TOPIC,
     JOINTS_TOPIC,
     RAW_TOPIC,
     SCHEMAS,
+    JointPacker,
     double,
     fields,
     integer,
+    pack_command,
+    pack_frame,
 )
 
 
