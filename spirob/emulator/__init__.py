@@ -11,6 +11,7 @@ data from its own equations proves nothing.
     faults/     what goes wrong on the bus, one file each
     hidden/     effects that nobody told the model about, one file each
     physics/    the compiled step
+    machine.py  the machine without a bus: state, trials, cycles
     robot.py    the robot: both sides of the bus, one cycle at a time
 """
 

@@ -7,10 +7,22 @@ One file in `targets/` for each target; a new file there is a new target, no lis
     LOSSY          whether it may lose something; it is then always played, where it can be
     files(model)   name of each file -> its text
     arm(model)     the same of the arm, where the target can hold it
+
 They load what they need when they write.
 
-`law` reads an effect's file, `translate` checks its arithmetic and writes C, `axis` puts the
-kernels into the equations of an axis; `exporting` writes the files and proves them.
+What is exported:
+    corrected.py    the corrected model of a rig;  arm.py  of the arm
+    law.py          an effect as its file states it;  translate.py  its arithmetic, checked, as C
+As equations:
+    axis.py         those of a plain axis, of axis_text.py and the kernels
+    code.py         the same as C99 and as a Python module;  arm_motors.py  of an arm's motors
+    arm_loop.py     the coupled loop of the arm as a Python module
+As a MuJoCo model:
+    body.py         the machine, or the arm alone;  arm_body.py  the arm with winches and tendons
+    native.py       effects that MuJoCo holds by itself
+And its proof:
+    exporting.py    writes the files, each whole or not at all, and proves them
+    heldout.py      held-out logs, played in what was written;  arm_heldout.py  trials of an arm
 """
 
 import importlib

@@ -1,4 +1,20 @@
-"""The unified multi-dynamics model: motor electrics, motor and winch, and the MuJoCo arm."""
+"""The unified multi-dynamics model: motor electrics, motor and winch, and the MuJoCo arm.
+
+What a machine is:
+    rig.py        nominal numbers of its parts with bounds and source, gains of its controller
+    plant.py      the model as a whole, `simulate`; beside it the baseline, `single_dynamics`
+    session.py    a plant in motion, and where its arm hangs before a trial
+The compiled cycle:
+    loop.py       the cycle as a template;  steps.py  its three steps j_a, j_b, j_c
+    records.py    what it is told, what it remembers, what it answers
+    assemble.py   fills effects into the templates' ports and compiles
+The equations that it calls:
+    motor.py      electrics, and motor and winch at a one-sided tendon
+    tendon.py     a tendon at one hinge, in closed form
+    body.py       the arm as a MuJoCo chain of hinges;  objects.py  what it may touch
+    chain.py      the arm that touches nothing, in MuJoCo's own step
+And check.py, what only the whole model can show of an effect.
+"""
 
 import mujoco
 

@@ -3,6 +3,15 @@
 `load(root)` reads what the stages wrote, `build(data, out)` writes the page: all sections, none of
 which is known by name.  `build_rig_page(found)` puts a rig's diagnosis on one, of the sections that
 say they stand there.
+
+    data.py         what the page is made of: the files, who writes them, what they must hold
+    provenance.py   source, data, versions, seed and the command that makes the page again
+    sections/       the parts of the page, one file each, with a file in templates/
+What they share:
+    words.py        numbers and fits as people read them
+    figures.py      figures as plotly describes them;  regimes.py  those of the atlas
+    embed.py        data and plotly.js inside the page
+    arm.py          the arm's motion for the page;  clip.py  the same, rendered
 """
 
 from collections.abc import Sequence
