@@ -28,6 +28,7 @@ SIZES = np.array([1.5, 0.8, 0.3])
 PHASES = np.array([0.3, 1.1, 2.0])
 FINE = np.arange(-1.0, LENGTH + 1.0, 1e-3)
 BLOCK = 2.0  # s, within which the clock may be off by no more than a part of a sample
+FEW = 50  # rows of a block, by which it is told about when it began
 FAR = 0.06  # of the RMS of speed and effort: a third of a sample at 50 Hz
 BLURRED = 0.15  # of most blocks, where samples are lost behind stamps that do not tell which
 
@@ -40,6 +41,9 @@ def motion(t):
 def effort(t):
     q, v = motion(t)
     return 0.3 * np.sin(q) + 0.05 * v
+
+
+RATE, EFFORT = motion(FINE)[1], effort(FINE)
 
 
 class Log:
@@ -168,28 +172,35 @@ def rig(with_speed: bool) -> RigFile:
 def missed(made: Recording) -> np.ndarray:
     """RMS errors of speed or effort on the compared rows, over the truth's, of each block."""
     found = []
+    true = np.array([RATE, smooth(EFFORT, made.cutoff, 1e-3)])
     for piece in made.pieces:
         rows = np.flatnonzero(piece.use)
         for block in np.array_split(rows, max(1, round(len(rows) * made.period / BLOCK))):
-            signals = piece.seconds[block], piece.v[block], piece.effort[block]
-            found.append(_missed(*signals, made.cutoff))
+            heard = np.array([piece.v[block], piece.effort[block]])
+            found.append(_missed(piece.seconds[block], heard, true))
     return np.array(found)
 
 
-def _missed(seconds, speed, heard, cutoff):
-    """The larger of both for a block; it began when both together fit best."""
-    true = np.array([motion(FINE)[1], smooth(effort(FINE), cutoff, 1e-3)])
+def _missed(seconds, heard, true):
+    """The larger of both for a block; it began when both together fit best.
+
+    heard  speed and effort, (2, N);  true  the same at the times of FINE
+    """
     sizes = true.std(axis=1)
 
-    def errors(begin: float) -> np.ndarray:
-        at = np.array([np.interp(seconds + begin, FINE, values) for values in true])
-        return np.sqrt(np.mean((at - [speed, heard]) ** 2, axis=1)) / sizes
+    def errors(begins: np.ndarray, every: int = 1) -> np.ndarray:
+        """Of each begin, (2, B), by every n-th row."""
+        times = seconds[::every] + np.reshape(begins, (-1, 1))
+        at = np.array([np.interp(times, FINE, values) for values in true])
+        apart = at - heard[:, None, ::every]
+        return np.sqrt(np.mean(apart**2, axis=2)) / sizes[:, None]
 
     def off(begin: float) -> float:
-        return float(np.hypot(*errors(begin)))
+        return float(np.hypot(*errors(begin)[:, 0]))
 
     tried = np.arange(-1.0 - seconds[0], LENGTH - seconds[-1] + 1.0, 0.02)
-    near = tried[int(np.argmin([off(begin) for begin in tried]))]
+    few = max(1, len(seconds) // FEW)
+    near = tried[int(np.argmin(np.hypot(*errors(tried, few))))]
     best = minimize_scalar(off, bounds=(near - 0.03, near + 0.03), method="bounded").x
     return float(errors(best).max())
 
