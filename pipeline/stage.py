@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -50,8 +49,13 @@ def tell(text: str) -> None:
 
 
 def workers() -> int:
-    """Threads or processes to use: the cores that this process may run on."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """Threads or processes to use: the cores that this process may run on.
+
+    Fewer where a container has a share of them, or `LOKY_MAX_CPU_COUNT` says so.
+    """
+    from joblib import cpu_count  # a stage that does all by itself needs none of it
+
+    return int(cpu_count())
 
 
 def public_config(root: Path) -> Config:

@@ -29,6 +29,12 @@ READMES = ("data/sweep/README.md", "data/recorded/README.md")
 MEASURED = ("reports/metrics/trial_full.json", "reports/metrics/contacts.json")
 COMPILED = (".pyc", ".nbi", ".nbc")  # by Python, by Numba
 TRIES = 3  # of a run that DVC refuses
+IN_A_ROW = """import sys
+from importlib import import_module
+from pathlib import Path
+for name in sys.argv[1:]:
+    import_module(f"pipeline.{name}").stage(Path("."))
+"""
 DECIDING = ("identify", "compare", "diagnose", "decide")  # stages that must not know the truth
 
 
@@ -37,8 +43,16 @@ def _unfinished(folder: str, names: list[str]) -> list[str]:
     return [name for name in names if "__pycache__" in folder and not name.endswith(COMPILED)]
 
 
+ONE_CORE = {"LOKY_MAX_CPU_COUNT": "1"}  # a process begun beside costs more than it plays
+
+
 class Project:
-    """Runs stages and DVC in its folder with this interpreter."""
+    """Runs stages and DVC in its folder with this interpreter.
+
+    Stages work on one core, as other tests have the others, until `all_cores` says otherwise.
+    """
+
+    all_cores = False
 
     def __init__(self, root: Path, overrides: list[str]):
         self.root = root
@@ -74,6 +88,10 @@ class Project:
     def stage(self, name: str, code: int = 0) -> str:
         """Run one stage without DVC."""
         return self.run(sys.executable, "-m", f"pipeline.{name}", code=code)
+
+    def stages(self, names: Sequence[str]) -> str:
+        """Run these, one after another, in one process."""
+        return self.run(sys.executable, "-c", IN_A_ROW, *names)
 
     def repro(self) -> str:
         """`dvc repro` to the end."""
@@ -139,4 +157,5 @@ class Project:
         return {path.name: path.read_bytes() for path in found}
 
     def _environment(self) -> dict[str, str]:
-        return {**os.environ, "PYTHONPATH": str(self.root), "DVC_NO_ANALYTICS": "1"}
+        own = {"PYTHONPATH": str(self.root), "DVC_NO_ANALYTICS": "1"}
+        return {**os.environ, **own, **({} if self.all_cores else ONE_CORE)}

@@ -13,7 +13,7 @@ from pipeline import ask, decide
 from spirob.diagnosis.proposals import ROLES, TRIALS, bend
 from spirob.export.arm import corrected_arm, correlation_of
 from spirob.robot import MOTORS
-from tests.pipeline.project import DECIDING, MEASURED, SHORT, Project
+from tests.pipeline.project import DECIDING, MEASURED, ONE_CORE, SHORT, Project
 
 # three of the eleven numbers, of a robot that needs no more: a verdict is not what is asked here
 QUICK = [
@@ -104,10 +104,8 @@ def test_diagnosis_has_the_same_bits_without_the_truth(finished, tmp_path):
     decided = finished.copied(blind, ".dvc", ".git")
     shutil.rmtree(blind / "data/truth")
     decided.override([*QUICK, "robot.hidden.effect=winding_heating", "robot.hidden.seed=99"])
-    decided.stage("config")
+    decided.stages(("config", "decode", *DECIDING))
     assert b"winding_heating" in (blind / "data/config/hidden.yaml").read_bytes()
-    for stage in ("decode", *DECIDING):
-        decided.stage(stage)
     for file in ("data/identified/base.json", "data/diagnosis/diagnosis.json"):
         assert (blind / file).read_bytes() == (finished.root / file).read_bytes()
 
@@ -148,7 +146,10 @@ def asking(finished, folder, decide=(), prove=(), effects=(), verdict=None, off=
         path = project.root / "data/search" / file
         said = {key: value for key, value in (verdict or {}).items() if key in SAID}
         path.write_text(json.dumps(json.loads(path.read_text()) | said))
-    ask.stage(project.root)
+    with pytest.MonkeyPatch.context() as patched:
+        for name, value in ONE_CORE.items():
+            patched.setenv(name, value)
+        ask.stage(project.root)
     return project
 
 
@@ -237,6 +238,7 @@ def test_a_run_that_is_killed_in_some_stages_ends_with_the_same_metrics(finished
     seed = random.randrange(10**6)  # which stages, and a moment of its own in each
     rng = random.Random(seed)
     killed = finished.copied(tmp_path / "killed")
+    killed.all_cores = True  # so that workers are killed, too, and results do not depend on them
     names = list(STAGES)
     chosen = [names[k] for k in sorted(rng.sample(range(len(names)), KILLED))]
     killed.forget(chosen)
