@@ -10,6 +10,7 @@ from spirob.campaign.arm.case import Case, quickly, run
 from spirob.cli.main import main
 from spirob.diagnosis.criteria import Settings
 from spirob.errors import DataError
+from spirob.identify import builds
 from tests.campaign.arm.test_killed import fake
 
 QUICK = quickly(Settings(finalists=1, most=1, iterations=1, patience=1))  # as a trial plays
@@ -133,8 +134,10 @@ def test_a_strong_lag_of_the_sensor_is_found_on_a_robot_of_its_own(monkeypatch):
     """The whole way: drawn, recorded over the bus, decoded, diagnosed, compared with the oracle.
 
     What is told of a robot is left out that has tests of its own: what it leaves with nothing
-    hidden, by which a strength is drawn, and the law composed of what has no name.
+    hidden, by which a strength is drawn, and the law composed of what has no name.  Half of
+    the builds say how large the floor is.
     """
+    monkeypatch.setattr(builds, "DRAWS", 9)
     law = SimpleNamespace(document={"terms": ["way"], "rmse": {"test": 0.1}})
     asked = []
     library = running.run.__globals__["all_effects"]()
