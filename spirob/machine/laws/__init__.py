@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from spirob.effects import Effect
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
-from spirob.machine.laws.direction_dependent_efficiency import DirectionDependentEfficiency
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.laws.load_dependent_friction import LoadDependentFriction
 from spirob.machine.laws.tip_payload import TipPayload
@@ -20,9 +19,7 @@ LOAD_SIDE: dict[str, type[Effect]] = {
     law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
 }
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
-LOSSES: dict[str, type[Effect]] = {
-    law.name(): law for law in (LoadDependentFriction, DirectionDependentEfficiency)
-}
+LOSSES: dict[str, type[Effect]] = {LoadDependentFriction.name(): LoadDependentFriction}
 TURNED = 1.0  # rad: over less, a weight on a lever is a spring with an offset
 INERTIA = "N·m·s²/rad"  # of a number that says how much of the moved inertia is the load's
 

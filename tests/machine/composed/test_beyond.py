@@ -12,7 +12,7 @@ def problem(place):
     asked = SimpleNamespace(
         seen=lambda vector: None,
         load=lambda motion, vector: None,
-        signals=lambda motion, load: signals,
+        signals=lambda motion, load, vector: signals,
     )
     table = SimpleNamespace(vector=lambda changes: None)
     return SimpleNamespace(

@@ -57,17 +57,6 @@ def test_they_take_the_place_of_the_laws_of_a_tendon():
     assert set(AXIS.values()) <= set(possible)
 
 
-def test_a_gear_that_is_driven_holds_a_part_of_the_load():
-    """η back over 1/η ahead is 1/(1 + x): the motor holds that much of a load that drives it."""
-    held = np.array([2.0, -2.0, 2.0, -2.0])
-    signals = {"speed": np.array([1.0, -1.0, -1.0, 1.0]), "rest_speed": np.full(4, 1e-3)}
-    signals |= {"load": held + 0.3 * 0.5, "inertia_torque": np.full(4, 0.5)}
-    numbers = {"back_excess": 0.25, "rotor_share": 0.3}
-    torque, _ = run(LOSSES["direction_dependent_efficiency"], numbers, signals, DT)
-    driven = [False, False, True, True]
-    np.testing.assert_allclose(held - torque, np.where(driven, held / 1.25, held), atol=1e-12)
-
-
 def test_what_turns_ahead_of_a_gear_rubs_on_no_teeth():
     signals = {"speed": np.ones(3), "rest_speed": np.full(3, 1e-3)}
     signals |= {"load": np.array([1.0, 0.4, -0.6]), "inertia_torque": np.full(3, 0.8)}
