@@ -106,3 +106,11 @@ def test_numbers_that_cannot_be_meant_are_a_sentence(tmp_path, rig, changes, kin
     logs = [log(tmp_path, f"{k}.csv", k) for k in range(2)]
     with pytest.raises(kind):
         diagnose(rig(**changes), logs[:1], logs[1:], NONE)
+
+
+@pytest.mark.parametrize("wave", ["cogging", "torque_ripple"])
+def test_a_wave_that_was_named_can_be_told(tmp_path, rig, wave):
+    """The ratios of its further waves move nothing before these have an amplitude."""
+    logs = [log(tmp_path, f"{k}.csv", k, size=2.0) for k in range(3)]
+    found = diagnose(rig(effects=[wave, "coulomb_friction"]), logs[:2], logs[2:], settings=NONE)
+    assert "coulomb_friction.coulomb_torque" in found.document["model"]["fitted"]["names"]
