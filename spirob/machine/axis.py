@@ -181,7 +181,8 @@ def _once_more(done: _Searched) -> _Searched:
     """The search about another delay, where something that counts is left and that explains more.
 
     The effects that were found say more of the delay than any one of the library did: where they
-    place it elsewhere and explain more there, or it ended at a bound, it is searched there.  The
+    place it elsewhere and explain more there, or it ended at a bound, it is searched there; where
+    they place it nowhere else, within twice as wide bounds if they explain more in these.  The
     usual one is tried where it was none of those looked at: a place found beside coarse shapes of
     laws may be another law's.
     """
