@@ -248,7 +248,7 @@ class Words:
         models, bare = self.ended.search.models, self.ended.found.rungs[0]
         share = float(np.sqrt(bare.mean_square)) / models.size
         return (
-            f"Nothing is missing: the model is within {share:.1%} of the {self._effort}.",
+            f"Nothing is missing that these data show: {share:.1%} of the {self._effort} is left.",
             models.nothing(bare),
         )
 

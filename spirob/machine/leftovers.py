@@ -31,7 +31,9 @@ def left_of(models: "Models", model: Model, rest: Ceiling) -> Left:
 
 def _said(follows: float, rest: Ceiling) -> str:
     if follows < SOME:
-        return "What is left hardly follows from the motion."
+        return (
+            f"Of what is left, a flexible model of the motion explains {follows:.0%} of the square."
+        )
     return (
         f"Of what is left, {follows:.0%} of the square still follows from the motion: it "
         f"depends {depends_on(rest)}."
@@ -43,12 +45,12 @@ def _unknown(models: "Models", model: Model, follows: float, rest: Ceiling) -> t
     effort = models.train.effort.name
     if follows < SOME:
         return (
-            "Something is missing that the library does not hold: it follows from no signal "
-            "of the moment.",
-            f"The model misses {missed} of the {effort}'s RMS "
-            "on data left out, far more than the sensors' noise, and neither position, speed, "
-            "acceleration nor time explain it: blows, chatter or a memory would look so, and "
-            "so would logs that do not belong together.",
+            "Something is missing that the library does not hold, and a flexible model of the "
+            "motion does not find it.",
+            f"The model misses {missed} of the {effort}'s RMS on data left out, far more than the "
+            "sensors' noise. Of that squared error trees on position, speed, acceleration and time "
+            f"explain {follows:.0%}: blows, chatter or a memory would look so, and so would logs "
+            "that do not belong together.",
         )
     return (
         f"Something is missing that the library does not hold: it depends {depends_on(rest)}.",

@@ -192,7 +192,8 @@ def test_without_a_name_what_counts_is_missing_or_nothing_is(missing, chosen, ki
     assert verdict.probability == (1.0 if kind == "nothing_missing" else 0.0)
     if kind == "nothing_missing":
         assert (
-            verdict.sentence == "Nothing is missing: the model is within 0.2% of the motor current."
+            verdict.sentence
+            == "Nothing is missing that these data show: 0.2% of the motor current is left."
         )
         assert verdict.explanation.startswith("Nothing is left.")
 

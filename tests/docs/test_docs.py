@@ -5,10 +5,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import yaml
 from jinja2 import Environment, StrictUndefined
 
 from spirob.cli.doc_tables import SCHEMA, renewed, schema
 from spirob.diagnosis.schema import Document
+from spirob.machine.arm.description import ArmFile
+from spirob.machine.rig import RigFile
 from spirob.perceive.features import FEATURES
 from tests.docs.blocks import BLOCK, follow
 
@@ -58,6 +61,18 @@ def test_the_keys_and_the_schema_of_a_diagnosis_are_those_of_the_program():
     for name, field in Document.model_fields.items():
         assert f"| `{name}` | " in text
         assert str(field.description) in text
+
+
+def test_descriptions_on_the_pages_of_a_rig_are_descriptions():
+    texts = [(DOCS / f"{page}.md").read_text(encoding="utf-8") for page in ("any_rig", "rig_keys")]
+    blocks = [
+        yaml.safe_load(b) for b in re.findall(r"```yaml\n(.*?)```", "".join(texts), re.DOTALL)
+    ]
+    rigs = [b for b in blocks if "name" in b]
+    assert len(rigs) == len(blocks) == 4
+    for rig in rigs:
+        kind = ArmFile if rig.get("body") == "arm" else RigFile
+        assert kind.model_validate(rig).name == rig["name"]
 
 
 def anchors(page):

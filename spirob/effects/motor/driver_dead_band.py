@@ -13,7 +13,7 @@ class DriverDeadBand(Effect):
     neutral = {"dead_band": 0.0}
     equation = "sign(upstream)*Max(Abs(upstream) - d, 0)"
     title = "dead band of the drive"
-    signature = "The current stays short of its command by the same amount, and zero near zero."
+    signature = "What is given stays short of its command by the same amount, and zero near zero."
     explanation = (
         "The dead time of the bridge and the driver's threshold swallow the first part of every "
         "command."
