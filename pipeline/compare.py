@@ -1,12 +1,59 @@
 """Stage `compare`: the identified model against every trial that it was not fitted to."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pipeline.model import plant, residual
 from pipeline.stage import entry, public_config, read_json, tell, write_json
-from spirob.diagnosis.compare import CHANNELS, compare
+from spirob.identify.residual import Residual
+from spirob.robot import MOTORS
+from spirob.score import score
+
+CHANNELS = {"current": "A", "displacement": "m", "velocity": "m/s"}
+LONGEST_DELAY = 50  # samples at 1 kHz
+
+
+def compare(residual: Residual, changes: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Scores of every trial, motor and channel, both sides filtered alike.
+
+    One entry a trial: name, role, and for each motor whether it was driven, the scores of
+    current, displacement and velocity with their units, and the delay of the measurement [ms].
+    """
+    entries = []
+    for k, trial in enumerate(residual.trials):
+        response = residual.respond(changes, k)
+        driven = residual.driven(trial)
+        motors: dict[str, Any] = {}
+        for m, motor in enumerate(MOTORS):
+            entry: dict[str, Any] = {"driven": m in driven}
+            for channel, unit in CHANNELS.items():
+                measured = residual.filter.thin(getattr(trial, channel)[:, m], trial.name)
+                modelled = residual.filter.thin(getattr(response, channel)[:, m], trial.name)
+                entry[channel] = score(measured, modelled).as_dict() | {"unit": unit}
+            signal = "current" if m in driven else "velocity"
+            entry["delay_ms"] = float(
+                delay(
+                    residual.filter(getattr(trial, signal)[:, m], trial.name),
+                    residual.filter(getattr(response, signal)[:, m], trial.name),
+                )
+            )
+            motors[motor] = entry
+        entries.append({"name": trial.name, "role": trial.role, "motors": motors})
+    return entries
+
+
+def delay(measured: np.ndarray, modelled: np.ndarray) -> int:
+    """Samples by which the measurement trails the model; least squares over whole samples."""
+    span = min(LONGEST_DELAY, len(measured) // 4)
+    middle = modelled[span : len(modelled) - span]
+    lags = list(range(-span, span + 1))
+    errors = [
+        np.mean((measured[span + lag : len(measured) - span + lag] - middle) ** 2) for lag in lags
+    ]
+    return lags[int(np.argmin(errors))]
 
 
 def stage(root: Path) -> None:

@@ -11,12 +11,11 @@ from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from pipeline.switches import laws, switches
 from spirob.diagnosis.atlas import survey
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import ArmCriteria, Settings
 from spirob.diagnosis.document import document, metrics
-from spirob.diagnosis.evidence import noise_floor
-from spirob.diagnosis.figures import Ended
+from spirob.diagnosis.evidence import floor_at, noise_floor
 from spirob.diagnosis.fitting import begun
-from spirob.diagnosis.floors import floor_at
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.simulated import Simulated

@@ -2,7 +2,7 @@
 
     p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
 
-x are six figures of what a search shows of one chosen effect, as `figures` takes them; w, m, s
+x are six figures of what a search shows of one chosen effect (`figures`); w, m, s
 stand in `certainty.json` beside this file, with the cases that they were learned from
 (`spirob.campaign.calibration`).  There are two of these: of the name itself, and of its kin, which
 is right where the name or one that says a part of the same is.  Logarithms are natural, errors
@@ -19,11 +19,16 @@ late           ln(1 + |delay| over the usual one)
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from spirob.diagnosis.model import Left, Model
+from spirob.diagnosis.search import Found, Search, alike
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 
@@ -35,6 +40,7 @@ FIGURES = {
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
 TINY = 1e-300
 MOST = 10.0  # of a logarithm: what is larger says no more
+MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less makes most of it
 
 
 def probability(figures: Mapping[str, float], of: str = "name") -> float:
@@ -61,3 +67,65 @@ def sharp(found: Fit, effect: type[Effect]) -> float:
 def rounded(figures: Mapping[str, float]) -> dict[str, float]:
     """Six digits, as they are kept."""
     return {name: float(f"{value:.6g}") for name, value in figures.items()}
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A search, what it found, and what is left beside the chosen model."""
+
+    search: Search[Any]
+    found: Found
+    left: Left
+
+
+def kin(search: Search[Any], chosen: Model, effect: type[Effect]) -> list[str]:
+    """Names of the effects that make most of what this one makes, in its place; the best first.
+
+    Their models differ from the chosen one by less than half the squared error that the effect
+    takes, on the samples that are fitted; the held-out trials refute none of them.
+    """
+    rest = chosen.names - {effect.name()}
+    fall = search.models.tried[rest].mean_square - chosen.mean_square
+    found = {}
+    for model in search.models.tried.values():
+        other = model.names - rest
+        if len(other) != 1 or len(model.names) != len(chosen.names) or model.names == chosen.names:
+            continue
+        apart = float(np.mean((model.fit.residual - chosen.fit.residual) ** 2))
+        if apart < MOSTLY * fall and not search.worth.refuted(model, chosen):
+            found[next(iter(other))] = model.heldout_square
+    return sorted(found, key=lambda name: found[name])
+
+
+def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
+    """What the search shows of one chosen effect."""
+    search, found, left = ended.search, ended.found, ended.left
+    chosen, bare = found.chosen, found.rungs[0]
+    without = search.models.tried[chosen.names - {effect.name()}]
+    fall = without.mean_square - chosen.mean_square
+    order = [next(iter(b.names - a.names)) for a, b in pairwise(found.rungs)]
+
+    def ahead(of: Collection[str]) -> float:
+        others = [m.heldout_square for m in _others(search, chosen, of)]
+        return ratio(min(others, default=bare.heldout_square), chosen.heldout_square)
+
+    told = {
+        "fall_heldout": ratio(without.heldout_square, chosen.heldout_square),
+        "ahead_heldout": ahead({effect.name()}),
+        "ahead_of_kin": ahead({effect.name(), *kin(search, chosen, effect)}),
+        "left": ratio(left.share * chosen.mean_square, max(fall, 0.0)),
+        "sharp": sharp(chosen.fit, effect),
+        "place": float(order.index(effect.name())),
+        "late": left.late,
+    }
+    return rounded(told)
+
+
+def _others(search: Search[Any], chosen: Model, names: Collection[str]) -> list[Model]:
+    return [
+        m
+        for m in search.models.tried.values()
+        if m.names.isdisjoint(names)
+        and len(m.effects) <= len(chosen.effects)
+        and not alike(m, chosen, search.worth.least)
+    ]

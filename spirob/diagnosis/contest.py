@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings, Worth
 from spirob.diagnosis.evidence import complete
-from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.fitting import Begun, briefly
 from spirob.diagnosis.model import Model, Offer
 from spirob.diagnosis.proposals import Proposal, propose

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.evidence import half_seconds
-from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.flexible import Ceiling, ceiling
 from spirob.diagnosis.model import Model, label
 from spirob.diagnosis.proposals import Proposal, told

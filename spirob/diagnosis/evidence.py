@@ -5,13 +5,21 @@ what a block bootstrap cannot tell apart is not told apart.  Whether an effect c
 that were not fitted say.  Which of several it is, the fitted ones help to say, where their errors
 are raised by what the fit has taken of them: two laws that a short validation hardly tells apart
 may differ plainly in four trials more.
+
+Of an arm of our own design floor and weights come from builds that are drawn about its numbers.
+Lengths, mounts, drums, gears and the common place of the holes are none of its builds: what they
+change, the fitted numbers take up.
 """
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
+from spirob.identify.builds import RESOLUTION, Builds, Floor, floor_of, weighted
+from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.residual import Residual
 
 DRAWS = 2000
 HALF = 0.5  # s, over which a residual is correlated at most
@@ -81,3 +89,28 @@ def complete(problem: Problem, floor: float) -> float:
 
 def _deviation(values: np.ndarray) -> float:
     return float(np.median(np.abs(values - np.median(values))))
+
+
+def builds_at(changes: Mapping[str, float], names: Sequence[str], scale: float) -> Builds:
+    """Builds of a machine with these numbers, of which the named are fitted.
+
+    scale  of the robust loss
+    """
+    return Builds(changes, names, scale, {})
+
+
+def floor_at(found: Fit, residuals: Mapping[str, Residual], scale: float) -> Floor:
+    """The floor where these numbers were fitted."""
+    builds = builds_at(found.changes, list(found.estimates), scale)
+    return floor_of(residuals["train"], residuals["validate"], builds)
+
+
+def weighed_at(
+    changes: Mapping[str, float],
+    names: Sequence[str],
+    residuals: Mapping[str, Residual],
+    scale: float,
+) -> dict[str, Residual]:
+    """The trials weighted by what builds of this machine differ by in them, by role."""
+    right = complete(residuals["train"], RESOLUTION)
+    return weighted(residuals, builds_at(changes, names, scale), right)

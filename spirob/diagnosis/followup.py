@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.contest import (
     Contestant,
     compared,
@@ -36,7 +37,6 @@ from spirob.diagnosis.contest import (
 )
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.evidence import complete
-from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposal
 from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, Weighed, judge, weigh
 from spirob.effects import Effect

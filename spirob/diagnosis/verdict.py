@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.certainty import LIKELY, probability
+from spirob.diagnosis.certainty import LIKELY, Ended, figures, kin, probability
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.dry import is_dry
-from spirob.diagnosis.figures import Ended, figures, kin
 from spirob.diagnosis.model import Model, Predictor
 from spirob.diagnosis.search import Found, Search
 from spirob.effects import Effect

@@ -20,7 +20,7 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.composed import Composed, composed
-from spirob.machine.composed.free_curve import is_bent
+from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.law import beyond
 from spirob.machine.delays import DELAY, as_usual, is_told, partnered, place, widened
 from spirob.machine.document import document, heldout, plain, standing
@@ -32,9 +32,18 @@ from spirob.machine.loading import chosen, files
 from spirob.machine.models import Models, RigSearch
 from spirob.machine.motion import without_holds
 from spirob.machine.numbers import log_numbers, with_payload
-from spirob.machine.open_questions import AT_LOAD, KINDS, fits_at_load, may_differ, may_sit_at_load
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
-from spirob.machine.plausibility import beyond_bounds, doubts, oddities, released
+from spirob.machine.plausibility import (
+    AT_LOAD,
+    KINDS,
+    beyond_bounds,
+    doubts,
+    fits_at_load,
+    may_differ,
+    may_sit_at_load,
+    oddities,
+    released,
+)
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile

@@ -1,7 +1,7 @@
 """A robot that made its own trials, and a search that ended where it is told to."""
 
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.fitting import Begun
 from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.simulated import ROLES, Simulated

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Criteria
-from spirob.diagnosis.figures import Ended
 from spirob.diagnosis.model import Left, Model, Offer, Predictor
 from spirob.diagnosis.search import Found, Search
 from spirob.identify.fit import Estimate, Fit

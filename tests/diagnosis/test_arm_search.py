@@ -7,9 +7,8 @@ import pytest
 
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.document import document, metrics
-from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.evidence import floor_at, noise_floor
 from spirob.diagnosis.fitting import Begun, begun
-from spirob.diagnosis.floors import floor_at
 from spirob.diagnosis.simulated import ROLES, Simulated
 from spirob.diagnosis.verdict import SENSELESS, judge, searched, weigh
 from spirob.effects import find_effects

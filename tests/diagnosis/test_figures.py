@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.certainty import FIGURES, LEARNED, MOST, probability
-from spirob.diagnosis.figures import figures, kin
+from spirob.diagnosis.certainty import FIGURES, LEARNED, MOST, figures, kin, probability
 from spirob.effects import find_effects
 from tests.diagnosis.machines import SAMPLES, ended, model
 

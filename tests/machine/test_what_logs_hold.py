@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.open_questions import AT_LOAD
+from spirob.machine.plausibility import AT_LOAD
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description

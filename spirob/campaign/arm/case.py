@@ -17,10 +17,10 @@ import numpy as np
 from spirob.campaign.arm.rates import ANSWERS, TOGETHER
 from spirob.campaign.arm.recording import recorded
 from spirob.campaign.arm.strength import RATIOS, drawn
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.figures import Ended
+from spirob.diagnosis.evidence import floor_at, weighed_at
 from spirob.diagnosis.fitting import begun
-from spirob.diagnosis.floors import floor_at, weighed_at
 from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.proposals import Proposal
 from spirob.diagnosis.simulated import Simulated

@@ -2,6 +2,14 @@
 
 Each fold is predicted from the others and the held-out trials from all, as everywhere in the search
 (`flexible`); a draft is judged by the same questions as an effect (`criteria`).
+
+One draft is a question: is a law of dry friction bent as the machine's is?  A free curve over the
+speed tells,
+
+    τ = -Σ_k c_k·w_k(√(|v|/v_max))·sign(v),   w_k bumps evenly apart, none of them at standstill
+
+beside the fitted law and numbers.  Near standstill every law turns round in its own way, which says
+nothing of its level.
 """
 
 from collections.abc import Sequence
@@ -10,14 +18,19 @@ from itertools import pairwise
 
 import numpy as np
 
+from spirob.diagnosis.dry import is_dry
 from spirob.diagnosis.evidence import block_errors
-from spirob.machine.composed.grammar import Term
-from spirob.machine.composed.ground import Ground, Side
+from spirob.diagnosis.model import Model
+from spirob.machine.composed.grammar import WAY, Shape, Term
+from spirob.machine.composed.ground import Ground, Side, ground_of
 from spirob.machine.flexible import error, left_out_linear, products, step
+from spirob.machine.models import RigSearch
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
 
 LARGE = 1.5  # times the residual: a term that is larger is mostly cancelled by another
+
+BUMPS = 5  # of a free curve over the speed
 
 
 @dataclass(frozen=True)
@@ -173,3 +186,21 @@ class Offers:
             sums[k, n:-1, -1:] = more.T @ last
             sums[k, -1:, n:-1] = sums[k, n:-1, -1:].T
         return sums
+
+
+def freed(search: RigSearch, model: Model) -> Draft:
+    """The model with a level that may follow any curve over the speed."""
+    parts = tuple(
+        f"way*(0.5 + 0.5*cos(pi*Max(-1.0, Min(1.0, {float(BUMPS)!r}*share**0.5 - {float(k)!r}))))"
+        for k in range(1, BUMPS + 1)
+    )
+    ground = ground_of(search, list(model.fit.estimates), model.fit.changes)
+    return Drafts(ground).made((Term((Shape(WAY, "speed", parts),)),))
+
+
+def is_bent(search: RigSearch, model: Model) -> bool:
+    """Whether a free curve halves what is left of a model with dry friction, by what counts."""
+    if not any(is_dry(effect) for effect in model.effects):
+        return False
+    free, worth = freed(search, model), search.worth
+    return worth.matters(model, free) and worth.halves(model, free)

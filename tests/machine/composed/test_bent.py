@@ -5,7 +5,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.machine.axis import base_model
-from spirob.machine.composed.free_curve import is_bent
+from spirob.machine.composed.draft import is_bent
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description

@@ -7,7 +7,7 @@ from spirob.effects import all_effects
 from spirob.identify.fit import fit
 from spirob.machine.flexible import left_out_linear
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.left_out import left_out
+from spirob.machine.models import left_out
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
