@@ -1,11 +1,8 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from spirob.diagnosis.atlas import atlas
 from spirob.diagnosis.criteria import Criteria
@@ -14,24 +11,16 @@ from spirob.diagnosis.model import Model
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.verdict import TWICE, concluded, judge
-from spirob.effects import Effect, all_effects
-from spirob.errors import ConfigError
-from spirob.identify.identifiability import Identifiability, probe
-from spirob.machine.body import RigidBody
-from spirob.machine.candidates import applicable, with_room
+from spirob.effects import Effect
+from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import DELAY, as_usual, is_told, partnered, place, widened
+from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.laws import for_axis
 from spirob.machine.leftovers import structured
-from spirob.machine.loading import chosen, files
-from spirob.machine.models import Models, RigSearch
-from spirob.machine.motion import without_holds
-from spirob.machine.numbers import log_numbers, with_payload
+from spirob.machine.models import RigSearch
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import (
     AT_LOAD,
@@ -44,44 +33,17 @@ from spirob.machine.plausibility import (
     oddities,
     released,
 )
+from spirob.machine.preparation import Ready, ready_of, search_of
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
-from spirob.machine.scaling import Sizes, sizes_of
-from spirob.machine.selection import split
-
-
-@dataclass(frozen=True)
-class _Ready:
-    """A rig and its logs, ready to be searched; `said` is what was repaired or left out.
-
-    without   effects that are no candidates;  progress  is told each step
-    """
-
-    rig: RigFile
-    body: RigidBody | None
-    train: list[Recording]
-    test: list[Recording]
-    own: list[type[Effect]]
-    possible: list[type[Effect]]
-    excluded: dict[str, str]
-    sizes: Sizes
-    rest_speed: float
-    said: list[str]
-    without: Collection[str] = ()
-    settings: Criteria = field(default_factory=Criteria)
-    progress: Callable[[str], None] = lambda text: None
-
-    def told(self, **changes: Any) -> "_Ready":
-        """The same with more told of the rig."""
-        return replace(self, rig=self.rig.model_copy(update=changes))
 
 
 @dataclass(frozen=True)
 class _Searched:
     """What a search over a rig's logs ended with; `gate` is what they can say about its numbers."""
 
-    ready: _Ready
+    ready: Ready
     search: RigSearch
     gate: Identifiability
     found: Found
@@ -106,35 +68,13 @@ def diagnose_recordings(
     own      the effects that the model holds, where they are found already
     without  effects that are no candidates, to see what is said where the library lacks them
     """
-    if not train:
-        raise ConfigError("a diagnosis needs at least one training log")
-    held = chosen(files(rig.effects, folder)) if own is None else own
-    ready = _ready(rig, folder, train, test, held, without)
+    ready = ready_of(rig, folder, train, test, own, without)
     ready = replace(ready, settings=settings or rig.criteria, progress=progress)
     with one_thread():
-        done = _searched(_placed(ready))
-        if not is_told(rig):
-            done = _once_more(done)
-        for kind in KINDS:
-            if may_differ(kind, rig, done.search, done.chosen):
-                kinds = (*(done.ready.rig.per_log or ()), kind)
-                told = done.ready.told(per_log=kinds)
-                said = f"The logs differ by a number of their own, {kind}: fitted for each."
-                done = _better(done, _searched(told), said)
-        if may_sit_at_load(rig, done.search, done.chosen):
-            told = _at_load(done.ready, held)
-            search, gate = _search(told)
-            if fits_at_load(search, done.chosen):
-                found = search.run()
-                if done.search.worth.halves(done.chosen, found.chosen):
-                    told = replace(told, said=[*told.said, AT_LOAD])
-                    done = _Searched(told, search, gate, found)
-        if free := beyond_bounds(done.search, done.chosen):
-            progress(f"once more, with {', '.join(free)} set free of its bounds")
-            told = replace(done.ready, rig=released(done.ready.rig, free))
-            if not is_told(rig):  # it was placed within these bounds
-                told = _placed(_without_delay(told))
-            done = replace(_searched(told), ready=done.ready)
+        done = _once_more(_searched(_placed(ready)))
+        done = _with_numbers_of_logs(done)
+        done = _with_sensor_at_load(done)
+        done = _set_free(done)
         return _finish(done)
 
 
@@ -142,43 +82,66 @@ def base_model(
     rig: RigFile, folder: Path, train: list[Recording], test: list[Recording]
 ) -> tuple[Search, Model]:
     """The fitted numbers alone, without a search: what a machine leaves that misses no effect."""
-    ready = _ready(rig, folder, train, test, chosen(files(rig.effects, folder)), ())
     with one_thread():
-        ready = _placed(ready)
-        search, _ = _search(ready)
+        ready = _placed(ready_of(rig, folder, train, test))
+        search, _ = search_of(ready)
         return search, search.models.fitted((), {})
 
 
-def _at_load(ready: _Ready, held: Sequence[type[Effect]]) -> _Ready:
-    """The same logs, read as those of a sensor at the load."""
-    assert ready.rig.position is not None
-    told = ready.told(position=ready.rig.position.model_copy(update={"side": "load"}))
-    own, possible, excluded = _library(
-        told.rig, told.body, told.train, held, told.sizes, told.without
-    )
-    return replace(told, own=own, possible=possible, excluded=excluded)
+def _with_numbers_of_logs(done: _Searched) -> _Searched:
+    """With a payload or force of each log, where the logs differ by it."""
+    for kind in KINDS:
+        if may_differ(kind, done.ready.rig, done.search, done.chosen):
+            told = done.ready.told(per_log=(*(done.ready.rig.per_log or ()), kind))
+            said = f"The logs differ by a number of their own, {kind}: fitted for each."
+            done = _better(done, _searched(told), said)
+    return done
 
 
-def _searched(ready: _Ready) -> _Searched:
-    search, gate = _search(ready)
+def _with_sensor_at_load(done: _Searched) -> _Searched:
+    """With the position sensor at the load, where nothing is said of it and the logs fit that."""
+    if not may_sit_at_load(done.ready.rig, done.search, done.chosen):
+        return done
+    told = done.ready.at_load()
+    search, gate = search_of(told)
+    if not fits_at_load(search, done.chosen):
+        return done
+    found = search.run()
+    if not done.search.worth.halves(done.chosen, found.chosen):
+        return done
+    return _Searched(replace(told, said=[*told.said, AT_LOAD]), search, gate, found)
+
+
+def _set_free(done: _Searched) -> _Searched:
+    """Searched with wider bounds of the numbers that ended at theirs."""
+    free = beyond_bounds(done.search, done.chosen)
+    if not free:
+        return done
+    done.ready.progress(f"once more, with {', '.join(free)} set free of its bounds")
+    told = replace(done.ready, rig=released(done.ready.rig, free))
+    return replace(_searched(_placed(told)), ready=done.ready)
+
+
+def _searched(ready: Ready) -> _Searched:
+    search, gate = search_of(ready)
     return _Searched(ready, search, gate, search.run())
 
 
-def _placed(ready: _Ready) -> _Ready:
+def _placed(ready: Ready) -> Ready:
     """With a delay between effort and motion to fit, where the description tells nothing of it."""
-    if is_told(ready.rig):
+    if not ready.untold:
         return ready
-    search, _ = _search(ready.told(known={**ready.rig.known, "delay": 0.0}))
+    known = {**ready.rig.known, "delay": 0.0}
+    search, _ = search_of(ready.told(known=known, fit=_without_delay(ready.rig)))
     ready.progress("effort and motion are laid over one another")
     return _about(ready, _place(search, search.models.fitted((), {})))
 
 
-def _without_delay(ready: _Ready) -> _Ready:
-    fit = {name: bounds for name, bounds in ready.rig.fit.items() if name != "delay"}
-    return ready.told(fit=fit)
+def _without_delay(rig: RigFile) -> dict[str, Bounded]:
+    return {name: bounds for name, bounds in rig.fit.items() if name != "delay"}
 
 
-def _about(ready: _Ready, delay: Bounded) -> _Ready:
+def _about(ready: Ready, delay: Bounded) -> Ready:
     return ready.told(fit={**ready.rig.fit, "delay": delay})
 
 
@@ -195,7 +158,8 @@ def _once_more(done: _Searched) -> _Searched:
     usual one is tried where it was none of those looked at: a place found beside coarse shapes of
     laws may be another law's.
     """
-    if done.chosen.mean_square < (TWICE * done.search.worth.least) ** 2:
+    little = done.chosen.mean_square < (TWICE * done.search.worth.least) ** 2
+    if little or not done.ready.untold:
         return done
     fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
     anew, others = _place(done.search, done.chosen), []
@@ -217,7 +181,7 @@ def _once_more(done: _Searched) -> _Searched:
 
 def _fits_better(done: _Searched, delay: Bounded) -> bool:
     """Whether the chosen effects explain more about another delay."""
-    search, _ = _search(_about(done.ready, delay))
+    search, _ = search_of(_about(done.ready, delay))
     begin = done.chosen.fit.changes | {DELAY: delay.nominal}
     return done.search.worth.matters(done.chosen, search.models.fitted(done.chosen.effects, begin))
 
@@ -227,77 +191,6 @@ def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:
     if not done.search.worth.matters(done.chosen, wider.chosen):
         return done
     return replace(wider, ready=replace(wider.ready, said=[*wider.ready.said, said]))
-
-
-def _ready(
-    rig: RigFile,
-    folder: Path,
-    train: list[Recording],
-    test: list[Recording],
-    held: Sequence[type[Effect]],
-    without: Collection[str],
-) -> _Ready:
-    repairs = [text for r in [*train, *test] for text in r.said]
-    train, test, said = split(train, test)
-    repairs += said
-    body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
-    sizes, rest = sizes_of(rig, body, train)
-    own, possible, excluded = _library(rig, body, train, held, sizes, without)
-    if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
-        (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
-        repairs += [*lost, *more]
-    return _Ready(rig, body, train, test, own, possible, excluded, sizes, rest, repairs, without)
-
-
-def _library(
-    rig: RigFile,
-    body: RigidBody | None,
-    train: list[Recording],
-    held: Sequence[type[Effect]],
-    sizes: Sizes,
-    without: Collection[str],
-) -> tuple[list[type[Effect]], list[type[Effect]], dict[str, str]]:
-    """The laws of the effects that the model holds, of those that may act, why others may not."""
-    turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
-    side = (rig.position and rig.position.side) or "motor"
-    shared = body is None and ("inertia" in rig.fit or rig.known.get("inertia", 0.0) > 0.0)
-    own = for_axis(held, turned, side, shared)
-    whole = [e for e in all_effects().values() if e.name() not in without]
-    library = [*own, *(e for e in for_axis(whole, turned, side, shared) if e not in own)]
-    has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
-    stiffness = body.stiffness if body else 0.0
-    possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
-    possible, small = with_room(possible, sizes)
-    excluded |= small
-    if missing := [e.name() for e in own if e not in possible]:
-        raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
-    return own, possible, excluded
-
-
-def _search(ready: _Ready) -> tuple[Search, Identifiability]:
-    """The search over a rig's logs, and what they can say about its numbers."""
-    rig = with_payload(ready.rig, ready.sizes)
-    fit, held = partnered(rig, ready.train), partnered(rig, ready.test)
-    logs = log_numbers(rig, [*fit, *held], ready.sizes)
-    fitted = logs.fitted([r.log for r in fit])
-    alone = [n for n in logs.fitted([r.log for r in held]) if n not in fitted]
-    train, heldout = (
-        InverseProblem(rig, ready.body, r, ready.possible, ready.sizes, ready.rest_speed, logs, own)
-        for r, own in ((fit, []), (held, alone))
-    )
-    names = [*(f"rig.{name}" for name in rig.fit), *fitted]
-    names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]
-    if names in ([], ["rig.delay"]):
-        raise ConfigError("fit: name at least one number to fit, such as viscous")
-    table = train.table
-    asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
-    gate = probe(train, asked, {n: table.about[n].nominal for n in asked})
-    shapes = {f"{e.name()}.{f}" for e in ready.own for f in e.fitted() if f not in e.neutral}
-    if set(gate.silent) - shapes:  # a shape may say nothing until its amplitude is another
-        raise ConfigError(f"fit: {gate.sentence}")
-    absent = [e for e in ready.possible if e not in ready.own]
-    models = Models(train, heldout, names, ready.settings.floor)
-    return Search(models, absent, ready.settings, ready.progress), gate
 
 
 def _finish(done: _Searched) -> Diagnosis:
@@ -341,7 +234,3 @@ def _law(search: RigSearch, found: Found, rest: Ceiling, kind: str) -> Composed 
     if kind in ("named", "undecided") and structured(search.models, found.chosen, rest):
         return composed(search, found, found.chosen)
     return None
-
-
-def _stroke(recordings: list[Recording]) -> float:
-    return float(np.ptp(np.concatenate([p.q[p.use] for r in recordings for p in r.pieces])))

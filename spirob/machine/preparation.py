@@ -1,0 +1,152 @@
+"""A plain rig and its logs, ready to be searched: what is used of them, and which laws may act."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spirob.diagnosis.criteria import Criteria
+from spirob.diagnosis.search import Search
+from spirob.effects import Effect, all_effects
+from spirob.errors import ConfigError
+from spirob.identify.identifiability import Identifiability, probe
+from spirob.machine.body import RigidBody
+from spirob.machine.candidates import applicable, with_room
+from spirob.machine.delays import is_told, partnered
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.laws import for_axis
+from spirob.machine.loading import chosen, files
+from spirob.machine.models import Models
+from spirob.machine.motion import without_holds
+from spirob.machine.numbers import log_numbers, with_payload
+from spirob.machine.recording import Recording
+from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes, sizes_of
+from spirob.machine.selection import split
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A rig and its logs, ready to be searched.
+
+    held      effects that the model holds;  own  their laws here;  possible  laws that may act
+    excluded  name -> why the others may not;  without  names of effects that are no candidates
+    said      what was repaired or left out
+    untold    nothing is told of the delay between effort and motion
+    progress  is told each step
+    """
+
+    rig: RigFile
+    body: RigidBody | None
+    train: list[Recording]
+    test: list[Recording]
+    held: Sequence[type[Effect]]
+    own: list[type[Effect]]
+    possible: list[type[Effect]]
+    excluded: dict[str, str]
+    sizes: Sizes
+    rest_speed: float
+    said: list[str]
+    untold: bool
+    without: Collection[str] = ()
+    settings: Criteria = field(default_factory=Criteria)
+    progress: Callable[[str], None] = lambda text: None
+
+    def at_load(self) -> "Ready":
+        """The same logs, read as those of a sensor at the load."""
+        assert self.rig.position is not None
+        told = self.told(position=self.rig.position.model_copy(update={"side": "load"}))
+        own, possible, excluded = library(
+            told.rig, told.body, told.train, told.held, told.sizes, told.without
+        )
+        return replace(told, own=own, possible=possible, excluded=excluded)
+
+    def told(self, **changes: Any) -> "Ready":
+        """The same with more told of the rig."""
+        return replace(self, rig=self.rig.model_copy(update=changes))
+
+
+def ready_of(
+    rig: RigFile,
+    folder: Path,
+    train: list[Recording],
+    test: list[Recording],
+    held: Sequence[type[Effect]] | None = None,
+    without: Collection[str] = (),
+) -> Ready:
+    """Logs that are read already, brought to where a search can begin.
+
+    held  the effects that the model holds, where they are found already
+    Raises ConfigError where nothing can be fitted, or an effect of the description cannot act.
+    """
+    if not train:
+        raise ConfigError("a diagnosis needs at least one training log")
+    held = chosen(files(rig.effects, folder)) if held is None else held
+    repairs = [text for r in [*train, *test] for text in r.said]
+    train, test, said = split(train, test)
+    repairs += said
+    body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
+    sizes, rest = sizes_of(rig, body, train)
+    own, possible, excluded = library(rig, body, train, held, sizes, without)
+    if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
+        (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
+        repairs += [*lost, *more]
+    laws = held, own, possible, excluded
+    return Ready(rig, body, train, test, *laws, sizes, rest, repairs, not is_told(rig), without)
+
+
+def library(
+    rig: RigFile,
+    body: RigidBody | None,
+    train: list[Recording],
+    held: Sequence[type[Effect]],
+    sizes: Sizes,
+    without: Collection[str],
+) -> tuple[list[type[Effect]], list[type[Effect]], dict[str, str]]:
+    """The laws of the effects that the model holds, of those that may act, why others may not."""
+    turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
+    side = (rig.position and rig.position.side) or "motor"
+    shared = body is None and ("inertia" in rig.fit or rig.known.get("inertia", 0.0) > 0.0)
+    own = for_axis(held, turned, side, shared)
+    whole = [e for e in all_effects().values() if e.name() not in without]
+    library = [*own, *(e for e in for_axis(whole, turned, side, shared) if e not in own)]
+    has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
+    stiffness = body.stiffness if body else 0.0
+    possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)
+    possible, small = with_room(possible, sizes)
+    excluded |= small
+    if missing := [e.name() for e in own if e not in possible]:
+        raise ConfigError(f"effects: {missing[0]} cannot act here: {excluded[missing[0]]}")
+    return own, possible, excluded
+
+
+def search_of(ready: Ready) -> tuple[Search, Identifiability]:
+    """The search over a rig's logs, and what they can say about its numbers."""
+    rig = with_payload(ready.rig, ready.sizes)
+    fit, held = partnered(rig, ready.train), partnered(rig, ready.test)
+    logs = log_numbers(rig, [*fit, *held], ready.sizes)
+    fitted = logs.fitted([r.log for r in fit])
+    alone = [n for n in logs.fitted([r.log for r in held]) if n not in fitted]
+    train, heldout = (
+        InverseProblem(rig, ready.body, r, ready.possible, ready.sizes, ready.rest_speed, logs, own)
+        for r, own in ((fit, []), (held, alone))
+    )
+    names = [*(f"rig.{name}" for name in rig.fit), *fitted]
+    names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]
+    if names in ([], ["rig.delay"]):
+        raise ConfigError("fit: name at least one number to fit, such as viscous")
+    table = train.table
+    asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
+    gate = probe(train, asked, {n: table.about[n].nominal for n in asked})
+    shapes = {f"{e.name()}.{f}" for e in ready.own for f in e.fitted() if f not in e.neutral}
+    if set(gate.silent) - shapes:  # a shape may say nothing until its amplitude is another
+        raise ConfigError(f"fit: {gate.sentence}")
+    absent = [e for e in ready.possible if e not in ready.own]
+    models = Models(train, heldout, names, ready.settings.floor)
+    return Search(models, absent, ready.settings, ready.progress), gate
+
+
+def _stroke(recordings: list[Recording]) -> float:
+    return float(np.ptp(np.concatenate([p.q[p.use] for r in recordings for p in r.pieces])))
