@@ -10,8 +10,7 @@ from spirob.diagnosis.simulated import ROLES
 from spirob.effects import Effect, find_effects
 from spirob.errors import MissingLog
 from spirob.identify.measurement import Measurement
-from spirob.identify.plausibility import refuse_senseless
-from spirob.identify.residual import Filter, Residual
+from spirob.identify.residual import Filter, Residual, refuse_senseless
 from spirob.logs import read_parquet
 from spirob.plant import Plant, Rig
 

@@ -16,23 +16,28 @@ in steps of a whole cycle, and what that misses at one point p_0 is put right,
 
 r_2 being the residual in the plant's own steps.  What is left is the change of the discretisation's
 error between the two points.
+
+`refuse_senseless` asks whether the currents belong to the motions at all: what the fitted model
+explains of each log says it.
 """
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from statistics import median
 
 import numpy as np
 import scipy
 
 from spirob.control import CURRENT, DISPLACEMENT, VELOCITY
-from spirob.errors import SimulationError
+from spirob.errors import DataError, SimulationError
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, Problem, Rotor, Stretch, compared, effort_rms
 from spirob.parameter import Table
 from spirob.plant import Plant, Response
 from spirob.robot import MOTORS
+from spirob.score import score
 from spirob.trace import moving_average
 
 STILL = 1e-3  # m/s, slower is standing
@@ -268,3 +273,41 @@ def near(problem: Problem, changes: Mapping[str, float]) -> Problem:
     if np.sqrt(np.mean(correction**2)) > MOST * effort_rms(problem):
         return problem
     return Near(**own, exact=problem, correction=correction)
+
+
+SENSE = 0.3  # R² below which the currents do not belong to this motion
+SUSPECTS = "are the columns of the two motors exchanged, a sign or a unit wrong?"
+
+
+def explained(residual: Residual, missed: np.ndarray) -> dict[str, float]:
+    """R² of the driven motors' current, log by log; logs that command every current have none.
+
+    missed  model minus measurement of all logs, as `residual` gives it [A]
+    """
+    measured, found = residual.measured(), {}
+    for k, trial in enumerate(residual.trials):
+        own = slice(residual.edges[k], residual.edges[k + 1])
+        rows = residual.rows[own]
+        if rows.any():
+            want = measured[own][rows]
+            found[trial.name] = score(want, want + missed[own][rows]).r2
+    return found
+
+
+def refuse_senseless(residual: Residual, missed: np.ndarray) -> None:
+    """Raise DataError, naming the worst log, where less than SENSE of them is explained.
+
+    Of all together, or of the median log: numbers that are fitted to exchanged motors explain how
+    much one log asks beside another, and hardly what happens in either.  A search for effects in
+    such logs would find what makes up for the mistake.
+    """
+    rows = residual.rows
+    measured = residual.measured()[rows]
+    logs = explained(residual, missed)
+    told = min(score(measured, measured + missed[rows]).r2, median(logs.values()))
+    if told < SENSE:
+        worst = min(logs, key=logs.__getitem__)
+        raise DataError(
+            f"the fitted model explains {max(0.0, told):.0%} of the current's variance, "
+            f"least in {worst}: {SUSPECTS}"
+        )

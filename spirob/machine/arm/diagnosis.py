@@ -21,9 +21,8 @@ from spirob.effects import Effect, all_effects
 from spirob.identify.builds import TOLERANCES, Floor
 from spirob.identify.fit import STEPS, fit_identifiable
 from spirob.identify.measurement import Measurement
-from spirob.identify.plausibility import SENSE, SUSPECTS, explained
 from spirob.identify.problem import effort_rms
-from spirob.identify.residual import Filter, Residual
+from spirob.identify.residual import SENSE, SUSPECTS, Filter, Residual, explained
 from spirob.logs.readers import Table
 from spirob.machine.arm import kept
 from spirob.machine.arm.description import ArmFile, described

@@ -8,8 +8,7 @@ from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.verdict import SENSELESS
 from spirob.effects import all_effects
 from spirob.errors import DataError
-from spirob.identify.plausibility import SENSE, explained
-from spirob.identify.residual import Residual
+from spirob.identify.residual import SENSE, Residual, explained
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError
-from spirob.identify.plausibility import SENSE, explained, refuse_senseless
+from spirob.identify.residual import SENSE, explained, refuse_senseless
 from spirob.score import score
 from tests.identify.known import residual, spirob
 
