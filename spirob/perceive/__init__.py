@@ -12,6 +12,6 @@ interval.py     errors on held-out sizes; an interval with every size, or a refu
 study.py        how far predictions are from the truth; what the shipped predictor is compared with;
                 which features it needs, and how many samples
 passive.py      a push felt in the current of motors that hold it, and where along the arm
-live.py         contact, size and pushes from a bus, while it happens
-live_signals.py what `live` sees: samples on a grid, a wrap that grows, a push
+live.py         contact, size and pushes from a bus, while it happens; samples on a grid, a wrap
+                that grows
 """

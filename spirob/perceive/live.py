@@ -1,24 +1,221 @@
 """Perception from a bus while it happens; it listens and says nothing on the bus.
 
 `Watch` tells contact of either motor, the size of what one of them wraps, and pushes, from frames.
+
+Every rule and every feature counts samples.  `Grid` is anchored where the first frame came, so that
+lateness does not add up: of two frames in one period the later one is passed over, and up to
+`LONGEST` lost ones are filled by a straight line.  A longer silence begins a new grid.
+
+`LiveWrap` is a wrap as it grows.  The tendon stands soon; the current goes on rising to the limit
+of its command, and sizes are read at shares of that rise.  So the wrap is over when the tendon
+stands and the current is steady.  What was taken in is then read as a log would be
+(`perceive.wrap`), so the same sentences tell why a motion was no wrap.
+
+`LivePush` tells pushes of an arm whose motors hold their currents.  What is not heard is not
+guessed: after `PATIENCE` without a sample of either motor nothing is felt any more, and the
+undisturbed current is learned anew.
 """
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
+from sklearn.pipeline import Pipeline
 
 from spirob.can_protocol import FEEDBACK_ID, CanFrame
 from spirob.errors import DataError
 from spirob.logs.cycles import Transmission
 from spirob.perceive.contact import ContactDetector, ContactSettings
-from spirob.perceive.features import extract
+from spirob.perceive.features import SECONDS, extract
 from spirob.perceive.interval import CONFIDENCE, Estimate, estimate
-from spirob.perceive.live_signals import Grid, LivePush, LiveWrap, Motion, Sample
+from spirob.perceive.passive import PassiveDetector, Response, features
 from spirob.perceive.size import SizeModel
+from spirob.perceive.wrap import LEAST_STROKE, STILL_MOVING
 from spirob.robot import CYCLE_NS, MOTORS
 from spirob.safety.motor import MotorState
 from spirob.trace import Trace
+
+LONGEST = 50  # periods
+
+
+class Sample(NamedTuple):
+    """One motor at one instant: displacement [m], velocity [m/s], current [A]."""
+
+    displacement: float
+    velocity: float
+    current: float
+
+
+class Grid:
+    """Regular samples of one motor, every `CYCLE_NS`."""
+
+    def __init__(self) -> None:
+        self.broken = False  # whether the last `take` had to begin anew
+        self._zero_ns = self._number = 0
+        self._last: Sample | None = None
+
+    def take(self, stamp_ns: int, sample: Sample) -> list[Sample]:
+        """The samples that are known with this one, in order; often one, sometimes none."""
+        number = round((stamp_ns - self._zero_ns) / CYCLE_NS)
+        before, self.broken = self._last, False
+        if before is None or not -LONGEST <= number - self._number <= LONGEST:
+            self.broken = before is not None
+            self._zero_ns, self._number, self._last = stamp_ns, 0, sample
+            return [sample]
+        steps = number - self._number
+        if steps <= 0:
+            return []
+        self._number, self._last = number, sample
+        return [_between(before, sample, k / steps) for k in range(1, steps)] + [sample]
+
+
+def _between(one: Sample, other: Sample, share: float) -> Sample:
+    return Sample(*(a + share * (b - a) for a, b in zip(one, other, strict=True)))
+
+
+MOVES = 5e-3  # m/s
+RESTS = 2e-3  # m/s
+SUSTAINED = 20e6 / CYCLE_NS  # samples; a drive's speed is noisy
+
+
+class Motion:
+    """Which way a motor moves: +1 winds in, -1 pays out, 0 rests."""
+
+    def __init__(self) -> None:
+        self.direction = 0
+        self._candidate = 0
+        self._held = 0
+
+    def begins(self, velocity: float) -> bool:
+        """Take in one sample [m/s]; whether a new motion begins with it."""
+        if abs(velocity) < RESTS:
+            now = 0
+        elif abs(velocity) > MOVES:
+            now = 1 if velocity > 0 else -1
+        else:
+            now = self.direction
+        self._held = self._held + 1 if now == self._candidate else 1
+        self._candidate = now
+        if now == self.direction or self._held < SUSTAINED:
+            return False
+        self.direction = now
+        return now != 0
+
+
+BEFORE = 300  # samples kept from before the motion
+STANDS = 500  # samples
+STEADY = 300  # samples, whose mean current is compared with that of as many before
+SAME = 0.01  # of the current
+LEAST = BEFORE + round(SECONDS * 1e9 / CYCLE_NS)  # samples: spectra have a window of their own
+LONGEST_WRAP = 60_000  # samples
+SIGNALS = {"displacement": "m", "velocity": "m/s", "current": "A"}
+
+
+class LiveWrap:
+    """Collects one motor's samples; `take` gives a trace where a wrap, or what may be one, ends."""
+
+    def __init__(self, motor: str):
+        self._motor = motor
+        self._before: deque[Sample] = deque(maxlen=BEFORE)
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing is being wrapped."""
+        self._samples: list[Sample] = []
+        self._fastest = 0.0
+        self._standing = 0
+        self._before.clear()
+
+    def begin(self) -> None:
+        """The motor has begun to wind in."""
+        if not self._samples:
+            self._samples = list(self._before)
+
+    def take(self, sample: Sample) -> Trace | None:
+        """Take in a sample; the trace of the motion if it has just ended."""
+        if not self._samples:
+            self._before.append(sample)
+            return None
+        self._samples.append(sample)
+        self._fastest = max(self._fastest, sample.velocity)
+        still = abs(sample.velocity) <= STILL_MOVING * self._fastest
+        self._standing = self._standing + 1 if still else 0
+        if not self._over():
+            return None
+        motion = np.array(self._samples)
+        self.forget()
+        if np.ptp(motion[:, 0]) < LEAST_STROKE:  # a twitch
+            return None
+        channels = dict(zip(SIGNALS, motion.T, strict=True))
+        return Trace(
+            "what was wound in",
+            np.arange(len(motion), dtype=np.int64) * CYCLE_NS,
+            {f"{self._motor}.{name}": values for name, values in channels.items()},
+            {f"{self._motor}.{name}": unit for name, unit in SIGNALS.items()},
+        )
+
+    def _over(self) -> bool:
+        count = len(self._samples)
+        if count >= LONGEST_WRAP:
+            return True
+        # steadiness is looked at now and then only, for it costs more than the rest
+        if self._standing < STANDS or count < LEAST or count % 20:
+            return False
+        current = np.array([s.current for s in self._samples[-2 * STEADY :]])
+        before, now = float(current[:STEADY].mean()), float(current[STEADY:].mean())
+        return abs(now - before) <= SAME * abs(now)
+
+
+PATIENCE = 10  # samples
+
+
+class LivePush:
+    """Pairs the motors' samples and tells pushes; `classifier` tells where."""
+
+    def __init__(self, classifier: Pipeline):
+        self._classifier = classifier
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing is felt, nothing has been learned."""
+        self._waiting: list[deque[Sample]] = [deque() for _ in MOTORS]
+        self._detector = PassiveDetector(period=CYCLE_NS / 1e9)
+
+    @property
+    def felt(self) -> bool:
+        """Whether a push is being felt."""
+        return self._detector.felt
+
+    def take(self, motor: int, samples: Sequence[Sample]) -> list[tuple[str, str]]:
+        """Samples of one motor; kinds and words of what is told with them."""
+        waiting = self._waiting
+        waiting[motor].extend(samples)
+        if len(samples) > PATIENCE or max(map(len, waiting)) > PATIENCE:
+            told = [("no push", "feedback is missing; it listens anew")] if self.felt else []
+            self.forget()
+            return told
+        found: list[tuple[str, str]] = []
+        while all(waiting):
+            pair = [one.popleft() for one in waiting]
+            before = self.felt
+            response = self._detector.update(
+                [s.current for s in pair], [s.displacement for s in pair]
+            )
+            if self.felt and not before:
+                found.append(("push", "felt"))
+            if response is not None:
+                found.append(("push", self._where(response)))
+        return found
+
+    def _where(self, response: Response) -> str:
+        shares = self._classifier.predict_proba([features(response)])[0]
+        k = int(np.argmax(shares))
+        peak = 1e3 * float(response.peak.max())
+        return f"{self._classifier.classes_[k]} ({shares[k]:.0%}), {peak:.0f} mA at most"
+
 
 SETTLE = 300  # samples of a motion before its detector listens: the start is a rise of its own
 NEVER = 2**62  # samples
@@ -144,8 +341,3 @@ class Watch:
         features = extract(ended, MOTORS[self._wraps], model.features)
         row = pd.DataFrame([features], index=[ended.name])
         return estimate(model, row, self._confidence)[0]
-
-
-def told(watch: Watch, frames: Sequence[CanFrame]) -> list[Told]:
-    """All that a watch tells of some frames, such as those of a recorded bus."""
-    return [one for frame in frames for one in watch.take(frame)]

@@ -49,8 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     from spirob.drives import find_drive
     from spirob.errors import ConfigError
     from spirob.logs import Transmission
-    from spirob.perceive.live import Watch
-    from spirob.perceive.live_signals import LivePush
+    from spirob.perceive.live import LivePush, Watch
     from spirob.perceive.model_file import load_model, load_regions
 
     if not 0.05 <= arguments.seconds <= 86400:

@@ -5,7 +5,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spirob.perceive.live_signals import LONGEST, Grid, Sample
+from spirob.perceive.live import LONGEST, Grid, Sample
 from spirob.robot import CYCLE_NS
 
 

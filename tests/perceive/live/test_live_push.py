@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.perceive.live_signals import PATIENCE, LivePush, Sample
+from spirob.perceive.live import PATIENCE, LivePush, Sample
 from spirob.perceive.passive import REGIONS, learned
 from tests.perceive.test_passive import drawn, noisy, told
 

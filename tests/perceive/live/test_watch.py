@@ -7,7 +7,7 @@ from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_comman
 from spirob.emulator import EmulatedRobot
 from spirob.experiments.active_contact import ActiveContact
 from spirob.perceive.interval import calibrated, estimate
-from spirob.perceive.live import Watch, told
+from spirob.perceive.live import Watch
 from spirob.perceive.size import train
 from spirob.trials import Trial
 from spirob.trials.wrap import wrap_trial
@@ -23,6 +23,11 @@ def model(known):
 def wrap(tmp_path_factory):
     plain = wrap_trial("wrap", "heldout", 0.04, {}, np.random.default_rng(0))
     return frames_and_features(plain, tmp_path_factory.mktemp("wrap"))
+
+
+def told(watch, frames):
+    """All that a watch tells of these frames."""
+    return [one for frame in frames for one in watch.take(frame)]
 
 
 def test_the_size_is_that_of_the_log_and_comes_before_its_end(wrap, model):
