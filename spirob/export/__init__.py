@@ -11,11 +11,11 @@ One file in `targets/` for each target; a new file there is a new target, no lis
 They load what they need when they write.
 
 What is exported:
-    corrected.py    the corrected model of a rig;  arm.py  of the arm
+    corrected.py    the corrected model of a rig;  arm.py  of the arm, each motor an axis
     law.py          an effect as its file states it;  translate.py  its arithmetic, checked, as C
 As equations:
     axis.py         those of a plain axis, of axis_text.py and the kernels
-    code.py         the same as C99 and as a Python module;  arm_motors.py  of an arm's motors
+    code.py         the same as C99 and as a Python module; of an arm's motors, as C99
     arm_loop.py     the coupled loop of the arm as a Python module
 As a MuJoCo model:
     body.py         the machine, or the arm alone;  arm_body.py  the arm with winches and tendons

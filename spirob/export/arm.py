@@ -3,10 +3,13 @@
 The diagnosis states an interval for each number.  How the numbers vary together, those of the
 effects and all others, follows here from the trials that were fitted: slopes of the same residual,
 and its covariance by blocks, to first order where the model stands.
+
+Each of its motors is an axis in rotor coordinates, its load the tendon's torque (`motor_of`).
 """
 
+import inspect
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -15,8 +18,11 @@ import numpy as np
 import yaml
 
 from spirob.effects import Effect, all_effects
+from spirob.effects.effect import SUFFIX, differences
 from spirob.errors import ConfigError, ExportError, SpirobError
-from spirob.export.corrected import finite, require_sense
+from spirob.export.axis import ADDED, BEFORE, CURRENT, FRAME, REPORT, SHARE
+from spirob.export.corrected import Corrected, Fitted, Held, finite, require_sense
+from spirob.export.law import law_of
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import block_covariance
 from spirob.identify.measurement import Measurement
@@ -25,8 +31,9 @@ from spirob.identify.scaling import Scaling
 from spirob.logs import read_parquet
 from spirob.logs.parquet import read_table
 from spirob.machine.arm.kept import again
+from spirob.machine.rig import NUMBERS
 from spirob.plant import Plant, Rig
-from spirob.robot import Scene
+from spirob.robot import MOTORS, Scene
 
 BASE = "identified/base.json"
 FILE = "heldout.parquet"
@@ -225,3 +232,86 @@ def _residual(model: CorrectedArm) -> tuple[Residual, float] | None:
     except (SpirobError, OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
         return None
     return (Residual(model.plant(), trials, *settings), scale) if trials else None
+
+
+OF_A_MOTOR = {*ADDED, *BEFORE, CURRENT, FRAME, REPORT, SHARE}
+CYCLE = 1e-3  # s
+
+
+def lever_of(model: CorrectedArm, motor: str) -> float:
+    """Tendon that a motor winds in for one radian of its rotor [m]."""
+    number = number_of(model, motor)
+    return number("winch.radius", True) / number("winch.gear_ratio")
+
+
+def reported_lever(model: CorrectedArm) -> float:
+    """The same as the drives report it, which know nothing of their drums' differences [m]."""
+    return model.rig.winch.radius / number_of(model, MOTORS[0])("winch.gear_ratio")
+
+
+def number_of(model: CorrectedArm, motor: str) -> Callable[..., float]:
+    """The numbers of the arm by name, on request as they differ at one motor."""
+    plant = model.plant()
+    p = plant.table.vector(model.changes)
+    side = 1.0 if motor == MOTORS[0] else -1.0
+
+    def number(name: str, differs: bool = False) -> float:
+        own = float(p[plant.table.position(name)])
+        if not differs:
+            return own
+        return own * (1.0 + side * float(p[plant.table.position(f"{name}_difference")]))
+
+    return number
+
+
+def motor_of(model: CorrectedArm, motor: str) -> Corrected:
+    """One motor as an axis: rotor angle, current, and as `carried` the tendon's torque r·F/G."""
+    number, lever = number_of(model, motor), lever_of(model, motor)
+    gear = number("winch.gear_ratio")
+    efficiency = number("winch.efficiency", True)
+    numbers = dict.fromkeys(NUMBERS, 0.0) | {
+        "viscous": number("motor.rotor_damping", True),
+        "scale": efficiency * number("motor.torque_constant"),
+    }
+    effects = [e for e in held_by(model, motor) if e.law.port in OF_A_MOTOR]
+    pulled = [
+        replace(e, values={"force": e.values["force"] * lever})
+        if e.law.port == "tendon.force" and set(e.values) == {"force"}
+        else e
+        for e in effects
+    ]
+    return Corrected(
+        f"{model.name} {motor}",
+        model.verdict,
+        model.sentence,
+        "rad",
+        "A",
+        "N·m",
+        numbers,
+        1.0,
+        number("motor.rest_speed"),
+        0.0,
+        CYCLE,
+        tuple(e for e in pulled if e.law.port != "tendon.force" or set(e.values) == {"force"}),
+        Fitted((), (), (), (), (), None),
+        own_inertia=number("motor.rotor_inertia", True) + number("winch.drum_inertia") / gear**2,
+    )
+
+
+def held_by(model: CorrectedArm, motor: str) -> list[Held]:
+    """The effects with the numbers that they have at one motor."""
+    plant = model.plant()
+    p = plant.table.vector(model.changes)
+    side = 1.0 if motor == MOTORS[0] else -1.0
+    found = []
+    for effect in model.effects:
+        text = inspect.getsource(inspect.getmodule(effect))  # type: ignore[arg-type]
+        law = law_of(effect.name(), text, effect)
+        values = {}
+        for n in law.numbers:
+            values[n] = float(p[plant.table.position(f"{effect.name()}.{n}")])
+            if n + SUFFIX in differences(effect):
+                own = p[plant.table.position(f"{effect.name()}.{n}{SUFFIX}")]
+                values[n] += side * float(own)
+        found.append(Held(law, values))
+    return found

@@ -12,8 +12,7 @@ import mujoco
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.export.arm import CorrectedArm
-from spirob.export.arm_motors import lever_of, motor_of, number_of
+from spirob.export.arm import CorrectedArm, lever_of, motor_of, number_of
 from spirob.export.body import Machine
 from spirob.export.native import HOLDERS
 from spirob.plant.body import build_spec

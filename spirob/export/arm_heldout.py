@@ -12,8 +12,7 @@ import numpy as np
 from spirob.control import CURRENT
 from spirob.effects import Effect
 from spirob.errors import ExportError
-from spirob.export.arm import CorrectedArm
-from spirob.export.arm_motors import lever_of, motor_of, reported_lever
+from spirob.export.arm import CorrectedArm, lever_of, motor_of, reported_lever
 from spirob.export.axis import equations
 from spirob.export.code import c_name
 from spirob.export.heldout import Errors, played_alone

@@ -1,12 +1,18 @@
-"""The equations of an axis as C99 and as a Python module that needs nothing but `math`."""
+"""The equations of an axis as C99 and as a Python module that needs nothing but `math`.
+
+Those of an arm's motors, and the laws of all its effects, as C99.
+"""
 
 import keyword
 import re
 from collections.abc import Sequence
 
+from spirob.export.arm import CorrectedArm, held_by, motor_of
 from spirob.export.axis import GIVEN, equations, number_name
 from spirob.export.corrected import Corrected
+from spirob.export.law import kernel_functions
 from spirob.export.translate import HELP, RESERVED
+from spirob.robot import MOTORS
 
 HEADER = """\
 /* {title}
@@ -135,6 +141,23 @@ class State:
 
 {functions}
 '''
+LAWS = """\
+/* {title}: the laws of its effects, each with its numbers in the comment before it.
+
+   {sentence}
+
+   A law returns its contribution at its port, or what it makes of `upstream`; the next values of
+   what it remembers go to next_1, next_2 ...  */
+#ifndef {guard}
+#define {guard}
+
+#include <math.h>
+
+{helpers}
+{laws}
+
+#endif
+"""
 
 
 def c_name(name: str) -> str:
@@ -166,6 +189,23 @@ def c_files(model: Corrected) -> dict[str, str]:
             resets="\n".join(resets),
         ),
     }
+
+
+def c_files_of_arm(model: CorrectedArm) -> dict[str, str]:
+    """Header and source for each motor, and all laws in a header of their own."""
+    found: dict[str, str] = {}
+    for motor in MOTORS:
+        found |= c_files(motor_of(model, motor))
+    name = c_name(model.name)
+    told = about(model.name, model.sentence, [e.name() for e in model.effects])
+    laws = []
+    for one in held_by(model, "left"):
+        numbers = ", ".join(f"{n} = {v!r}" for n, v in one.values.items())
+        laws.append(f"/* {one.name} at {one.law.port}: {numbers} */")
+        laws += [f.c for f in kernel_functions(one)]
+    guard = f"{name.upper()}_LAWS_H"
+    found[f"{name}_laws.h"] = LAWS.format(**told, guard=guard, helpers=HELP, laws="\n\n".join(laws))
+    return found
 
 
 def python_text(model: Corrected) -> str:

@@ -3,7 +3,7 @@
 `python -m spirob.campaign.arm.tracking DATA ...`: each folder is a pipeline's data of an emulated
 robot that was diagnosed blind.  The left winch follows a motion that no log holds, by a controller
 on the host; the right one holds its tendon taut.  Ahead of the controller goes the current of the
-exported motor (`spirob.export.arm_motors`) for this motion, under the tension that the model's arm
+exported motor (`spirob.export.arm`) for this motion, under the tension that the model's arm
 then pulls with:
 
     none    nothing
@@ -30,8 +30,7 @@ from spirob.campaign.tracking import STIFF, summary
 from spirob.control import CURRENT, DISPLACEMENT, Gains, Schedule
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
-from spirob.export.arm import BASE, CorrectedArm, corrected_arm
-from spirob.export.arm_motors import lever_of, motor_of, reported_lever
+from spirob.export.arm import BASE, CorrectedArm, corrected_arm, lever_of, motor_of, reported_lever
 from spirob.export.code import python_text
 from spirob.export.corrected import read_document
 from spirob.plant import Plant, Rig

@@ -24,7 +24,7 @@ HELD = ("coulomb_friction", "stribeck_friction", "load_dependent_friction")
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: each motor as a servo in rotor coordinates."""
-    from spirob.export.arm_motors import motor_of
+    from spirob.export.arm import motor_of
     from spirob.robot import MOTORS
 
     return {name: text for motor in MOTORS for name, text in files(motor_of(model, motor)).items()}

@@ -16,7 +16,7 @@ PLAYER = "c"
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: a motor each, and the laws of tendons and hinges by themselves."""
-    from spirob.export.arm_motors import c_files_of_arm
+    from spirob.export.code import c_files_of_arm
 
     return c_files_of_arm(model)
 
