@@ -14,11 +14,10 @@ from typing import Any
 
 from pipeline.diagnose import model_of, settings_of
 from pipeline.model import plant, weighed_residuals
-from pipeline.overlay import motion, overlay, write_table
+from pipeline.overlay import laws, motion, overlay, write_table
 from pipeline.own_effects import given, lay_beside
 from pipeline.schema import Config
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
-from pipeline.switches import laws
 from spirob.diagnosis import schema
 from spirob.diagnosis.atlas import KEYS
 from spirob.diagnosis.criteria import Settings

@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.model import fitted_names, plant, weighed_residuals
-from pipeline.overlay import motion, overlay
+from pipeline.overlay import laws, motion, overlay, switches
 from pipeline.own_effects import given
 from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
-from pipeline.switches import laws, switches
 from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import ArmCriteria, Settings

@@ -6,9 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline import switches as module
-from pipeline.overlay import overlay
-from pipeline.switches import candidates, laws, switches
+from pipeline import overlay as module
+from pipeline.overlay import candidates, laws, overlay, switches
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.model import Offer
 from spirob.diagnosis.search import Found

@@ -2,7 +2,7 @@
 
 What any combination of candidates leaves is ready before somebody asks for it.  Every combination
 of the first five was played on the validation and held-out trials before: one alone with all
-numbers refitted, several with numbers to first order from those (see `pipeline/switches.py`).  The
+numbers refitted, several with numbers to first order from those (see `pipeline/overlay.py`).  The
 combination that the verdict names is its own model, fitted to the end.  Held-out trials are only
 scored.
 """
