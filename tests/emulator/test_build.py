@@ -20,7 +20,7 @@ from spirob.geometry import spiral_arm
 from spirob.logs import read_log
 from spirob.robot import Scene
 from tests.emulator.conftest import hinge_angles, loosen, play
-from tests.emulator.test_body import energy, mass_matrix
+from tests.emulator.test_arm import energy, mass_matrix
 from tests.trials.trials import record_on
 
 ARM = spiral_arm(HINGES)

@@ -11,7 +11,7 @@ from numpy.random import Generator
 
 from spirob.emulator.hidden import Nominal
 from spirob.emulator.physics import HINGES
-from spirob.emulator.physics.body import CREEP_ARMS
+from spirob.emulator.physics.arm import CREEP_ARMS
 
 REPLACED = ("creep_time",)
 TYPICAL = 1.8

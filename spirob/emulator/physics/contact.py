@@ -23,7 +23,7 @@ with the same numbers and a friction of its own.  Units closer than `APART` neve
 their faces do, which is the hinges' stop.
 
 A force between units i < j acts on the angles i..j only.  Its stiffness and its friction's secant
-are blocks of the system matrix, which is then solved as a whole (chain.py).
+are blocks of the system matrix, which is then solved as a whole (arm.py).
 
 Which units may meet within the next millisecond is looked up once in that time.
 """
@@ -31,7 +31,7 @@ Which units may meet within the next millisecond is looked up once in that time.
 import numpy as np
 
 from spirob.emulator.physics import HINGES, compiled
-from spirob.emulator.physics.chain import add_block, write_out
+from spirob.emulator.physics.arm import add_block, write_out
 
 APART = 6  # units; six turn by at most 86°
 PAIRS = (HINGES - APART) * (HINGES - APART + 1) // 2

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from spirob.emulator.physics import body, chain, contact, drive, motor, tendon
+from spirob.emulator.physics import arm, contact, drive, motor, tendon
 
-PARTS = (body, chain, contact, tendon, drive, motor)
+PARTS = (arm, contact, tendon, drive, motor)
 
 
 def fingerprint() -> str:

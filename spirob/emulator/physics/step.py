@@ -12,8 +12,17 @@ artificial inertia; only the velocity terms of the chain and the direction of co
 import numpy as np
 
 from spirob.emulator.physics import HINGES, SIDES, compiled, compiled_entry
-from spirob.emulator.physics.body import creep, hinges, inertia, pose, weight_and_spin
-from spirob.emulator.physics.chain import factorise, factorise_whole, solve, solve_whole
+from spirob.emulator.physics.arm import (
+    creep,
+    factorise,
+    factorise_whole,
+    hinges,
+    inertia,
+    pose,
+    solve,
+    solve_whole,
+    weight_and_spin,
+)
 from spirob.emulator.physics.contact import (
     EVERY,
     add_contact,
