@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.features import features_of
-from pipeline.stage import entry, read_json, tell, write_json
+from pipeline.stage import entry, read_json, rounded, tell, write_json
 from pipeline.train import CHOICE
 from spirob.campaign.arm.rates import right
 from spirob.files import replacing
@@ -35,7 +35,7 @@ def _size(root: Path) -> None:
         true, found = features[TARGET].to_numpy(), predict(model, features)
         others = rivals(model, known, listed, features)
         metrics[domain] = {
-            **_rounded(scored(true, found)),
+            **rounded(scored(true, found)),
             "unit": "mm",
             "samples": len(true),
             "other": {name: rival(true, values, found) for name, values in others.items()},
@@ -49,9 +49,9 @@ def _size(root: Path) -> None:
     metrics["training"] = {
         "samples": len(known),
         "chosen": read_json(root / CHOICE, "train")["tried"],
-        "importance": _rounded(importance(model, tests["simulation"])),
+        "importance": rounded(importance(model, tests["simulation"])),
         "learning_curve": {
-            str(n): {domain: _rounded(one) for domain, one in errors.items()}
+            str(n): {domain: rounded(one) for domain, one in errors.items()}
             for n, errors in curve.items()
         },
         "unit": "mm",
@@ -69,7 +69,7 @@ def rival(true: np.ndarray, found: np.ndarray, shipped: np.ndarray) -> dict[str,
     errors = scored(true, found)
     low, high = mean_gain(true, found, shipped)
     gain = errors["mae"] - scored(true, shipped)["mae"]
-    return _rounded({**errors, "gain": gain, "gain_low": low, "gain_high": high})
+    return rounded({**errors, "gain": gain, "gain_low": low, "gain_high": high})
 
 
 def unlisted(
@@ -84,7 +84,7 @@ def unlisted(
     new = ~np.isclose(true[:, None], known[None, :], rtol=1e-6, atol=0.0).any(axis=1)
     if new.all() or not new.any():
         return {}
-    errors = _rounded(scored(true[new], found[new]))
+    errors = rounded(scored(true[new], found[new]))
     return {"unlisted": {**errors, "unit": "mm", "samples": int(new.sum())}}
 
 
@@ -99,10 +99,6 @@ def _verdict(root: Path) -> None:
         "verdict_right": right(hidden, said["effect"]) if hidden else None,
     }
     write_json(root / "reports/metrics/score.json", content)
-
-
-def _rounded(values: dict[str, float]) -> dict[str, float]:
-    return {k: float(f"{v:.9g}") for k, v in values.items()}
 
 
 if __name__ == "__main__":

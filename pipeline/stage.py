@@ -3,7 +3,7 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -86,3 +86,8 @@ def read_json(path: Path, stage: str) -> Any:
 def write_json(path: Path, content: Any) -> None:
     """Write JSON whole or not at all."""
     write_text(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def rounded(values: Mapping[str, float]) -> dict[str, float]:
+    """Figures as they are written: with nine digits."""
+    return {k: float(f"{v:.9g}") for k, v in values.items()}

@@ -19,7 +19,7 @@ import pandas as pd
 from pipeline.features import features_of
 from pipeline.model import plant
 from pipeline.schema import Config
-from pipeline.stage import entry, public_config, read_json, tell, write_json
+from pipeline.stage import entry, public_config, read_json, rounded, tell, write_json
 from pipeline.train import learnt as learnt_from
 from pipeline.trials import compared_wraps
 from pipeline.wraps import wrapped
@@ -116,7 +116,7 @@ def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict
             low, high = mean_gain(true, before, found, seed)
             gain = score(true, before)["mae"] - one["mae"]
             one |= {"gain": gain, "gain_low": low, "gain_high": high}
-        steps[name] = {**_rounded(one), "unit": "mm"}
+        steps[name] = {**rounded(one), "unit": "mm"}
         before = found
         tell(f"size learnt from the {name} model: {steps[name]['mae']:.2f} mm on the robot")
     return steps
@@ -125,14 +125,10 @@ def _steps(true: np.ndarray, sizes: Mapping[str, np.ndarray], seed: int) -> dict
 def _intervals(learnt: SizeModel, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """How often the shipped model's intervals hold the true size, simulated and on the robot."""
     found = {
-        domain: _rounded(coverage(estimate(learnt, t), t["diameter"].to_numpy()))
+        domain: rounded(coverage(estimate(learnt, t), t["diameter"].to_numpy()))
         for domain, t in tables.items()
     }
     return {"confidence": CONFIDENCE, **found}
-
-
-def _rounded(values: Mapping[str, float]) -> dict[str, float]:
-    return {k: float(f"{v:.9g}") for k, v in values.items()}
 
 
 if __name__ == "__main__":
