@@ -18,7 +18,7 @@ import numpy as np
 from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import StandardScaler
 
-from spirob.campaign.arm.rates import ANSWERS
+from spirob.campaign.arm.rates import answers
 from spirob.diagnosis.certainty import FIGURES
 from spirob.files import write_text
 
@@ -60,7 +60,7 @@ def _rig(line: Line) -> Iterator[Chosen]:
 
 
 def _arm(line: Line) -> Iterator[Chosen]:
-    right = {name for kind in line["kind"].split("+") for name in ANSWERS[kind]}
+    right = answers(line["kind"])
     for name, one in line["evidence"]["first"].items():
         if one["probability"] > 0.0:
             yield one["figures"], "right" if name in right else "wrong", ARM

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.campaign.arm.rates import ANSWERS, TOGETHER
+from spirob.campaign.arm.rates import ANSWERS, TOGETHER, answers
 from spirob.campaign.arm.recording import recorded
 from spirob.campaign.arm.strength import RATIOS, drawn
 from spirob.diagnosis.certainty import Ended
@@ -105,7 +105,7 @@ def run(case: Case, settings: Settings | None = None) -> list[dict[str, Any]]:
         start,
         lambda found: floor_at(found, problems, settings.scale),
     )
-    right = _right_names(case)
+    right = answers(case.kind)
     ended = {False: searched(models, library, settings)}
     if case.without:
         kept = [e for e in library if e.name() not in right]
@@ -184,10 +184,6 @@ def _composed(ended: Ended, settings: Settings) -> dict[str, Any] | None:
         return None
     error = law.document["rmse"]["test"] / effort_rms(models.heldout)
     return {"terms": law.document["terms"], "heldout": error}
-
-
-def _right_names(case: Case) -> set[str]:
-    return {name for kind in case.kind.split("+") for name in ANSWERS[kind] if name}
 
 
 def _counterparts(case: Case) -> Sequence[type[Effect]]:

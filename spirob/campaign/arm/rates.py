@@ -56,6 +56,11 @@ def right(hidden: str, named: str) -> bool:
     return any(named in ANSWERS.get(kind, ()) for kind in kinds)
 
 
+def answers(kind: str) -> set[str]:
+    """Names of the effects that are right where this kind is hidden, or several, "A+B"."""
+    return {name for part in kind.split("+") for name in ANSWERS[part] if name}
+
+
 LEAST_GAIN = 0.02  # where the oracle gains less, there is nothing to name
 RANGE = 0.9  # of the base's error: the trial asks for effects with which the oracle leaves less
 CONFIDENT = 0.9
@@ -107,7 +112,7 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "cases": len(results),
         "top1": rate(is_right(r) for r in single),
         "exact": rate(is_right(r) and len(r["named"]) == 1 for r in single),
-        "top3": rate(any(n in _answers(r) for n in r["first"][:3]) for r in single),
+        "top3": rate(any(n in answers(r["kind"]) for n in r["first"][:3]) for r in single),
         "false_alarm": rate(r["verdict"] == "named" for r in nulls),
         "wrong_and_confident": rate(_confidently_wrong(r) for r in every),
         "outside": rate(not asked(r) for r in every),
@@ -146,7 +151,7 @@ def asked(result: Mapping[str, Any]) -> bool:
 def is_right(result: Mapping[str, Any]) -> bool:
     """Named, and the first name is an accepted one."""
     named = result["named"]
-    return bool(result["verdict"] == "named" and named and named[0] in _answers(result))
+    return bool(result["verdict"] == "named" and named and named[0] in answers(result["kind"]))
 
 
 def both(result: Mapping[str, Any]) -> bool:
@@ -193,10 +198,6 @@ def by_strength(single: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
 
 def _n(found: Mapping[str, Any]) -> dict[str, Any]:
     return {"low_ci": found["low"], "high_ci": found["high"], "n": found["n"]}
-
-
-def _answers(result: Mapping[str, Any]) -> set[str]:
-    return {name for kind in result["kind"].split("+") for name in ANSWERS[kind]}
 
 
 def _confidently_wrong(result: Mapping[str, Any]) -> bool:

@@ -11,7 +11,7 @@ from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from spirob.campaign.arm.case import Case, run
-from spirob.campaign.arm.rates import ANSWERS, is_right
+from spirob.campaign.arm.rates import answers, is_right
 from spirob.campaign.arm.strength import RATIOS
 from spirob.diagnosis.criteria import Settings
 from spirob.emulator.build import AS_DESIGNED, TYPICAL
@@ -85,7 +85,7 @@ def cases(
     build   of every robot, one of `spirob.emulator.build.BUILDS`
     """
     chosen = [
-        Case(k, s, without and any(_names(k)), ratios, build)
+        Case(k, s, without and bool(answers(k)), ratios, build)
         for s in seeds
         for k in kinds
         if k != "none"
@@ -220,7 +220,3 @@ def _told(case: Case, results: Sequence[Mapping[str, Any]]) -> str:
 
 def _said(result: Mapping[str, Any]) -> str:
     return f"{' + '.join(result['named']) or result['verdict']} ({result['probability']:.0%})"
-
-
-def _names(kind: str) -> list[str]:
-    return [name for part in kind.split("+") for name in ANSWERS[part] if name]
