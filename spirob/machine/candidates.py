@@ -111,11 +111,20 @@ def _unread(missing: set[str]) -> str:
 def related(effect: type[Effect], others: Collection[type[Effect]]) -> bool:
     """Whether one of the others is the same kind of law, of which a machine has only one.
 
-    One load stays behind the motor in one way: play has its teeth's spring already.
+    One load stays behind the motor in one way: play has its teeth's spring already.  A gear's teeth
+    lose by their load in one way, which friction by the load and an efficiency by direction tell.
     """
-    if shares_inertia(effect):
-        return any(shares_inertia(other) for other in others)
+    for kind in (shares_inertia, _loses_by_load):
+        if kind(effect):
+            return any(kind(other) for other in others)
     return another_dry(effect, others)
+
+
+def _loses_by_load(effect: type[Effect]) -> bool:
+    """Whether this is a loss in proportion to the load that turns round with the motion."""
+    reads = set(effect.reads.values())
+    loaded = effect.port == "winch.efficiency" or "motor.load_torque" in reads
+    return loaded and "motor.speed" in reads
 
 
 def same_wave(model: Model, sizes: Sizes) -> bool:

@@ -3,7 +3,8 @@
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.candidates import with_room
+from spirob.machine.candidates import related, with_room
+from spirob.machine.laws import for_axis
 from spirob.machine.scaling import Sizes, parameters
 
 
@@ -28,3 +29,15 @@ def test_a_wave_that_never_comes_round_is_excluded_with_its_reason():
     assert possible == []
     assert excluded["cogging"].startswith("the motion is too small to show it")
     assert "'order'" in excluded["cogging"]
+
+
+def test_a_gear_loses_by_its_load_in_one_way_and_other_laws_stand_beside():
+    laws = {e.name(): e for e in for_axis(all_effects().values())}
+    friction, efficiency = (
+        laws[n] for n in ("load_dependent_friction", "direction_dependent_efficiency")
+    )
+    assert related(friction, [efficiency])
+    assert related(efficiency, [friction])
+    others = [e for n, e in laws.items() if e not in (friction, efficiency)]
+    assert not related(friction, others)
+    assert not related(efficiency, others)
