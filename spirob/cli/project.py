@@ -85,12 +85,16 @@ def write_overrides(project: Path, overrides: Sequence[str]) -> None:
 
 
 PARAMS = "params.yaml"
+LOCK = "dvc.lock"
 BACK = "the choices are taken back: params.yaml and data/config are as before"
 COMPOSED = Path("data/config")
 
 
 class Kept:
     """Restores a project's choices and composed configuration on leaving, unless `done` is set.
+
+    With the choices goes what `dvc.lock` says of the configuration that was composed by them, where
+    no other stage has run.
 
     chosen  what the run puts into params.yaml; None where it leaves that file alone
     """
@@ -102,6 +106,7 @@ class Kept:
 
     def __enter__(self) -> "Kept":
         self._params = (self._project / PARAMS).read_bytes()
+        self._lock = self._read_lock()
         self._composed = self._found()
         return self
 
@@ -125,11 +130,30 @@ class Kept:
         ours = self._chosen is not None and read_overrides(self._project) == self._chosen
         if ours and path.read_bytes() != self._params:
             write_bytes(path, self._params)
+            if self._lock is not None and _composed_alone(self._lock, self._read_lock()):
+                write_bytes(self._project / LOCK, self._lock)
             print(BACK, file=sys.stderr)
+
+    def _read_lock(self) -> bytes | None:
+        path = self._project / LOCK
+        return path.read_bytes() if path.exists() else None
 
     def _found(self) -> dict[Path, bytes]:
         inside = (self._project / COMPOSED).rglob("*")
         return {path: path.read_bytes() for path in inside if path.is_file()}
+
+
+def _composed_alone(before: bytes, now: bytes | None) -> bool:
+    """Whether nothing but the stage `config` differs between two states of `dvc.lock`."""
+    import yaml
+
+    try:
+        stages = [dict(yaml.safe_load(text or b"")["stages"]) for text in (before, now)]
+    except (yaml.YAMLError, KeyError, TypeError, ValueError):
+        return False
+    for one in stages:
+        one.pop("config", None)
+    return stages[0] == stages[1]
 
 
 @contextmanager

@@ -138,6 +138,28 @@ def test_choices_that_somebody_else_made_meanwhile_stay(project):
     (project / "params.yaml").write_bytes(before[project / "params.yaml"])
 
 
+LOCKED = """stages:
+  config:
+    cmd: {}
+  diagnose:
+    cmd: {}
+"""
+
+
+@pytest.mark.parametrize(("after", "back"), [(("new", "old"), True), (("new", "new"), False)])
+def test_what_dvc_says_of_the_choices_goes_with_them_where_no_other_stage_ran(
+    tmp_path, after, back
+):
+    (tmp_path / "params.yaml").write_text("overrides: []\n")
+    lock = tmp_path / "dvc.lock"
+    lock.write_text(LOCKED.format("old", "old"))
+    with Kept(tmp_path, ["speed=7"]):
+        write_overrides(tmp_path, ["speed=7"])
+        lock.write_text(LOCKED.format(*after))
+    assert read_overrides(tmp_path) == []
+    assert (lock.read_text() == LOCKED.format("old", "old")) == back
+
+
 def test_a_composed_configuration_that_was_not_there_goes(tmp_path):
     (tmp_path / "params.yaml").write_text("overrides: []\n")
     with Kept(tmp_path, None):
