@@ -71,10 +71,9 @@ def diagnose_recordings(
     ready = ready_of(rig, folder, train, test, own, without)
     ready = replace(ready, settings=settings or rig.criteria, progress=progress)
     with one_thread():
-        done = _once_more(_searched(_placed(ready)))
+        done = _set_free(_once_more(_searched(_placed(ready))))
         done = _with_numbers_of_logs(done)
-        done = _with_sensor_at_load(done)
-        done = _set_free(done)
+        done = _set_free(_with_sensor_at_load(done))
         return _finish(done)
 
 
@@ -113,13 +112,14 @@ def _with_sensor_at_load(done: _Searched) -> _Searched:
 
 
 def _set_free(done: _Searched) -> _Searched:
-    """Searched with wider bounds of the numbers that ended at theirs."""
-    free = beyond_bounds(done.search, done.chosen)
+    """Searched with wider bounds of the numbers that ended at those that the description gives."""
+    given, now = done.ready.given.fit, done.ready.rig.fit
+    at_bound = beyond_bounds(done.search, done.chosen)
+    free = [name for name in at_bound if name in given and now[name] == given[name]]
     if not free:
         return done
     done.ready.progress(f"once more, with {', '.join(free)} set free of its bounds")
-    told = replace(done.ready, rig=released(done.ready.rig, free))
-    return replace(_searched(_placed(told)), ready=done.ready)
+    return _searched(_placed(replace(done.ready, rig=released(done.ready.rig, free))))
 
 
 def _searched(ready: Ready) -> _Searched:
@@ -202,7 +202,7 @@ def _finish(done: _Searched) -> Diagnosis:
     rest = search.models.ceiling(chosen)
     verdict = judge(ended, weighed, doubts(search, found, rest))
     law = None if verdict.doubts else _law(search, found, rest, verdict.kind)
-    notes = [*ready.said, *oddities(search, chosen, gate, rig=ready.rig)]
+    notes = [*ready.said, *oddities(search, chosen, gate, ready.given)]
     notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.models.train, bare.fit.residual)
     written = document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)

@@ -112,6 +112,11 @@ class EffortColumn(Column):
     name: str = ""
     limit: float | None = Field(default=None, gt=0)
 
+    @field_validator("unit", mode="before")
+    @classmethod
+    def _one_is_a_unit(cls, value: Any) -> Any:
+        return "1" if value == 1 and not isinstance(value, bool) else value
+
     @model_validator(mode="after")
     def _whole(self) -> "EffortColumn":
         units = EFFORTS[self.kind]

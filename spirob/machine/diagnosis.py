@@ -19,12 +19,13 @@ import yaml
 from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
-from spirob.errors import ConfigError, DataError
+from spirob.errors import ConfigError, DataError, NothingLeft
 from spirob.files import named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.document import plain
 from spirob.machine.loading import chosen, described, files, load_rig
 from spirob.machine.page_tables import laws
 from spirob.machine.recording import of_table
@@ -85,44 +86,62 @@ def diagnose(
     """
     if isinstance(rig, Mapping):
         told, folder, who = described(rig, "rig"), Path(), "rig"
-    else:
+    elif isinstance(rig, str | Path):
         (told, folder), who = load_rig(rig), str(rig)
+    else:
+        raise ConfigError(f"rig: a file or a mapping of keys, got {type(rig).__name__}")
+    if settings is not None and not isinstance(settings, Criteria):
+        raise ConfigError(f"settings: Criteria, got {type(settings).__name__}")
     if isinstance(told, ArmFile):
         told = told.beside(folder)
     names = files(told.effects, folder, effects)
     ran = [f"{name}: was run, as an effect of your own." for name in names if name.endswith(".py")]
     with failures_told(who):
         own = chosen(names)
-        fitted, held = _read(told, folder, train, "train"), _read(told, folder, test, "test")
+        (fitted, empty), (held, more) = (
+            _read(told, folder, logs, role) for role, logs in (("train", train), ("test", test))
+        )
+        if not fitted:
+            raise DataError("; ".join(empty) or "a diagnosis needs at least one training log")
         each_once([(t.name, t.columns) for t in (*fitted, *held)], told.moving_columns())
         if isinstance(told, ArmFile):
             found = _arm(told, fitted, held, progress, own)
         else:
             trials = filtered_alike(lambda log, cut: of_table(log, told, cut), fitted, held)
             found = diagnose_recordings(told, folder, *trials, settings, progress, own)
-    found.document["repairs"][:0] = ran
+    found.document["repairs"][:0] = [*ran, *(f"{t}; the log is left out." for t in empty + more)]
     paths = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
     sources = _sources(rig, paths, command)
     return replace(found, sources=sources)
 
 
-def _read(rig: RigFile | ArmFile, folder: Path, logs: Sequence[Log], role: str) -> list[Table]:
-    """The logs as tables; a frame is called by its own name, or by its place."""
+def _read(
+    rig: RigFile | ArmFile, folder: Path, logs: Sequence[Log], role: str
+) -> tuple[list[Table], list[str]]:
+    """The logs as tables, and what is said of those without rows.
+
+    A frame is called by its own name, or by its place.
+    """
     if isinstance(logs, Path | str | pd.DataFrame):
         raise ConfigError(f"{role}: a list of logs, got a single one")
     dbc = None if rig.dbc is None else folder / rig.dbc
-    found = []
+    found, empty = [], []
     for k, log in enumerate(logs):
         if isinstance(log, pd.DataFrame):
             found.append(from_frame(log, str(log.attrs.get("name") or f"{role}[{k}]")))
-        else:
+            continue
+        if not isinstance(log, str | Path):
+            raise ConfigError(f"{role}[{k}]: a file or a DataFrame, got {type(log).__name__}")
+        try:
             found.append(read_table(named(log), rig.columns(), dbc))
-    return found
+        except NothingLeft as error:
+            empty.append(str(error))
+    return found, empty
 
 
 def _sources(rig: Path | str | Mapping[str, Any], logs: Sequence[Path], command: str) -> Sources:
     if isinstance(rig, Mapping):
-        return Sources(yaml.safe_dump(dict(rig), allow_unicode=True), tuple(logs), command)
+        return Sources(yaml.safe_dump(plain(dict(rig)), allow_unicode=True), tuple(logs), command)
     return Sources(Path(rig).read_text(encoding="utf-8"), (Path(rig), *logs), command)
 
 

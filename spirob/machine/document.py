@@ -127,7 +127,7 @@ def plain(node: Any) -> Any:
         return [plain(value) for value in node]
     if isinstance(node, float | np.floating):
         return float(f"{node:.9g}") if math.isfinite(node) else None
-    return node
+    return node.item() if isinstance(node, np.generic) else node
 
 
 FORMAT = 1  # of the record; another one is refused by who reads it

@@ -66,7 +66,10 @@ def files(names: Sequence[str], folder: Path, given: Sequence[Path | str] = ()) 
 
     names  in a description in `folder`;  given  by hand, with paths from where the program runs
     """
-    own = [str(inside(n, folder, "effects")) if n.endswith(".py") else n for n in names]
+    try:
+        own = [str(inside(n, folder, "effects")) if n.endswith(".py") else n for n in names]
+    except ConfigError as error:
+        raise ConfigError(f"{error}; one from elsewhere is given by --effects FILE.py") from None
     return [*own, *map(str, given)]
 
 

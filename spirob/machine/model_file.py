@@ -37,6 +37,7 @@ ABSENT = {
     "texture", "material", "hfield", "skin", "lengthrange", "pair",
 }  # fmt: skip
 UNSEEN = ("material", "hfield")  # attributes that name what is left out
+NO_NUMBERS = {"nan", "inf", "infinity"}
 KEPT = {"compiler": {
     "alignfree", "angle", "autolimits", "balanceinertia", "boundinertia", "boundmass",
     "coordinate", "discardvisual", "eulerseq", "fitaabb", "fusestatic", "inertiafromgeom",
@@ -74,6 +75,7 @@ def checked(path: Path) -> tuple[str, dict[str, bytes]]:
     tree = _parsed(files.content(path, "model", LARGEST), path)
     folders = _folders(tree)
     _only_what_moves(tree, path)
+    _finite(tree, path)
     meshes = _meshes(tree, path, *folders)
     # the lengths of muscles would be searched by simulation
     compiler = SubElement(tree, "compiler")
@@ -94,6 +96,16 @@ def _parsed(text: bytes, path: Path) -> Element:
     if tree.tag != "mujoco":
         raise ConfigError(f"{path}: a model begins with <mujoco>, this with <{tree.tag}>")
     return tree
+
+
+def _finite(tree: Element, path: Path) -> None:
+    """Raise where an attribute holds a number that is none: MuJoCo takes it for one not given."""
+    for element in tree.iter():
+        for key, value in element.attrib.items():
+            if {word.lstrip("+-").lower() for word in value.split()} & {"nan", "inf", "infinity"}:
+                raise ConfigError(
+                    f"{path}: {key} of a <{element.tag}> is '{value[:40]}', no number"
+                )
 
 
 def _only_what_moves(tree: Element, path: Path) -> None:

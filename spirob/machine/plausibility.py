@@ -24,11 +24,14 @@ from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.models import RigSearch
+from spirob.machine.recording import Recording
 from spirob.machine.rig import Bounded, RigFile
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
+FEWEST = 3  # logs of which one can be told as the odd one
+RESISTING = 3  # plain columns that only resist: inertia, viscous and dry friction
 SCALE = 10.0  # between the effort and what a model file asks for
 ALIKE = 0.1  # by which a factor between two logs counts as none
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
@@ -49,9 +52,10 @@ AT_LOAD = (
 
 def doubts(search: RigSearch, found: Found, rest: Ceiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    said = [_senseless(search, found, rest), _turned(search), _out_of_scale(search)]
+    problems = search.models.train, search.models.heldout
     residuals = found.chosen.fit.residual, found.chosen.heldout
-    said.append(strangers((search.models.train, search.models.heldout), residuals))
+    other = strangers(problems, residuals) or odd_one_out(problems, residuals)
+    said = [other or _senseless(search, found, rest), _turned(search), _out_of_scale(search)]
     return [text for text in said if text]
 
 
@@ -79,12 +83,27 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
                     f"{name.removeprefix('rig.')} comes out {ratio:.3g} times its nominal value: "
                     "is a unit or a factor wrong?"
                 )
+    said += _far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
     signals = search.models.train.signals()
     stroke, speed = float(np.ptp(signals["position"])), float(np.max(np.abs(signals["speed"])))
     if search.models.train.sizes.axis_unit == "m" and stroke > LONG:
         said.append(f"The axis travels {stroke:.3g} m: is the position's unit right?")
     if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
         said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
+    return said
+
+
+def _far_movers(recordings: Sequence[Recording]) -> list[str]:
+    """Logs in which the axis moves many times as far as in all others."""
+    strokes = {r.name: max(float(np.ptp(p.q[p.use])) for p in r.pieces) for r in recordings}
+    said = []
+    for name, stroke in strokes.items() if len(strokes) >= FEWEST else ():
+        most = max(other for rest, other in strokes.items() if rest != name)
+        if stroke > FAR * most > 0.0:
+            said.append(
+                f"{name}: the axis moves {stroke / most:.3g} times as far as in any other log: is "
+                "the unit of its position another?"
+            )
     return said
 
 
@@ -122,6 +141,42 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
     )
 
 
+def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
+    """The one log without which all others fit; empty where there is none, or the model fits all.
+
+    What fits is inertia, friction and weight, to first order, fitted to the other logs: beside a
+    log of another scale, a search finds a law that bends towards it.
+
+    residuals  of one model on the trials of each problem
+    """
+    logs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    poorest = 1.0
+    for problem, residual in zip(problems, residuals, strict=True):
+        measured, design = problem.measured(), np.column_stack([*_plain_columns(problem)])
+        edges = pairwise(problem.edges)
+        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
+            own = measured[start:stop]
+            logs[recording.name] = own, design[start:stop]
+            poorest = min(poorest, _explained(own, own + residual[start:stop]))
+    if len(logs) < FEWEST or poorest >= FAMILIAR:
+        return ""
+    for name, (measured, design) in logs.items():
+        others = [log for other, log in logs.items() if other != name]
+        whole = np.concatenate([d for _, d in others])
+        found = np.linalg.lstsq(whole, np.concatenate([m for m, _ in others]), rcond=None)[0]
+        if min(_explained(m, d @ found) for m, d in others) < FAMILIAR:
+            continue
+        modelled = design @ found
+        share, mended = _explained(measured, modelled), _mended(measured, modelled)
+        if share < STRANGE or (share < FAMILIAR and mended):
+            return (
+                f"{name}: inertia, friction and weight that fit all other logs explain "
+                f"{max(0.0, share):.0%} of its effort's variance"
+                + (f"; {mended}." if mended else ".")
+            )
+    return ""
+
+
 def _explained(measured: np.ndarray, modelled: np.ndarray) -> float:
     """Share of the variance that a model explains; below 0 where it misses more than the mean."""
     spread = max(float(np.var(measured)), 1e-300)
@@ -143,19 +198,24 @@ def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
     return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
 
 
+def _plain_columns(problem: InverseProblem) -> list[np.ndarray]:
+    """What inertia, viscous and dry friction make, and then what a force and a weight do."""
+    signals = problem.signals()
+    sliding = np.tanh(signals["speed"] / problem.rest_speed)
+    columns = [signals["acceleration"], signals["speed"], sliding, np.ones_like(sliding)]
+    if problem.rig.position is not None:
+        columns.append(signals["position"])
+        if problem.sizes.axis_unit == "rad":
+            columns += [np.sin(signals["position"]), np.cos(signals["position"])]
+    return columns
+
+
 def _turned(search: RigSearch) -> str:
     """Whether inertia and friction, which only resist, fit with the other sign alone."""
-    effort, signals = search.models.train.measured(), search.models.train.signals()
-    sliding = np.tanh(signals["speed"] / search.models.train.rest_speed)
-    resisting = [signals["acceleration"], signals["speed"], sliding]
-    other = [np.ones_like(effort)]
-    if search.models.train.rig.position is not None:
-        other.append(signals["position"])
-        if search.models.train.sizes.axis_unit == "rad":
-            other += [np.sin(signals["position"]), np.cos(signals["position"])]
-    design = np.column_stack([*resisting, *other])
+    effort, columns = search.models.train.measured(), _plain_columns(search.models.train)
+    design = np.column_stack(columns)
     size = np.linalg.norm(design, axis=0) + 1e-300
-    low = np.r_[np.zeros(len(resisting)), np.full(len(other), -np.inf)]
+    low = np.r_[np.zeros(RESISTING), np.full(len(columns) - RESISTING, -np.inf)]
     shares = []
     for sign in (1.0, -1.0):
         bounds = (low, np.full(len(low), np.inf))

@@ -9,7 +9,8 @@ from scipy.ndimage import median_filter
 from spirob.errors import DataError
 from spirob.machine.unwrapping import LONG, Track, modulus_of, unwrapped
 
-FEW, LEAST = 0.01, 10  # share of a log that may be spikes or jumps, and how many at least
+FEW, LEAST = 0.01, 10  # share of a log that may be jumps, and how many at least
+SINGLE = 0.05  # share of it that may be spikes: what they hide stands beside them
 UNUSUAL = ((0.98, 8.0), (0.9, 30.0))  # so many times what such a share of the rows does at most
 BACK = 0.2  # of a spike by which the position may have moved on behind it
 ANOTHER = "its zero may be another there, which moves what depends on position"
@@ -68,7 +69,7 @@ def _spikes(track: Track, modulus: float | None) -> np.ndarray:
     spikes = np.zeros(len(track.values), bool)
     back = np.abs(short(off[:-1] + off[1:])) <= np.maximum(least, BACK * np.abs(off[1:]))
     spikes[1:-1] = large[:-1] & large[1:] & back
-    return spikes if spikes.sum() <= max(LEAST, FEW * len(spikes)) else np.zeros_like(spikes)
+    return spikes if spikes.sum() <= max(LEAST, SINGLE * len(spikes)) else np.zeros_like(spikes)
 
 
 def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.ndarray, Track]:
@@ -82,22 +83,21 @@ def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.nda
     at = np.flatnonzero(_alone(rates, track.values))
     if not len(at):
         return at, track
-    first = np.diff(track.values)[at[0]]
-    usual = float(np.quantile(np.abs(rates), 0.98))
+    before, after = rates[np.maximum(at - 1, 0)], rates[np.minimum(at + 1, len(rates) - 1)]
+    step = np.diff(track.values)[at]
     told = (
-        f"{where}: '{name}' jumps by {abs(first):.3g} at {track.seconds[at[0] + 1]:.4g} s, where "
-        f"{usual:.2g} a row is usual"
+        f"{where}: '{name}' jumps by {step[0]:.3g} at {track.seconds[at[0] + 1]:.4g} s, where it "
+        f"moves by {before[0]:.2g} in the row before and {after[0]:.2g} in the row behind"
     )
     if len(at) > max(LEAST, FEW * len(rates)):
         raise DataError(f"{told}, and {len(at)} times in all: lost counts, or a wrong unit?")
     more = f" and {len(at) - 1} times more" if len(at) > 1 else ""
-    before, after = rates[np.maximum(at - 1, 0)], rates[np.minimum(at + 1, len(rates) - 1)]
     moving = _goes_on(rates, before, after) & (track.apart[at] <= LONG * track.period)
-    step = np.zeros_like(track.values)
-    step[at[moving] + 1] = (np.diff(track.values)[at] - 0.5 * (before + after))[moving]
+    leaps = np.zeros_like(track.values)
+    leaps[at[moving] + 1] = (step - 0.5 * (before + after))[moving]
     ends = "its motion goes on behind it" if moving.all() else ANOTHER
     said.append(f"{told}{more}: lost counts or a reset; the log was cut there, and {ends}.")
-    return at + 1, replace(track, values=track.values - np.cumsum(step))
+    return at + 1, replace(track, values=track.values - np.cumsum(leaps))
 
 
 def _leaps(where: str, name: str, track: Track, rates: np.ndarray, said: list[str]) -> None:

@@ -31,6 +31,7 @@ from spirob.machine.selection import split
 class Ready:
     """A rig and its logs, ready to be searched.
 
+    given     the description, before anything that the logs tell was added to `rig`
     held      effects that the model holds;  own  their laws here;  possible  laws that may act
     excluded  name -> why the others may not;  without  names of effects that are no candidates
     said      what was repaired or left out
@@ -38,6 +39,7 @@ class Ready:
     progress  is told each step
     """
 
+    given: RigFile
     rig: RigFile
     body: RigidBody | None
     train: list[Recording]
@@ -94,7 +96,9 @@ def ready_of(
         (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
         repairs += [*lost, *more]
     laws = held, own, possible, excluded
-    return Ready(rig, body, train, test, *laws, sizes, rest, repairs, not is_told(rig), without)
+    return Ready(
+        rig, rig, body, train, test, *laws, sizes, rest, repairs, not is_told(rig), without
+    )
 
 
 def library(

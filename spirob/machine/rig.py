@@ -5,6 +5,7 @@ filters and the rows that are left out.  Data, never code; an unknown key is an 
 where it stands.
 """
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
@@ -274,6 +275,21 @@ class RigFile(Entry):
         """SI for one unit of position per second, or of velocity where there is no position."""
         return self.motion.scale
 
+    @model_validator(mode="before")
+    @classmethod
+    def _one_encoder(cls, given: Any) -> Any:
+        """A speed in ticks is counted by the encoder of the position, where it names none."""
+        position, speed = (
+            (given.get(key) if isinstance(given, Mapping) else None)
+            for key in ("position", "velocity")
+        )
+        if not (isinstance(position, Mapping) and isinstance(speed, Mapping)):
+            return given
+        counted = {key: position[key] for key in ("per_turn", "per_metre") if key in position}
+        if speed.get("unit") != "tick/s" or not counted or set(speed) & {"per_turn", "per_metre"}:
+            return given
+        return {**given, "velocity": {**speed, **counted}}
+
     @model_validator(mode="after")
     def _consistent(self) -> "RigFile":
         if twice := set(self.known) & set(self.fit):
@@ -295,6 +311,7 @@ class RigFile(Entry):
         if self.effort.source == "control" and (self.control is None or self.reference is None):
             raise ValueError("effort.from: control needs 'control' and 'reference'")
         self._has_places()
+        _used_once(self.channels())
         return self
 
     def _has_places(self) -> None:
@@ -312,6 +329,15 @@ class RigFile(Entry):
             raise ValueError(f"{placed[0]}: needs the position")
         if self.predict != "effort":
             raise ValueError(f"predict: {self.predict} needs the position")
+
+
+def _used_once(channels: Mapping[str, Column]) -> None:
+    """Raise where one column is given for two things."""
+    seen: dict[str, str] = {}
+    for key, column in channels.items():
+        if column.column in seen:
+            raise ValueError(f"{key}: '{column.column}' is the column of {seen[column.column]}")
+        seen[column.column] = key
 
 
 def _is_of(key: str, column: MotionColumn | None, si: str, known: list[str]) -> None:

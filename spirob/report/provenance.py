@@ -12,6 +12,7 @@ from typing import Any
 
 import yaml
 
+from spirob import plain_yaml
 from spirob.logs.writer import git_commit, versions
 
 PACKAGES = (
@@ -62,7 +63,7 @@ def collect(root: Path, files: Iterable[str], config: str) -> Provenance:
         dirty=None if commit == "unknown" else bool(changed),
         changed=changed,
         command=_command(overrides),
-        seed=_seed(yaml.safe_load(config)),
+        seed=_seed(plain_yaml.read(config, "configuration")),
         overrides=overrides,
         versions=versions() | _more_versions(),
         hashes=_recorded_hashes(root) | {file: _hash(root / file) for file in files},

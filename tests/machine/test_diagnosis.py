@@ -47,6 +47,52 @@ def test_a_motion_too_small_for_some_effects_is_diagnosed_with_the_others(tmp_pa
     assert document["repairs"][0] == f"{tmp_path / 'own.py'}: was run, as an effect of your own."
 
 
+def test_a_log_without_rows_is_left_out_and_said(tmp_path, rig):
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    (tmp_path / "empty.csv").write_text("t,q,u\n")
+    found = diagnose(rig(), [*logs[:2], tmp_path / "empty.csv"], logs[2:], NONE)
+    assert (
+        "it takes a line of names, and rows; the log is left out." in found.document["repairs"][0]
+    )
+    with pytest.raises(DataError, match="it takes a line of names, and rows"):
+        diagnose(rig(), [tmp_path / "empty.csv"], logs[2:], NONE)
+
+
+def test_numbers_of_numpy_in_a_description_are_numbers(tmp_path):
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    about = {"nominal": np.float32(1.0), "low": np.float64(0.1), "high": np.int64(10)}
+    told = description(fit={"inertia": about, "viscous": {**about, "low": 0}})
+    found = diagnose(told, logs[:2], logs[2:], NONE)
+    assert "high: 10" in found.sources.config
+
+
+@pytest.mark.parametrize(
+    ("rig", "train", "settings", "said"),
+    [
+        (None, [], None, "rig: a file or a mapping of keys, got NoneType"),
+        (description(), [{"t": [0.0]}], None, r"train\[0\]: a file or a DataFrame, got dict"),
+        (description(), [], 3, "settings: Criteria, got int"),
+        (description(), [], None, "at least one training log"),
+    ],
+)
+def test_what_is_of_another_type_is_a_sentence(rig, train, settings, said):
+    with pytest.raises((ConfigError, DataError), match=said):
+        diagnose(rig, train, [], settings)
+
+
+def test_bounds_are_set_free_before_logs_are_said_to_differ(tmp_path, rig):
+    """Three logs of one machine whose inertia is five times what the description allows."""
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    narrow = {
+        "inertia": {"nominal": 0.1, "low": 0.01, "high": 0.2},
+        "viscous": {"nominal": 1.0, "low": 0.0, "high": 5.0},
+    }
+    found = diagnose(rig(fit=narrow), logs[:2], logs[2:], NONE)
+    repairs = found.document["repairs"]
+    assert not any("differ by a number of their own" in text for text in repairs)
+    assert any("inertia ended at its bound, so it was set free: 1.0" in text for text in repairs)
+
+
 def test_a_log_is_given_once_whatever_its_name(tmp_path, rig):
     logs = [log(tmp_path, f"{k}.csv", k) for k in range(2)]
     table = pd.read_csv(logs[0])

@@ -1,5 +1,7 @@
 """Logs that do not belong together are seen before a name is believed."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
-from spirob.machine.plausibility import _mended, _turned, strangers
+from spirob.machine.plausibility import _mended, _turned, odd_one_out, strangers
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -33,6 +35,40 @@ def test_a_log_of_another_motor_is_named(signs, strange):
     made = problem(*signs)
     said = strangers([made], [made({"rig.inertia": 0.01, "rig.viscous": 0.3})])
     assert said.partition(":")[0] == strange
+
+
+def scaled(*factors):
+    """Logs of one axis, whose effort has another scale where `factors` says so."""
+    rig, logs = RigFile.model_validate(description()), []
+    for k, factor in enumerate(factors):
+        t = np.arange(0, 6, 2e-3)
+        w = 4.0 + k
+        effort = 0.01 * -(w**2) * np.sin(w * t) + 0.3 * w * np.cos(w * t)
+        logs.append(prepare(f"log{k}", {"t": t, "q": np.sin(w * t), "u": factor * effort}, rig))
+    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+
+
+def half_turned(t):
+    """A sign that turns in the middle of a log."""
+    return np.where(t < 3.0, 1.0, -1.0)
+
+
+@pytest.mark.parametrize(
+    ("factors", "odd"),
+    [
+        ((1, 3, 1), "log1: .*; as 3 times the model, 100% of the variance is explained"),
+        ((1, 1, -1), "log2: .*; with its effort's sign turned 100% of the variance"),
+        ((half_turned(np.arange(0, 6, 2e-3)), 1, 1), "log0: [^;]*$"),
+        ((1, 1, 1), None),
+        ((1, 3), None),
+        ((1, 3, 9), None),
+    ],
+)
+def test_the_log_without_which_all_others_fit_is_named(factors, odd):
+    made = scaled(*factors)
+    nothing = odd_one_out([made], [-0.9 * made.measured()])
+    assert re.match(odd, nothing) if odd else nothing == ""
+    assert odd_one_out([made], [0.1 * made.measured()]) == ""  # the model fits all of them
 
 
 def search_of(effort):

@@ -2,6 +2,7 @@
 
 import copy
 
+import numpy as np
 import pytest
 import yaml
 from hypothesis import given
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from spirob.errors import ConfigError, DataError, MissingLog
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.loading import described, load_rig
+from spirob.machine.rig import RigFile
 from tests.machine.arm import elsewhere
 from tests.machine.rigs import description
 
@@ -56,6 +58,7 @@ def test_a_description_is_read(tmp_path):
         ({"criteria": {"flor": 0.02}}, "criteria.flor: no such key"),
         ({"criteria": {"floor": 2.0}}, "criteria.floor: "),
         ({"criteria": {"most": -1}}, "criteria.most: "),
+        ({"effort": {"column": "q", "unit": "A", "kind": "current"}}, "'q' is the column of posi"),
         ({"effects": ["creep"] * 5000}, "effects: List should have at most 100"),
     ],
 )
@@ -149,3 +152,19 @@ def test_anything_in_any_key_is_a_description_or_a_sentence(kind, data):
             rig.machine()
     except ConfigError as error:
         assert str(error)
+
+
+def test_a_speed_in_ticks_is_counted_by_the_encoder_of_the_position():
+    ticks = {"unit": "tick", "per_turn": 4096}
+    speed = {"column": "v", "unit": "tick/s"}
+    told = description(position={"column": "q", **ticks}, velocity=speed)
+    read = RigFile.model_validate(told).velocity
+    assert read.scale == pytest.approx(2 * np.pi / 4096)
+    own = description(position={"column": "q", **ticks}, velocity={**speed, "per_turn": 100})
+    assert RigFile.model_validate(own).velocity.scale == pytest.approx(2 * np.pi / 100)
+
+
+def test_a_duty_of_one_is_a_unit_as_text_and_as_a_number():
+    for unit in (1, "1"):
+        duty = {"column": "u", "unit": unit, "kind": "duty", "supply": 12.0}
+        assert RigFile.model_validate(description(effort=duty)).effort.scale == 12.0

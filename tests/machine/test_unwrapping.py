@@ -96,6 +96,18 @@ def test_spikes_in_a_wrapped_position_are_bridged(modulus, fastest, seed):
     same(found.values[rest], true[rest], modulus)
 
 
+def test_single_zeros_in_a_fiftieth_of_the_rows_are_spikes():
+    seconds = 0.01 * np.arange(1200)
+    true = 3.0 + motion(seconds, 3.0, np.random.default_rng(1))
+    rows = np.arange(20, 1180, 48) + np.random.default_rng(2).integers(0, 20, 25)
+    values = true.copy()
+    values[rows] = 0.0
+    said: list[str] = []
+    found = repaired("log", "q", Track(values, seconds, 0.01, 0.055), said)
+    np.testing.assert_allclose(found.values, true, atol=0.01 * np.ptp(true))
+    assert said == ["log: 25 jumps of 'q' out and back were bridged."]
+
+
 @pytest.mark.parametrize("reach", [0.5, 3.0, 40.0])
 def test_what_never_wraps_is_left_alone(reach):
     seconds = 0.01 * np.arange(1200)

@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from spirob.errors import DataError
+from spirob.errors import DataError, NothingLeft
 from spirob.logs.readers.columns import Asked, Table, printable
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def read(asked: Asked) -> Table:
     if len(lines) > 1 and not lines[-1]:
         lines.pop()
     if len(lines) < 3:
-        raise DataError(
+        raise NothingLeft(
             f"{where}: {len(lines)} lines are no table; it takes a line of names, and rows"
         )
     separator, decimal = _dialect(where, lines)

@@ -40,7 +40,9 @@ def _take(table: Table, name: str, file: IO[bytes]) -> None:
     except ValueError as error:
         if not str(error).startswith("Object arrays"):
             raise
-        table.text[name or "column"] = "Python objects (a pickle), which are never loaded"
+        if not name:
+            raise ValueError("it holds Python objects (a pickle), which are never loaded") from None
+        table.text[name] = "Python objects (a pickle), which are never loaded"
         return
     for label, values in spread(name if name or array.dtype.names else "column", array):
         add(table, label, values)
