@@ -18,14 +18,14 @@ from tests.machine.rigs import description
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 
 
-def problem(*signs):
-    """Logs of one axis, whose effort has the wrong sign where `signs` says -1."""
+def problem(*factors):
+    """Logs of one axis, whose effort is so many times the true one."""
     rig, logs = RigFile.model_validate(description()), []
-    for k, sign in enumerate(signs):
+    for k, factor in enumerate(factors):
         t = np.arange(0, 6, 2e-3)
         w = 4.0 + k
         effort = 0.01 * -(w**2) * np.sin(w * t) + 0.3 * w * np.cos(w * t)
-        made = {"t": t, "q": np.sin(w * t), "u": sign * effort}
+        made = {"t": t, "q": np.sin(w * t), "u": factor * effort}
         logs.append(prepare(f"log{k}", made, rig))
     return InverseProblem(rig, None, logs, [], SIZES, 0.02)
 
@@ -35,17 +35,6 @@ def test_a_log_of_another_motor_is_named(signs, strange):
     made = problem(*signs)
     said = strangers([made], [made({"rig.inertia": 0.01, "rig.viscous": 0.3})])
     assert said.partition(":")[0] == strange
-
-
-def scaled(*factors):
-    """Logs of one axis, whose effort has another scale where `factors` says so."""
-    rig, logs = RigFile.model_validate(description()), []
-    for k, factor in enumerate(factors):
-        t = np.arange(0, 6, 2e-3)
-        w = 4.0 + k
-        effort = 0.01 * -(w**2) * np.sin(w * t) + 0.3 * w * np.cos(w * t)
-        logs.append(prepare(f"log{k}", {"t": t, "q": np.sin(w * t), "u": factor * effort}, rig))
-    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
 
 
 def half_turned(t):
@@ -65,7 +54,7 @@ def half_turned(t):
     ],
 )
 def test_the_log_without_which_all_others_fit_is_named(factors, odd):
-    made = scaled(*factors)
+    made = problem(*factors)
     nothing = odd_one_out([made], [-0.9 * made.measured()])
     assert re.match(odd, nothing) if odd else nothing == ""
     assert odd_one_out([made], [0.1 * made.measured()]) == ""  # the model fits all of them
