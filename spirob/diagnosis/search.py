@@ -157,6 +157,7 @@ class Search(Generic[M]):
         found = Found(self.rungs(chosen), offers, vetoed=sorted(self.vetoed - chosen.names))
         for effect in chosen.effects:
             same, other = equivalents(chosen, self._rivals(chosen, effect), self.worth.least)
+            same = sorted({*same, *self._mistaken(chosen, effect)} - {*other})
             found.equivalents[effect.name()], found.rivals[effect.name()] = same, other
         return found
 
@@ -252,6 +253,22 @@ class Search(Generic[M]):
         others = self._exchanges(model, effect)
         poorer = [m for m in others if m.numbers <= model.numbers and self._rivals_with(m, model)]
         return [*poorer, *self._richer(model, effect)]
+
+    def _mistaken(self, model: Model, effect: type[Effect]) -> list[str]:
+        """The plainest dry friction that promises the same in place of what is none.
+
+        A richer law that contains the chosen one says the same always.  Dry friction contains no
+        law but its own kind: where it says the same, as in logs of one direction, the data do.
+        """
+        if is_dry(effect):
+            return []
+        lesser = self.without(model, effect)
+        dry = [e for e in self.absent(lesser) if is_dry(e)]
+        offers = {o.effect: o.error for o in self._offers(lesser, [effect, *dry])}
+        least = offers.get(effect, 0.0) + (ALIKE * self.worth.least) ** 2
+        laws = [law for law in dry if offers.get(law, np.inf) <= least]
+        plainest = sorted(laws, key=lambda e: len(e.parameters()) + bool(e.state))
+        return [law.name() for law in plainest[:1]]
 
     def _rivals_with(self, other: Model, model: Model) -> bool:
         return not self.worth.clearly(other, model) and not self.worth.refuted(other, model)

@@ -72,6 +72,7 @@ class Corrected:
     period    of the held-out logs [s]
     usual     payload and offset, the mean of the logs: what is taken where nobody says
     own_inertia  of what moves ahead of the load that friction may feel; part of no load
+    way       1 or -1 where the model was fitted to motions of this direction alone
     """
 
     name: str
@@ -92,6 +93,7 @@ class Corrected:
     trials: tuple[dict[str, Any], ...] = ()
     usual: dict[str, float] = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))
     own_inertia: float = 0.0
+    way: int = 0
 
     def at(self, port: str) -> list[Held]:
         """The effects at a port, in their order."""
@@ -168,6 +170,7 @@ def _read(document: Mapping[str, Any], told: Mapping[str, Any], folder: Path) ->
         folder,
         tuple(told["trials"]),
         {kind: finite(told.get("usual", {}).get(kind, 0.0)) for kind in USUAL},
+        way=round(finite(told.get("way", 0))),
     )
 
 

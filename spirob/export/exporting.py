@@ -67,6 +67,10 @@ def warning(errors: Errors) -> str:
     return f"LOSES {percent(errors)} against the diagnosis, measured on its held-out logs"
 
 
+ONE_WAY = (
+    "ONE WAY: fitted to logs in which the axis moves one way only, where dry friction and a "
+    "constant force are the same; for motions of this way alone"
+)
 COMMENTS = {
     ".c": ("/* ", " */"),
     ".h": ("/* ", " */"),
@@ -112,6 +116,9 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
     said: list[str] = []
     if player and (check or (target.LOSSY and _kept(model))):
         made, said = _proved(model, player, made)
+    if isinstance(model, Corrected) and model.way:
+        made = {name: _first(ONE_WAY, name, text) for name, text in made.items()}
+        said.insert(0, ONE_WAY)
     _write(out, made)
     return Exported(tuple(out / name for name in made), tuple(said))
 
@@ -173,6 +180,8 @@ def _first(line: str, name: str, text: str) -> str:
     """A file that says something in its first line."""
     before, after = COMMENTS.get(Path(name).suffix, ("", ""))
     if Path(name).suffix == ".json":
-        told = json.dumps({"warning": line, **json.loads(text)}, indent=2, ensure_ascii=False)
+        read = json.loads(text)
+        lines = "; ".join(t for t in (line, read.pop("warning", "")) if t)
+        told = json.dumps({"warning": lines, **read}, indent=2, ensure_ascii=False)
         return told.replace("{\n  ", "{", 1) + "\n"
     return f"{before}{line}{after}\n{text}"

@@ -29,6 +29,7 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
 from spirob.machine.models import ROBUST, RigSearch
 from spirob.machine.numbers import USUAL
+from spirob.machine.odd_logs import way_of
 from spirob.machine.rig import NUMBERS, RigFile
 from spirob.ports import PORTS
 from spirob.score import Interval, score, score_interval
@@ -140,6 +141,7 @@ def standing(search: RigSearch, model: Model, body: RigidBody | None) -> dict[st
     angle     position for one radian of the motor;  rest_speed  below which it stands
     fitted    names, values, 95 % intervals, bounds, units and covariance of what was fitted
     trials    of the held-out logs: name, sample period, cutoff of the filter, thinning
+    way       1 or -1 where the logs that were fitted move this way only, 0 for both
     """
     train, held, table = search.models.train, search.models.heldout, search.models.train.table
     p = table.vector(model.fit.changes)
@@ -157,6 +159,7 @@ def standing(search: RigSearch, model: Model, body: RigidBody | None) -> dict[st
         "angle": sizes.angle,
         "rest_speed": train.rest_speed,
         "stiffness": train.body.stiffness if train.body else 0.0,
+        "way": way_of(train.signals()["speed"], train.rest_speed),
         "period": max(r.period for r in held.recordings),
         "effects": [
             {"name": e.name(), "source": source(e), "numbers": train.asked.values(e, p)}

@@ -21,19 +21,23 @@ from spirob.diagnosis.search import Found
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import Ceiling
-from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.models import RigSearch
-from spirob.machine.recording import Recording
+from spirob.machine.odd_logs import (
+    FAMILIAR,
+    explained,
+    far_movers,
+    odd_one_out,
+    one_way,
+    plain_columns,
+    strangers,
+)
 from spirob.machine.rig import Bounded, RigFile
 
-FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
-FEWEST = 3  # logs of which one can be told as the odd one
 RESISTING = 3  # plain columns that only resist: inertia, viscous and dry friction
 SCALE = 10.0  # between the effort and what a model file asks for
-ALIKE = 0.1  # by which a factor between two logs counts as none
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
 FAR = 20.0  # between a number and its nominal one
@@ -83,27 +87,14 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
                     f"{name.removeprefix('rig.')} comes out {ratio:.3g} times its nominal value: "
                     "is a unit or a factor wrong?"
                 )
-    said += _far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
+    said += one_way(search.models.train, search.models.heldout)
+    said += far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
     signals = search.models.train.signals()
     stroke, speed = float(np.ptp(signals["position"])), float(np.max(np.abs(signals["speed"])))
     if search.models.train.sizes.axis_unit == "m" and stroke > LONG:
         said.append(f"The axis travels {stroke:.3g} m: is the position's unit right?")
     if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
         said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
-    return said
-
-
-def _far_movers(recordings: Sequence[Recording]) -> list[str]:
-    """Logs in which the axis moves many times as far as in all others."""
-    strokes = {r.name: max(float(np.ptp(p.q[p.use])) for p in r.pieces) for r in recordings}
-    said = []
-    for name, stroke in strokes.items() if len(strokes) >= FEWEST else ():
-        most = max(other for rest, other in strokes.items() if rest != name)
-        if stroke > FAR * most > 0.0:
-            said.append(
-                f"{name}: the axis moves {stroke / most:.3g} times as far as in any other log: is "
-                "the unit of its position another?"
-            )
     return said
 
 
@@ -119,100 +110,9 @@ def _senseless(search: RigSearch, found: Found, rest: Ceiling) -> str:
     return ""
 
 
-def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
-    """Logs that the others' model does not fit at all; empty where there are none.
-
-    residuals  of one model on the trials of each problem
-    """
-    shares: dict[str, tuple[float, str]] = {}
-    for problem, residual in zip(problems, residuals, strict=True):
-        for recording, (start, stop) in zip(
-            problem.recordings, pairwise(problem.edges), strict=True
-        ):
-            measured = problem.measured()[start:stop]
-            own = measured + residual[start:stop]
-            shares[recording.name] = _explained(measured, own), _mended(measured, own)
-    strange = {name: text for name, (share, text) in shares.items() if share < STRANGE}
-    if not strange or max(share for share, _ in shares.values()) < FAMILIAR:
-        return ""
-    mended = "; ".join(f"{name}: {text}" for name, text in strange.items() if text)
-    return f"{', '.join(strange)}: what fits the other logs does not fit this at all." + (
-        f" {mended}." if mended else ""
-    )
-
-
-def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
-    """The one log without which all others fit; empty where there is none, or the model fits all.
-
-    What fits is inertia, friction and weight, to first order, fitted to the other logs: beside a
-    log of another scale, a search finds a law that bends towards it.
-
-    residuals  of one model on the trials of each problem
-    """
-    logs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-    poorest = 1.0
-    for problem, residual in zip(problems, residuals, strict=True):
-        measured, design = problem.measured(), np.column_stack([*_plain_columns(problem)])
-        edges = pairwise(problem.edges)
-        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
-            own = measured[start:stop]
-            logs[recording.name] = own, design[start:stop]
-            poorest = min(poorest, _explained(own, own + residual[start:stop]))
-    if len(logs) < FEWEST or poorest >= FAMILIAR:
-        return ""
-    for name, (measured, design) in logs.items():
-        others = [log for other, log in logs.items() if other != name]
-        whole = np.concatenate([d for _, d in others])
-        found = np.linalg.lstsq(whole, np.concatenate([m for m, _ in others]), rcond=None)[0]
-        if min(_explained(m, d @ found) for m, d in others) < FAMILIAR:
-            continue
-        modelled = design @ found
-        share, mended = _explained(measured, modelled), _mended(measured, modelled)
-        if share < STRANGE or (share < FAMILIAR and mended):
-            return (
-                f"{name}: inertia, friction and weight that fit all other logs explain "
-                f"{max(0.0, share):.0%} of its effort's variance"
-                + (f"; {mended}." if mended else ".")
-            )
-    return ""
-
-
-def _explained(measured: np.ndarray, modelled: np.ndarray) -> float:
-    """Share of the variance that a model explains; below 0 where it misses more than the mean."""
-    spread = max(float(np.var(measured)), 1e-300)
-    return 1.0 - float(np.mean((modelled - measured) ** 2)) / spread
-
-
-def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
-    """What makes a log fit the model of the others, with the share that is explained then."""
-    turned = _explained(-measured, modelled)
-    if turned > FAMILIAR:
-        return f"with its effort's sign turned {turned:.0%} of the variance is explained"
-    design = np.column_stack([modelled, np.ones_like(modelled)])
-    (factor, offset), *_ = np.linalg.lstsq(design, measured, rcond=None)
-    share = _explained(measured, design @ (factor, offset))
-    if share < FAMILIAR or factor <= 0.0:
-        return ""
-    if abs(factor - 1.0) < ALIKE:
-        return f"with an offset of {offset:.3g} {share:.0%} of the variance is explained"
-    return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
-
-
-def _plain_columns(problem: InverseProblem) -> list[np.ndarray]:
-    """What inertia, viscous and dry friction make, and then what a force and a weight do."""
-    signals = problem.signals()
-    sliding = np.tanh(signals["speed"] / problem.rest_speed)
-    columns = [signals["acceleration"], signals["speed"], sliding, np.ones_like(sliding)]
-    if problem.rig.position is not None:
-        columns.append(signals["position"])
-        if problem.sizes.axis_unit == "rad":
-            columns += [np.sin(signals["position"]), np.cos(signals["position"])]
-    return columns
-
-
 def _turned(search: RigSearch) -> str:
     """Whether inertia and friction, which only resist, fit with the other sign alone."""
-    effort, columns = search.models.train.measured(), _plain_columns(search.models.train)
+    effort, columns = search.models.train.measured(), plain_columns(search.models.train)
     design = np.column_stack(columns)
     size = np.linalg.norm(design, axis=0) + 1e-300
     low = np.r_[np.zeros(RESISTING), np.full(len(columns) - RESISTING, -np.inf)]
@@ -220,7 +120,7 @@ def _turned(search: RigSearch) -> str:
     for sign in (1.0, -1.0):
         bounds = (low, np.full(len(low), np.inf))
         found = scipy.optimize.lsq_linear(design / size, sign * effort, bounds)
-        shares.append(_explained(sign * effort, design / size @ found.x))
+        shares.append(explained(sign * effort, design / size @ found.x))
     as_logged, turned = shares
     if turned < FAMILIAR or 1.0 - turned > HALF * (1.0 - as_logged):
         return ""
@@ -242,7 +142,7 @@ def _out_of_scale(search: RigSearch) -> str:
     if power == 0.0:
         return ""
     ratio = float(np.dot(asked, measured)) / power
-    as_logged, mended = _explained(measured, asked), _explained(measured, ratio * asked)
+    as_logged, mended = explained(measured, asked), explained(measured, ratio * asked)
     if 1 / SCALE < abs(ratio) < SCALE or mended < SENSE:
         return ""
     return (

@@ -96,6 +96,16 @@ def test_a_lossy_target_says_so_unasked(home, tmp_path):
     mujoco.MjModel.from_xml_string(text)
 
 
+@pytest.mark.parametrize("target", ["c", "bam", "table", "mjcf"])
+def test_a_model_of_logs_of_one_direction_says_so_first(target, home, tmp_path, capsys):
+    given = edited(home, tmp_path, lambda document: document["model"].update(way=-1))
+    assert main(["export", str(given), "--to", target, "--out", str(tmp_path / "out")]) == 0
+    assert "ONE WAY" in capsys.readouterr().out
+    for path in (tmp_path / "out").glob("*.[cxj]*"):
+        first = path.read_text().splitlines()[0]
+        assert "ONE WAY" in first, path
+
+
 def test_sensors_of_plain_mjcf_lag_and_are_late(tmp_path):
     names = ["current_lag", "feedback_latency"]
     values = {e.name: e.values for e in exported_model(tmp_path, names, seconds=1.5).effects}

@@ -74,6 +74,16 @@ def test_the_one_log_that_turns_the_other_way_is_never_left_out(tmp_path, ways):
     assert any({"constant_force", "current_offset"} <= names for names in named)
 
 
+def test_logs_of_one_direction_give_one_name_for_friction_and_a_force(tmp_path):
+    rig = RigFile.model_validate(description())
+    logs = [prepare(f"{k}", one_way(1, 2720 + k), rig) for k in range(3)]
+    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:])
+    (one,) = found.findings
+    assert {"coulomb_friction", "constant_force"} <= {one.name, *one.equivalents}
+    assert any("one way only" in note for note in found.notes)
+    assert found.document["model"]["way"] == 1
+
+
 def weighted(kind, seed):
     """A lever with a weight and dry friction, moved in one of four ways; its effort follows.
 

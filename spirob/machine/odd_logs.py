@@ -1,0 +1,148 @@
+"""Logs that do not belong together, and what logs do not show for how the axis moves in them.
+
+A cause (a sign, a scale) is said only where mending it makes a log fit the model of the others,
+with both figures; otherwise what was found.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.recording import Recording
+
+FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
+FEWEST = 3  # logs of which one can be told as the odd one
+ALIKE = 0.1  # by which a factor between two logs counts as none
+FAR = 20.0  # between a stroke and that of all other logs
+RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
+
+
+def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
+    """Logs that the others' model does not fit at all; empty where there are none.
+
+    residuals  of one model on the trials of each problem
+    """
+    logs: dict[str, tuple[float, str, int]] = {}
+    for problem, residual in zip(problems, residuals, strict=True):
+        effort, speeds = problem.measured(), problem.signals()["speed"]
+        edges = pairwise(problem.edges)
+        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
+            measured = effort[start:stop]
+            own = measured + residual[start:stop]
+            way = way_of(speeds[start:stop], problem.rest_speed)
+            logs[recording.name] = explained(measured, own), _mended(measured, own), way
+    strange = {name: log for name, log in logs.items() if log[0] < STRANGE}
+    if not strange or max(share for share, _, _ in logs.values()) < FAMILIAR:
+        return ""
+    said = [f"{', '.join(strange)}: what fits the other logs does not fit this at all."]
+    said += [f"{name}: {text}." for name, (_, text, _) in strange.items() if text]
+    others = {way for name, (_, _, way) in logs.items() if name not in strange}
+    if {way for _, _, way in strange.values()} == {-way for way in others} != {0}:
+        said.append("It moves a way that no other log does: what these say of friction ends there.")
+    return " ".join(said)
+
+
+def way_of(speeds: np.ndarray, rest_speed: float) -> int:
+    """1 or -1 for a motion of this direction alone; 0 for one of both, and for rest."""
+    moving = speeds[np.abs(speeds) > rest_speed]
+    ahead = float(np.mean(moving > 0.0)) if len(moving) else 0.5
+    return int(ahead > 1.0 - RARE) - int(ahead < RARE)
+
+
+def one_way(train: InverseProblem, heldout: InverseProblem) -> list[str]:
+    """What logs of one direction cannot tell; empty for logs of both."""
+    way, other = (way_of(p.signals()["speed"], p.rest_speed) for p in (train, heldout))
+    if not way:
+        return []
+    said = (
+        "The axis moves one way only in the logs that were fitted: in them dry friction is the "
+        "same as a constant force, and where the speed changes little viscous friction is, too. "
+        "What is fitted, named or taken home holds for this way alone: log the way back, too."
+    )
+    back = " The logs held out go back, and cannot confirm what no fitted log shows."
+    return [said + back if other != way else said]
+
+
+def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
+    """The one log without which all others fit; empty where there is none, or the model fits all.
+
+    What fits is inertia, friction and weight, to first order, fitted to the other logs: beside a
+    log of another scale, a search finds a law that bends towards it.
+
+    residuals  of one model on the trials of each problem
+    """
+    logs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    poorest = 1.0
+    for problem, residual in zip(problems, residuals, strict=True):
+        measured, design = problem.measured(), np.column_stack([*plain_columns(problem)])
+        edges = pairwise(problem.edges)
+        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
+            own = measured[start:stop]
+            logs[recording.name] = own, design[start:stop]
+            poorest = min(poorest, explained(own, own + residual[start:stop]))
+    if len(logs) < FEWEST or poorest >= FAMILIAR:
+        return ""
+    for name, (measured, design) in logs.items():
+        others = [log for other, log in logs.items() if other != name]
+        whole = np.concatenate([d for _, d in others])
+        found = np.linalg.lstsq(whole, np.concatenate([m for m, _ in others]), rcond=None)[0]
+        if min(explained(m, d @ found) for m, d in others) < FAMILIAR:
+            continue
+        modelled = design @ found
+        share, mended = explained(measured, modelled), _mended(measured, modelled)
+        if share < STRANGE or (share < FAMILIAR and mended):
+            return (
+                f"{name}: inertia, friction and weight that fit all other logs explain "
+                f"{max(0.0, share):.0%} of its effort's variance"
+                + (f"; {mended}." if mended else ".")
+            )
+    return ""
+
+
+def explained(measured: np.ndarray, modelled: np.ndarray) -> float:
+    """Share of the variance that a model explains; below 0 where it misses more than the mean."""
+    spread = max(float(np.var(measured)), 1e-300)
+    return 1.0 - float(np.mean((modelled - measured) ** 2)) / spread
+
+
+def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
+    """What makes a log fit the model of the others, with the share that is explained then."""
+    turned = explained(-measured, modelled)
+    if turned > FAMILIAR:
+        return f"with its effort's sign turned {turned:.0%} of the variance is explained"
+    design = np.column_stack([modelled, np.ones_like(modelled)])
+    (factor, offset), *_ = np.linalg.lstsq(design, measured, rcond=None)
+    share = explained(measured, design @ (factor, offset))
+    if share < FAMILIAR or factor <= 0.0:
+        return ""
+    if abs(factor - 1.0) < ALIKE:
+        return f"with an offset of {offset:.3g} {share:.0%} of the variance is explained"
+    return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
+
+
+def plain_columns(problem: InverseProblem) -> list[np.ndarray]:
+    """What inertia, viscous and dry friction make, and then what a force and a weight do."""
+    signals = problem.signals()
+    sliding = np.tanh(signals["speed"] / problem.rest_speed)
+    columns = [signals["acceleration"], signals["speed"], sliding, np.ones_like(sliding)]
+    if problem.rig.position is not None:
+        columns.append(signals["position"])
+        if problem.sizes.axis_unit == "rad":
+            columns += [np.sin(signals["position"]), np.cos(signals["position"])]
+    return columns
+
+
+def far_movers(recordings: Sequence[Recording]) -> list[str]:
+    """Logs in which the axis moves many times as far as in all others."""
+    strokes = {r.name: max(float(np.ptp(p.q[p.use])) for p in r.pieces) for r in recordings}
+    said = []
+    for name, stroke in strokes.items() if len(strokes) >= FEWEST else ():
+        most = max(other for rest, other in strokes.items() if rest != name)
+        if stroke > FAR * most > 0.0:
+            said.append(
+                f"{name}: the axis moves {stroke / most:.3g} times as far as in any other log: is "
+                "the unit of its position another?"
+            )
+    return said

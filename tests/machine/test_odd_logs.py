@@ -1,0 +1,109 @@
+"""Logs that do not belong together, or go one way, are seen before a name is believed."""
+
+import re
+
+import numpy as np
+import pytest
+
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.odd_logs import _mended, odd_one_out, one_way, strangers, way_of
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes
+from tests.machine.rigs import description
+
+SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
+
+
+def problem(*factors):
+    """Logs of one axis, whose effort is so many times the true one."""
+    rig, logs = RigFile.model_validate(description()), []
+    for k, factor in enumerate(factors):
+        t = np.arange(0, 6, 2e-3)
+        w = 4.0 + k
+        effort = 0.01 * -(w**2) * np.sin(w * t) + 0.3 * w * np.cos(w * t)
+        made = {"t": t, "q": np.sin(w * t), "u": factor * effort}
+        logs.append(prepare(f"log{k}", made, rig))
+    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+
+
+@pytest.mark.parametrize(("signs", "strange"), [((1, 1, 1), ""), ((1, -1, 1), "log1")])
+def test_a_log_of_another_motor_is_named(signs, strange):
+    made = problem(*signs)
+    said = strangers([made], [made({"rig.inertia": 0.01, "rig.viscous": 0.3})])
+    assert said.partition(":")[0] == strange
+
+
+def half_turned(t):
+    """A sign that turns in the middle of a log."""
+    return np.where(t < 3.0, 1.0, -1.0)
+
+
+@pytest.mark.parametrize(
+    ("factors", "odd"),
+    [
+        ((1, 3, 1), "log1: .*; as 3 times the model, 100% of the variance is explained"),
+        ((1, 1, -1), "log2: .*; with its effort's sign turned 100% of the variance"),
+        ((half_turned(np.arange(0, 6, 2e-3)), 1, 1), "log0: [^;]*$"),
+        ((1, 1, 1), None),
+        ((1, 3), None),
+        ((1, 3, 9), None),
+    ],
+)
+def test_the_log_without_which_all_others_fit_is_named(factors, odd):
+    made = problem(*factors)
+    nothing = odd_one_out([made], [-0.9 * made.measured()])
+    assert re.match(odd, nothing) if odd else nothing == ""
+    assert odd_one_out([made], [0.1 * made.measured()]) == ""  # the model fits all of them
+
+
+def test_what_mends_a_strange_log_is_said_with_its_share():
+    modelled = np.sin(np.arange(1000) / 30)
+    assert "sign turned 100%" in _mended(-modelled, modelled)
+    assert "an offset of 3" in _mended(modelled + 3.0, modelled)
+    assert "as 5 times the model" in _mended(5.0 * modelled, modelled)
+    assert _mended(np.random.default_rng(0).normal(size=1000), modelled) == ""
+
+
+def turning(*ways):
+    """Logs in which an axis turns one way, or to and fro."""
+    rig, logs = RigFile.model_validate(description()), []
+    for k, way in enumerate(ways):
+        t = np.arange(0, 6, 2e-3)
+        v = np.sin(4 * t) + 2.0 * way
+        made = {"t": t, "q": np.cumsum(v) * 2e-3, "u": 0.3 * v + 0.5 * np.sign(v)}
+        logs.append(prepare(f"log{k}", made, rig))
+    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("train", "heldout", "said"),
+    [
+        ((1, 1), (1,), ("one way only", "")),
+        ((-1,), (1,), ("one way only", "held out go back")),
+        ((-1, -1), (0,), ("one way only", "held out go back")),
+        ((1, -1), (1,), None),
+        ((0,), (1,), None),
+    ],
+)
+def test_logs_of_one_direction_are_told(train, heldout, said):
+    found = one_way(turning(*train), turning(*heldout))
+    assert bool(found) == (said is not None)
+    for text in said or ():
+        assert text in found[0]
+
+
+def test_a_rare_row_the_other_way_and_rest_are_no_direction():
+    speeds = np.r_[np.full(1000, 2.0), np.full(5, -2.0), np.full(5000, 0.01)]
+    assert way_of(speeds, 0.02) == 1
+    assert way_of(-speeds, 0.02) == -1
+    assert way_of(np.r_[speeds, np.full(20, -2.0)], 0.02) == 0
+    assert way_of(np.full(10, 0.01), 0.02) == 0
+
+
+def test_a_strange_log_that_alone_goes_its_way_is_told_so():
+    fitted, back = turning(1, 1), turning(-1)
+    residuals = [0.1 * fitted.measured(), -3.0 * back.measured()]
+    assert "a way that no other log does" in strangers([fitted, back], residuals)
+    mixed = turning(1, 0)
+    assert "a way" not in strangers([mixed, back], [0.1 * mixed.measured(), residuals[1]])
