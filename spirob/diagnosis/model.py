@@ -10,6 +10,8 @@ from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem
 
+ABSORBED = 1e-3  # share of an effect outside of what the fitted numbers make: below, it is of these
+
 
 @dataclass(frozen=True, eq=False)
 class Model:
@@ -43,11 +45,16 @@ class Model:
 
     @property
     def numbers(self) -> int:
-        """How rich it is: numbers of its effects, and one more for each that has a memory.
+        """How rich it is, by its effects."""
+        return sum(map(richness, self.effects))
 
-        How many cells a memory takes is a matter of its program: a delay needs many, and one time.
-        """
-        return sum(len(e.parameters()) + bool(e.state) for e in self.effects)
+
+def richness(effect: type[Effect]) -> int:
+    """Numbers of an effect, and one more where it has a memory.
+
+    How many cells a memory takes is a matter of its program: a delay needs many, and one time.
+    """
+    return len(effect.parameters()) + bool(effect.state)
 
 
 @dataclass(frozen=True)
@@ -128,6 +135,10 @@ class Predictor(Protocol):
 
     def related(self, effect: type[Effect], others: Sequence[type[Effect]]) -> bool:
         """Whether one of the others is the same kind of law, of which a machine has only one."""
+
+    def absorbs(self, model: Model, effect: type[Effect]) -> bool:
+        """Whether a model's numbers make all that an effect would do; False where unknown."""
+        return False
 
     def plain(self, model: Model) -> bool:
         """Whether a model says something that no simpler words would."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.dry import is_dry
-from spirob.diagnosis.model import Model, Offer, Predictor, label
+from spirob.diagnosis.model import ABSORBED, Model, Offer, Predictor, label, richness
 from spirob.effects import Effect
 from spirob.progress import Steps
 
@@ -20,7 +20,6 @@ PAIRS, EXCHANGES = 3, 3  # finalists of a round, fitted in full
 EACH = 2 + EXCHANGES  # steps for an effect of a set: without it, what then is missing, exchanges
 CEILINGS = 2  # over the bare and the chosen model
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
-ABSORBED = 1e-3  # share of an effect outside of what the fitted numbers make: below, it is of these
 POOR = 0.25  # of a model's squared error, if a fit from elsewhere leaves less: another valley
 ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
 M = TypeVar("M", bound=Predictor)
@@ -157,8 +156,9 @@ class Search(Generic[M]):
         found = Found(self.rungs(chosen), offers, vetoed=sorted(self.vetoed - chosen.names))
         for effect in chosen.effects:
             same, other = equivalents(chosen, self._rivals(chosen, effect), self.worth.least)
-            same = sorted({*same, *self._mistaken(chosen, effect)} - {*other})
-            found.equivalents[effect.name()], found.rivals[effect.name()] = same, other
+            same = sorted({*same, *self._same(chosen, effect)})
+            found.equivalents[effect.name()] = same
+            found.rivals[effect.name()] = [name for name in other if name not in same]
         return found
 
     def absent(self, model: Model) -> list[type[Effect]]:
@@ -254,21 +254,19 @@ class Search(Generic[M]):
         poorer = [m for m in others if m.numbers <= model.numbers and self._rivals_with(m, model)]
         return [*poorer, *self._richer(model, effect)]
 
-    def _mistaken(self, model: Model, effect: type[Effect]) -> list[str]:
-        """The plainest dry friction that promises the same in place of what is none.
+    def _same(self, model: Model, effect: type[Effect]) -> list[str]:
+        """Laws as rich as an effect, or the plainest dry friction, that these data show as it.
 
-        A richer law that contains the chosen one says the same always.  Dry friction contains no
-        law but its own kind: where it says the same, as in logs of one direction, the data do.
+        The model without the effect cannot make what they do, with it it can.  A richer law that
+        contains the chosen one would say the same always.  Dry friction contains no law but its own
+        kind: where it is the same, as in logs of one direction, the data say so.
         """
-        if is_dry(effect):
-            return []
-        lesser = self.without(model, effect)
-        dry = [e for e in self.absent(lesser) if is_dry(e)]
-        offers = {o.effect: o.error for o in self._offers(lesser, [effect, *dry])}
-        least = offers.get(effect, 0.0) + (ALIKE * self.worth.least) ** 2
-        laws = [law for law in dry if offers.get(law, np.inf) <= least]
-        plainest = sorted(laws, key=lambda e: len(e.parameters()) + bool(e.state))
-        return [law.name() for law in plainest[:1]]
+        lesser, own = self.without(model, effect), richness(effect)
+        other = [e for e in self.absent(lesser) if richness(e) == own or is_dry(e)]
+        offers = self._offers(lesser, [e for e in other if e is not effect])
+        made = [o.effect for o in offers if self.models.absorbs(model, o.effect)]
+        dry = [] if is_dry(effect) else sorted(filter(is_dry, made), key=richness)[:1]
+        return [e.name() for e in made if richness(e) == own or e in dry]
 
     def _rivals_with(self, other: Model, model: Model) -> bool:
         return not self.worth.clearly(other, model) and not self.worth.refuted(other, model)

@@ -10,8 +10,9 @@ from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
-from spirob.diagnosis.verdict import TWICE, concluded, judge
+from spirob.diagnosis.verdict import TWICE, Verdict, concluded, judge
 from spirob.effects import Effect
+from spirob.errors import TooShort
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import is_bent
@@ -32,11 +33,13 @@ from spirob.machine.plausibility import (
     may_sit_at_load,
     oddities,
     released,
+    untaught,
 )
 from spirob.machine.preparation import Ready, ready_of, search_of
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
+from spirob.machine.selection import ASIDE, ends_aside
 
 
 @dataclass(frozen=True)
@@ -68,13 +71,60 @@ def diagnose_recordings(
     own      the effects that the model holds, where they are found already
     without  effects that are no candidates, to see what is said where the library lacks them
     """
-    ready = ready_of(rig, folder, train, test, own, without)
-    ready = replace(ready, settings=settings or rig.criteria, progress=progress)
+
+    def told(train: list[Recording], test: list[Recording], said: Sequence[str] = ()) -> Ready:
+        ready = ready_of(rig, folder, train, test, own, without)
+        said = list(dict.fromkeys([*ready.said, *said]))  # both parts of a log have its repairs
+        return replace(ready, settings=settings or rig.criteria, progress=progress, said=said)
+
     with one_thread():
-        done = _set_free(_once_more(_searched(_placed(ready))))
-        done = _with_numbers_of_logs(done)
-        done = _set_free(_with_sensor_at_load(done))
-        return _finish(done)
+        judged = _judged(_found(told(train, test)))
+        if said := untaught(judged.search, judged.chosen, judged.verdict):
+            progress("once more, with the end of every log held out")
+            again = _taught_by_all(told, [*train, *test], said)
+            judged = again or judged.noted(said)
+        return _written(judged)
+
+
+def _taught_by_all(
+    told: Callable[..., Ready], logs: list[Recording], said: str
+) -> "_Judged | None":
+    """The verdict with the end of every log held out; None where that is *unknown*, too."""
+    try:
+        kept, held = ends_aside(logs)
+    except TooShort:
+        return None
+    again = _judged(_found(told(kept, held, [f"{said} {ASIDE}"])))
+    return None if again.verdict.kind == "unknown" else again
+
+
+def _found(ready: Ready) -> "_Searched":
+    """The whole search: about its delay, within its bounds, with numbers of logs, by the sensor."""
+    done = _set_free(_once_more(_searched(_placed(ready))))
+    return _set_free(_with_sensor_at_load(_with_numbers_of_logs(done)))
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """A search, what stands of it, and the verdict; `rest` is what follows from the motion yet."""
+
+    done: _Searched
+    found: Found
+    verdict: Verdict
+    rest: Ceiling
+
+    @property
+    def search(self) -> RigSearch:
+        return self.done.search
+
+    @property
+    def chosen(self) -> Model:
+        return self.found.chosen
+
+    def noted(self, said: str) -> "_Judged":
+        """The same with a further note."""
+        ready = replace(self.done.ready, said=[*self.done.ready.said, said])
+        return replace(self, done=replace(self.done, ready=ready))
 
 
 def base_model(
@@ -193,14 +243,19 @@ def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:
     return replace(wider, ready=replace(wider.ready, said=[*wider.ready.said, said]))
 
 
-def _finish(done: _Searched) -> Diagnosis:
-    ready, search, found, gate = done.ready, done.search, done.found, done.gate
+def _judged(done: _Searched) -> _Judged:
+    search = done.search
+    ended, weighed = concluded(search, done.found, lambda model: is_bent(search, model))
+    rest = search.models.ceiling(ended.found.chosen)
+    verdict = judge(ended, weighed, doubts(search, ended.found, rest))
+    return _Judged(done, ended.found, verdict, rest)
+
+
+def _written(judged: _Judged) -> Diagnosis:
+    found, verdict, rest = judged.found, judged.verdict, judged.rest
+    ready, search, gate = judged.done.ready, judged.search, judged.done.gate
     problems = search.models.train, search.models.heldout
-    ended, weighed = concluded(search, found, lambda model: is_bent(search, model))
-    found = ended.found
     bare, chosen = found.rungs[0], found.chosen
-    rest = search.models.ceiling(chosen)
-    verdict = judge(ended, weighed, doubts(search, found, rest))
     law = None if verdict.doubts else _law(search, found, rest, verdict.kind)
     notes = [*ready.said, *oddities(search, chosen, gate, ready.given)]
     notes += beyond(problems, ready.own, chosen.fit.changes)

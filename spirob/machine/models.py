@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.flexible import folds_of
-from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, label
+from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, label
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect
 from spirob.identify.descent import slopes_ahead
@@ -158,6 +158,10 @@ class Models(Predictor):
     def related(self, effect: type[Effect], others: Sequence[type[Effect]]) -> bool:
         """Whether one of the others is the same kind of law, of which a machine has only one."""
         return related(effect, others)
+
+    def absorbs(self, model: Model, effect: type[Effect]) -> bool:
+        """Whether an effect's columns are those of the model's numbers."""
+        return all(offer.new <= ABSORBED for offer in self.offers(model, [effect]))
 
     def plain(self, model: Model) -> bool:
         """Whether a model is no wave twice, and no delay in other words."""

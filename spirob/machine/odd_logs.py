@@ -51,9 +51,19 @@ def way_of(speeds: np.ndarray, rest_speed: float) -> int:
     return int(ahead > 1.0 - RARE) - int(ahead < RARE)
 
 
+def ways_apart(train: InverseProblem, heldout: InverseProblem) -> bool:
+    """Whether these logs go one way alone, and those the other alone."""
+    way, other = _ways(train, heldout)
+    return way == -other != 0
+
+
+def _ways(*problems: InverseProblem) -> list[int]:
+    return [way_of(p.signals()["speed"], p.rest_speed) for p in problems]
+
+
 def one_way(train: InverseProblem, heldout: InverseProblem) -> list[str]:
     """What logs of one direction cannot tell; empty for logs of both."""
-    way, other = (way_of(p.signals()["speed"], p.rest_speed) for p in (train, heldout))
+    way, other = _ways(train, heldout)
     if not way:
         return []
     said = (

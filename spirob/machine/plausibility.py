@@ -18,6 +18,7 @@ import scipy
 
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
+from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import Ceiling
@@ -31,6 +32,7 @@ from spirob.machine.odd_logs import (
     one_way,
     plain_columns,
     strangers,
+    ways_apart,
 )
 from spirob.machine.rig import Bounded, RigFile
 
@@ -96,6 +98,23 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
     if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
         said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
     return said
+
+
+def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
+    """That held-out logs show what the fitted ones do not, where no name stands; else empty.
+
+    They leave twice what data left out of the fitted logs do, by more than counts.  Doubts stand,
+    but those about a log that alone goes its way: what friction does there, no other can say.
+    """
+    left, held = chosen.mean_square, chosen.heldout_square
+    differ = held > TWICE**2 * left and held - left > search.worth.least**2
+    alone = ways_apart(search.models.train, search.models.heldout)
+    if verdict.kind != "unknown" or not differ or (verdict.doubts and not alone):
+        return ""
+    return (
+        f"The held-out logs leave {np.sqrt(held / left):.2g} times the error that is left of what "
+        "no fit saw of the others: they show what these do not."
+    )
 
 
 def _senseless(search: RigSearch, found: Found, rest: Ceiling) -> str:

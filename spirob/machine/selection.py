@@ -71,6 +71,7 @@ def _rows(columns: Mapping[str, np.ndarray], compared: Sequence[str]) -> bytes:
 
 
 KEPT = 0.3  # of the log is kept aside, as one block at its end
+ASIDE = f"The last {KEPT:.0%} of every log was kept aside."
 SHORTEST_DIVIDED = 4.0  # s of a log that is to be divided
 
 
@@ -83,8 +84,17 @@ def split(
     """
     if test:
         return train, test, []
+    said = (
+        f"No held-out log was given: {ASIDE} The rest is judged on blocks. Blocks of one trial "
+        "share its start, load and temperature."
+    )
+    return *ends_aside(train), [said]
+
+
+def ends_aside(logs: list[Recording]) -> tuple[list[Recording], list[Recording]]:
+    """Each log but for its end, and these ends; raises TooShort for a log of a few seconds."""
     kept, held = [], []
-    for recording in train:
+    for recording in logs:
         long = sum(len(p.q) for p in recording.pieces)
         needed = round(SHORTEST_DIVIDED / recording.period)
         if long < needed:
@@ -93,11 +103,7 @@ def split(
         late = counted > (1.0 - KEPT) * counted[-1]
         kept.append(_part(recording, recording.name, ~late))
         held.append(_part(recording, f"{recording.name} (end)", late))
-    said = [
-        f"No held-out log was given: the last {KEPT:.0%} of each training log was kept aside, and "
-        "the rest is judged on blocks. Blocks of one trial share its start, load and temperature."
-    ]
-    return kept, held, said
+    return kept, held
 
 
 def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:

@@ -74,6 +74,22 @@ def test_the_one_log_that_turns_the_other_way_is_never_left_out(tmp_path, ways):
     assert any({"constant_force", "current_offset"} <= names for names in named)
 
 
+def leaning(way, seed):
+    """A log of one way, of an axis that drags half as much again forward as backward."""
+    made = one_way(way, seed)
+    dragged = 0.05 * np.gradient(made["q"], T) if way > 0 else 0.0
+    return {**made, "u": made["u"] + dragged - 0.05 - 0.2 * way}
+
+
+def test_what_the_held_out_log_alone_shows_is_found_with_the_ends_held_out(tmp_path):
+    rig = RigFile.model_validate(description())
+    logs = [prepare(f"{way}", leaning(way, 2730 + way), rig) for way in (1, -1)]
+    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
+    assert [f.name for f in found.findings] == ["asymmetric_viscous_friction"]
+    (note,) = (text for text in found.notes if "they show what these do not" in text)
+    assert "30% of every log was kept aside" in note
+
+
 def test_logs_of_one_direction_give_one_name_for_friction_and_a_force(tmp_path):
     rig = RigFile.model_validate(description())
     logs = [prepare(f"{k}", one_way(1, 2720 + k), rig) for k in range(3)]
@@ -109,3 +125,13 @@ def test_more_logs_never_make_the_answer_worse(tmp_path):
     for count in range(1, len(logs) + 1):
         found = diagnose_recordings(rig, tmp_path, logs[:count], [held])
         assert {f.name for f in found.findings} == {"coulomb_friction", "tip_payload"}, count
+
+
+def test_a_held_out_log_of_another_sign_teaches_nothing(tmp_path):
+    rig = RigFile.model_validate(description())
+    made = weighted("tones", 2740), weighted("tones", 2741)
+    made[1]["u"] *= -1.0
+    logs = [prepare(f"{k}", columns, rig) for k, columns in enumerate(made)]
+    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
+    assert found.verdict == "unknown"
+    assert not any("they show what these do not" in text for text in found.notes)
