@@ -73,6 +73,7 @@ def tracked(case: Case) -> dict[str, Any]:
     return found | {
         "verdict": diagnosis.verdict,
         "named": [e.name for e in model.effects],
+        "way": model.way,
         "must": told.truth["must"],
         "errors": errors,
     }
@@ -126,10 +127,13 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
     gain  (none - model)/(none - truth), of all that feed-forward can do
     own   (fitted - model)/(fitted - truth), of what the effects alone can add to fitted numbers
+    one_way  gains with models whose export says that they are for motions of one way: this is none
     """
     played = [r for r in rows if "errors" in r]
-    named = [r["errors"] for r in played if r["verdict"] == "named"]
-    others = [r["errors"] for r in played if r["verdict"] != "named"]
+    warned = [_share(r["errors"], "none") for r in played if r["way"]]
+    both = [r for r in played if not r["way"]]
+    named = [r["errors"] for r in both if r["verdict"] == "named"]
+    others = [r["errors"] for r in both if r["verdict"] != "named"]
     gain = [_share(e, "none") for e in named]
     own = [_share(e, "fitted") for e in named if e["fitted"] > NOTHING * e["truth"]]
     return {
@@ -137,6 +141,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "refused": len(rows) - len(played),
         "named": len(named),
         "gain": _told(gain),
+        "one_way": _told(warned),
         "own": _told(own),
         "not_named": len(others),
         "not_named_worse_than_none": sum(e["model"] > e["none"] for e in others),

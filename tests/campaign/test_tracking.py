@@ -32,9 +32,9 @@ def test_no_feed_forward_is_the_axis_as_it_was():
 
 
 def test_shares_are_of_what_can_be_gained():
-    def row(verdict, none, fitted, model, truth):
+    def row(verdict, none, fitted, model, truth, way=0):
         errors = {"none": none, "fitted": fitted, "model": model, "truth": truth}
-        return {"verdict": verdict, "errors": errors}
+        return {"verdict": verdict, "errors": errors, "way": way}
 
     found = summary(
         [
@@ -42,11 +42,13 @@ def test_shares_are_of_what_can_be_gained():
             row("named", 10.0, 1.0, 2.0, 0.0),
             row("unknown", 10.0, 4.0, 4.0, 0.0),
             row("unknown", 10.0, 11.0, 11.0, 0.0),
+            row("named", 10.0, 5.0, 16.0, 0.0, way=1),
             {"refused": "no log"},
         ]
     )
     assert found["gain"]["quartiles"][1] == pytest.approx(0.85)
     assert found["gain"]["at_least_0.9"] == 1
     assert found["own"]["quartiles"][1] == pytest.approx(-0.1)
+    assert found["one_way"]["least"] == pytest.approx(-0.6)
     assert (found["named"], found["named_worse_than_fitted"]) == (2, 1)
     assert (found["not_named"], found["not_named_worse_than_none"], found["refused"]) == (2, 1, 1)
