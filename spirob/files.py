@@ -70,6 +70,15 @@ def inside(name: str, folder: Path, what: str) -> Path:
     return path
 
 
+def may_hold_results(folder: Path) -> None:
+    """Raise OSError where a folder is none and cannot be made, or nothing may be written there."""
+    there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not there.is_dir():
+        raise NotADirectoryError(20, "is a file, not a folder", str(there))
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise PermissionError(13, "may not be written", str(there))
+
+
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
     """A temporary path in the same folder that becomes `path` if the block succeeds.

@@ -19,7 +19,7 @@ from spirob.export.body import AXIS
 from spirob.export.code import c_name
 from spirob.export.corrected import Corrected, corrected, read_document
 from spirob.export.heldout import Errors, Heldout, played_alone, there
-from spirob.files import write_text
+from spirob.files import may_hold_results, write_text
 
 LOSS = 0.01  # of the effects' size, which an export may lose in silence
 
@@ -99,8 +99,7 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
     known = targets()
     if to not in known:
         raise ExportError(f"no target '{to}'; there are: {', '.join(known)}")
-    if out.exists() and not out.is_dir():
-        raise NotADirectoryError(20, "is a file, not a folder", str(out))
+    may_hold_results(out)
     target, document = known[to], read_document(path)
     model = _model(document, path.parent)
     if isinstance(model, CorrectedArm):

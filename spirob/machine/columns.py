@@ -1,5 +1,6 @@
 """The columns of a log in a description, and their units: motion, effort, time."""
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
@@ -149,3 +150,12 @@ class EffortColumn(Column):
     def title(self) -> str:
         """What it is called in a sentence."""
         return self.name or f"motor {'voltage' if self.kind == 'duty' else self.kind}"
+
+
+def used_once(channels: Mapping[str, Column]) -> None:
+    """Raise ValueError where one column is given for two things, by what it is for."""
+    seen: dict[str, str] = {}
+    for key, column in channels.items():
+        if column.column in seen:
+            raise ValueError(f"{key}: '{column.column}' is the column of {seen[column.column]}")
+        seen[column.column] = key

@@ -4,7 +4,8 @@ A cause (a sign, a scale) is said only where mending it makes a log fit the mode
 with both figures; otherwise what was found.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +17,7 @@ FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of 
 FEWEST = 3  # logs of which one can be told as the odd one
 ALIKE = 0.1  # by which a factor between two logs counts as none
 FAR = 20.0  # between a stroke and that of all other logs
+UNITS_APART = tuple(f for u in (np.pi / 180, 2 * np.pi, 1e3) for f in (u, 1 / u))
 RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
 
 
@@ -83,32 +85,47 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
 
     residuals  of one model on the trials of each problem
     """
-    logs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    logs: dict[str, Log] = {}
     poorest = 1.0
     for problem, residual in zip(problems, residuals, strict=True):
-        measured, design = problem.measured(), np.column_stack([*plain_columns(problem)])
+        measured = problem.measured()
         edges = pairwise(problem.edges)
         for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
             own = measured[start:stop]
-            logs[recording.name] = own, design[start:stop]
+            logs[recording.name] = own, partial(_design, problem, slice(start, stop))
             poorest = min(poorest, explained(own, own + residual[start:stop]))
     if len(logs) < FEWEST or poorest >= FAMILIAR:
         return ""
-    for name, (measured, design) in logs.items():
-        others = [log for other, log in logs.items() if other != name]
-        whole = np.concatenate([d for _, d in others])
-        found = np.linalg.lstsq(whole, np.concatenate([m for m, _ in others]), rcond=None)[0]
-        if min(explained(m, d @ found) for m, d in others) < FAMILIAR:
-            continue
-        modelled = design @ found
-        share, mended = explained(measured, modelled), _mended(measured, modelled)
-        if share < STRANGE or (share < FAMILIAR and mended):
-            return (
-                f"{name}: inertia, friction and weight that fit all other logs explain "
-                f"{max(0.0, share):.0%} of its effort's variance"
-                + (f"; {mended}." if mended else ".")
-            )
-    return ""
+    fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
+    name = max(fits, key=lambda one: fits[one][1])
+    (measured, design), (found, poorest) = logs[name], fits[name]
+    modelled = design(1.0) @ found
+    share, mended = explained(measured, modelled), _mended(measured, modelled)
+    by_unit = {times: explained(measured, design(times) @ found) for times in UNITS_APART}
+    unit = max(by_unit, key=lambda times: by_unit[times])
+    if by_unit[unit] > max(FAMILIAR, share):
+        told = f"{by_unit[unit]:.0%} of the variance is explained, as by another unit"
+        mended = f"with its position times {unit:.4g} {told}"
+    if poorest < FAMILIAR or not (share < STRANGE or (share < FAMILIAR and mended)):
+        return ""
+    said = f"{name}: inertia, friction and weight that fit all other logs explain "
+    said += f"{max(0.0, share):.0%} of its effort's variance"
+    return f"{said}; {mended}." if mended else f"{said}."
+
+
+Log = tuple[np.ndarray, Callable[[float], np.ndarray]]  # its effort, and columns for it
+
+
+def _fitted(logs: Sequence[Log]) -> tuple[np.ndarray, float]:
+    """Numbers of the plain columns fitted to logs, (k,), and the poorest log's R²."""
+    whole = np.concatenate([design(1.0) for _, design in logs])
+    found = np.linalg.lstsq(whole, np.concatenate([effort for effort, _ in logs]), rcond=None)[0]
+    return found, min(explained(effort, design(1.0) @ found) for effort, design in logs)
+
+
+def _design(problem: InverseProblem, rows: slice, times: float) -> np.ndarray:
+    """The plain columns of some rows, (n, k), with the motion so many times as large."""
+    return np.column_stack(plain_columns(problem, times))[rows]
 
 
 def explained(measured: np.ndarray, modelled: np.ndarray) -> float:
@@ -132,9 +149,13 @@ def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
     return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
 
 
-def plain_columns(problem: InverseProblem) -> list[np.ndarray]:
-    """What inertia, viscous and dry friction make, and then what a force and a weight do."""
-    signals = problem.signals()
+def plain_columns(problem: InverseProblem, times: float = 1.0) -> list[np.ndarray]:
+    """What inertia, viscous and dry friction make, and then what a force and a weight do.
+
+    times  factor of the motion, for a log whose unit may be another
+    """
+    moved = ("position", "speed", "acceleration")
+    signals = {name: times * problem.signals()[name] for name in moved}
     sliding = np.tanh(signals["speed"] / problem.rest_speed)
     columns = [signals["acceleration"], signals["speed"], sliding, np.ones_like(sliding)]
     if problem.rig.position is not None:

@@ -60,7 +60,7 @@ def doubts(search: RigSearch, found: Found, rest: Ceiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
     problems = search.models.train, search.models.heldout
     residuals = found.chosen.fit.residual, found.chosen.heldout
-    other = strangers(problems, residuals) or odd_one_out(problems, residuals)
+    other = odd_one_out(problems, residuals) or strangers(problems, residuals)
     said = [other or _senseless(search, found, rest), _turned(search), _out_of_scale(search)]
     return [text for text in said if text]
 

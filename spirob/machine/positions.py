@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from spirob.errors import DataError
-from spirob.machine.unwrapping import LONG, Track, modulus_of, unwrapped
+from spirob.machine.unwrapping import LONG, RARE, WITHIN, Track, modulus_of, unwrapped
 
 FEW, LEAST = 0.01, 10  # share of a log that may be jumps, and how many at least
 SINGLE = 0.05  # share of it that may be spikes: what they hide stands beside them
@@ -16,6 +16,7 @@ BACK = 0.2  # of a spike by which the position may have moved on behind it
 ANOTHER = "its zero may be another there, which moves what depends on position"
 LEAP = 1.5  # times the fastest 2 % of the log
 SURELY = 6.0  # times what is usual: a change of speed, and a speed that is none of its noise
+SLOWEST, QUARTER = 0.05, 0.25  # of the rows, and of a modulus a row
 SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
 
 
@@ -44,16 +45,43 @@ def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
     wraps = 0
     if modulus is not None:
         values, wraps, fast = unwrapped(track, modulus)
-        track = replace(track, values=values)
         if wraps:
+            _possible(where, name, track, modulus)
             how = " by its speed, as it turns by half and more in a row" if fast else ""
             said.append(
                 f"{where}: '{name}' wraps round by {modulus:.4g}; unwrapped at {wraps} places{how}."
             )
+        track = replace(track, values=values)
+        said += _unsure(where, name, track, modulus) if wraps else []
     jumps, track = _jumps(where, name, track, said)
     kept = np.flatnonzero(~spikes)
     values = np.interp(np.arange(len(spikes)), kept, track.values)
     return Repaired(values, kept[jumps], modulus if wraps else None)
+
+
+def _possible(where: str, name: str, track: Track, modulus: float) -> None:
+    """Raise DataError where a position that would wrap spans more than its modulus."""
+    low, high = np.quantile(track.values, [RARE, 1.0 - RARE])
+    if high - low > (1.0 + WITHIN) * modulus:
+        raise DataError(
+            f"{where}: '{name}' spans {high - low:.4g}, more than its modulus of {modulus:.4g}: is "
+            "that of another unit than the column's?"
+        )
+
+
+def _unsure(where: str, name: str, track: Track, modulus: float) -> list[str]:
+    """That the other way round would do as well: no row is slow, and no sensor of speed tells.
+
+    From a quarter of the modulus a row on, the other way is less than three times as fast.
+    """
+    slow = float(np.quantile(np.abs(track.rates()), SLOWEST))
+    if track.speed is not None or slow < QUARTER * modulus:
+        return []
+    return [
+        f"{where}: '{name}' moves on by {slow / modulus:.2g} of its modulus a row and more, and "
+        "never rests: whether that way round or the other, nothing tells. Give a velocity, or log "
+        "more often."
+    ]
 
 
 def _spikes(track: Track, modulus: float | None) -> np.ndarray:

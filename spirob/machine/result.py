@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from spirob.files import replacing, write_text
+from spirob.files import may_hold_results, replacing, write_text
 from spirob.machine.composed import Composed
 
 
@@ -138,8 +138,7 @@ class Diagnosis:
         from spirob.report import build_rig_page
 
         out = Path(folder)
-        if out.exists() and not out.is_dir():
-            raise NotADirectoryError(20, "is a file, not a folder", str(out))
+        may_hold_results(out)
         out.mkdir(parents=True, exist_ok=True)
         text = json.dumps(self.document, indent=2, ensure_ascii=False, allow_nan=False)
         write_text(out / "diagnosis.json", text + "\n")

@@ -22,6 +22,7 @@ from spirob.machine.columns import (
     Entry,
     MotionColumn,
     PositionColumn,
+    used_once,
 )
 from spirob.units import Size, units_of
 
@@ -311,7 +312,7 @@ class RigFile(Entry):
         if self.effort.source == "control" and (self.control is None or self.reference is None):
             raise ValueError("effort.from: control needs 'control' and 'reference'")
         self._has_places()
-        _used_once(self.channels())
+        used_once(self.channels())
         return self
 
     def _has_places(self) -> None:
@@ -329,15 +330,6 @@ class RigFile(Entry):
             raise ValueError(f"{placed[0]}: needs the position")
         if self.predict != "effort":
             raise ValueError(f"predict: {self.predict} needs the position")
-
-
-def _used_once(channels: Mapping[str, Column]) -> None:
-    """Raise where one column is given for two things."""
-    seen: dict[str, str] = {}
-    for key, column in channels.items():
-        if column.column in seen:
-            raise ValueError(f"{key}: '{column.column}' is the column of {seen[column.column]}")
-        seen[column.column] = key
 
 
 def _is_of(key: str, column: MotionColumn | None, si: str, known: list[str]) -> None:

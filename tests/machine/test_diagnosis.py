@@ -121,6 +121,7 @@ def test_what_cannot_be_used_is_a_sentence_and_no_result(tmp_path, rig, capsys):
         (["--test", str(tmp_path / "none.csv")], "there is no such log"),
         (["--train", "a\udcff.csv"], "not UTF-8"),
         (["--out", "a\udcff"], "not UTF-8"),
+        (["--out", f"{good}/a/b"], "is a file, not a folder"),
         (["--effects", str(tmp_path / "exits.py")], "fails: SystemExit"),
         (["--effects", "gravity_waves"], "no effect 'gravity_waves'"),
     ]:

@@ -57,6 +57,19 @@ def test_the_log_without_which_all_others_fit_is_named(factors, odd):
     assert odd_one_out([made], [0.1 * made.measured()]) == ""  # the model fits all of them
 
 
+def test_the_log_whose_position_has_another_unit_is_named_with_it():
+    rig, logs = RigFile.model_validate(description()), []
+    for k, unit in enumerate((1.0, 180 / np.pi, 1.0)):
+        t = np.arange(0, 6, 2e-3)
+        w = 4.0 + k
+        effort = -0.01 * (w**2) * np.sin(w * t) + 0.3 * w * np.cos(w * t)
+        logs.append(prepare(f"log{k}", {"t": t, "q": unit * np.sin(w * t), "u": effort}, rig))
+    made = InverseProblem(rig, None, logs, [], SIZES, 0.02)
+    said = odd_one_out([made], [-0.9 * made.measured()])
+    assert said.startswith("log1: ")
+    assert "with its position times 0.01745 100% of the variance" in said
+
+
 def test_what_mends_a_strange_log_is_said_with_its_share():
     modelled = np.sin(np.arange(1000) / 30)
     assert "sign turned 100%" in _mended(-modelled, modelled)

@@ -130,3 +130,29 @@ def test_one_step_of_no_known_size_is_a_jump_and_many_are_refused():
     often = replace(once, values=true + 5.0 * np.cumsum(np.arange(1200) % 60 == 0))
     with pytest.raises(DataError, match=r"'q' jumps by .* and 19 times in all"):
         repaired("log", "q", often, [])
+
+
+def steady(rate, modulus=TURN, speed=None):
+    """What is said of an axis that moves by so many moduli a row from the first to the last."""
+    seconds = 0.01 * np.arange(1200)
+    true = modulus * rate * np.arange(1200) + 0.02 * modulus * np.sin(2 * seconds)
+    sensor = None if speed is None else speed * np.gradient(true, 0.01)
+    said: list[str] = []
+    repaired("log", "q", Track(np.mod(true, modulus), seconds, 0.01, 0.055, speed=sensor), said)
+    return " ".join(said)
+
+
+def test_a_steady_turn_of_a_quarter_and_more_a_row_may_be_the_other_way_and_is_told():
+    assert "or the other, nothing tells" in steady(0.64)
+    assert "0.36" in steady(0.64)
+    assert "or the other" not in steady(0.64, speed=2.0)
+    assert "or the other" not in steady(0.05)
+
+
+def test_a_modulus_of_another_unit_is_refused_and_one_of_a_log_without_wraps_is_none():
+    seconds = 0.01 * np.arange(1200)
+    degrees = Track(4000.0 * np.sin(seconds), seconds, 0.01, 0.055, modulus=TURN)
+    with pytest.raises(DataError, match=r"spans 7999, more than its modulus of 6\.283"):
+        repaired("log", "q", degrees, [])
+    whole = Track(20.0 * np.sin(seconds), seconds, 0.01, 0.055, modulus=TURN)
+    assert np.array_equal(repaired("log", "q", whole, []).values, whole.values)

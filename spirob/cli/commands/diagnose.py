@@ -37,12 +37,11 @@ def run(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from spirob.cli.progress import SearchProgress
-    from spirob.files import named
+    from spirob.files import may_hold_results, named
     from spirob.machine.diagnosis import diagnose
 
     out = Path(named(arguments.out))
-    if out.exists() and not out.is_dir():
-        raise NotADirectoryError(20, "is a file, not a folder", str(out))
+    may_hold_results(out)
     with SearchProgress(sys.stderr, arguments.quiet) as progress:
         found = diagnose(
             arguments.rig,

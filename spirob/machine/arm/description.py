@@ -26,6 +26,7 @@ from spirob.errors import ConfigError
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
 from spirob.machine.arm.shape import TOLERANCES
+from spirob.machine.columns import used_once
 from spirob.machine.rig import (
     ANGLES,
     EFFORTS,
@@ -231,6 +232,11 @@ class ArmFile(Entry):
             part, _, number = name.partition(".")
             if number in self.arm.get(part, {}):
                 raise ValueError(f"{name}: either in 'known' or in 'arm'")
+        given = {"time": self.time}
+        for side, motor in (("left", self.left), ("right", self.right)):
+            of = {"position": motor.position, "effort": motor.effort, "command": motor.command}
+            given |= {f"{side}.{name}": column for name, column in of.items() if column}
+        used_once(given)
         return self
 
     def fitted(self) -> dict[str, Bounded | None]:

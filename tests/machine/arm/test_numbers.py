@@ -141,6 +141,10 @@ TWICE = {"known": {"winch.radius": 0.02}, "arm": {"winch": {"radius": 0.03}}}
         ({"fit": ["winch.efficiency"], "known": {"winch.efficiency": 0.7}}, "either known or fitt"),
         ({"known": dict.fromkeys(FITTED, 0.7)}, "known: nothing is left to fit"),
         (TWICE, r"winch\.radius: either in 'known' or in 'arm'"),
+        (
+            {"time": {"column": "left current", "unit": "s"}},
+            "left.effort: 'left current' is the column",
+        ),
         ({"arm": {"winch": 3}}, "arm: winch: a mapping of its numbers, got 3"),
     ],
 )
