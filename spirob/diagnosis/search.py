@@ -257,14 +257,17 @@ class Search(Generic[M]):
     def _same(self, model: Model, effect: type[Effect]) -> list[str]:
         """Laws as rich as an effect, or the plainest dry friction, that these data show as it.
 
-        The model without the effect cannot make what they do, with it it can.  A richer law that
-        contains the chosen one would say the same always.  Dry friction contains no law but its own
-        kind: where it is the same, as in logs of one direction, the data say so.
+        They promise as much, and the model with the effect can make what they do, without it it
+        cannot.  A richer law that contains the chosen one would say the same always.  Dry friction
+        contains no law but its own kind: where it is the same, as in logs of one direction, the
+        data say so.
         """
         lesser, own = self.without(model, effect), richness(effect)
         other = [e for e in self.absent(lesser) if richness(e) == own or is_dry(e)]
-        offers = self._offers(lesser, [e for e in other if e is not effect])
-        made = [o.effect for o in offers if self.models.absorbs(model, o.effect)]
+        errors = {o.effect: o.error for o in self._offers(lesser, [effect, *other])}
+        enough = errors.pop(effect, 0.0) + (ALIKE * self.worth.least) ** 2
+        as_good = [e for e, error in errors.items() if error <= enough]
+        made = [e for e in as_good if self.models.absorbs(model, e)]
         dry = [] if is_dry(effect) else sorted(filter(is_dry, made), key=richness)[:1]
         return [e.name() for e in made if richness(e) == own or e in dry]
 
