@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spirob.experiments import Sides, curve, row
-from spirob.experiments.host_loop import GainSet, OnHost, as_asked
+from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.single_contact import (
     READ,
     SingleContact,
@@ -51,7 +51,6 @@ class HostContact(OnHost, SingleContact):
         return {s: [responses(hit[s], free[s], self.hit) for hit in hits] for s in free}
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
-        sides = as_asked(sides)
         rows = [GainSet(b, 1.0, self.latency).margin() for b in self.bandwidths]
         rows += self.told_rows()
         for one in self.sets:
@@ -92,7 +91,7 @@ class HostContact(OnHost, SingleContact):
         ]
         off = {
             m: max(abs(found[m][k]["peak"] / robot[k]["peak"] - 1.0) for k in told)
-            for m in (*MODELS, "single")
+            for m in MODELS
             if m in found and told
         }
         met = bool(off["named"] <= APART) if "named" in off else None
@@ -102,7 +101,7 @@ class HostContact(OnHost, SingleContact):
         return row(what, "1", off, aim=f"at most {APART}", met=met, note=note)
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
-        sides, out, at = as_asked(sides), [], 100 * np.array(self.places)
+        out, at = [], 100 * np.array(self.places)
         for one in self.sets:
             for s, found in self._found(sides, one).items():
                 for key, quantity in FIGURES:

@@ -26,7 +26,7 @@ import scipy
 
 from spirob.control import HostLoop, Placed, Winding, placed
 from spirob.errors import ConfigError, DataError
-from spirob.experiments import Experiment, Known, Play, Side, Sides, plan, row, trial
+from spirob.experiments import Experiment, Known, Play, Side, plan, row, trial
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
 from spirob.plant.rig import Motor
 
@@ -98,17 +98,6 @@ def answer(winding: Winding, seconds: float, voltage: np.ndarray, emf: np.ndarra
     acts = first * sent[1 : len(voltage) + 1] + second * sent[: len(voltage)]
     acts -= (1.0 - winding.decay) / winding.resistance * emf
     return np.asarray(scipy.signal.lfilter([0.0, 1.0], [1.0, -winding.decay], acts))
-
-
-def as_asked(sides: Sides) -> dict[str, dict[str, Side]]:
-    """The same sides, the one without motors with the current that it was asked for.
-
-    Single dynamics knows no other: it has a contact move the arm, and the current never.
-    """
-    return {
-        play: {s: replace(x, current=x.command) if x.current is None else x for s, x in of.items()}
-        for play, of in sides.items()
-    }
 
 
 JUMP, STEP = 0.5, 0.2  # of the current that is held, up and down; s between two jumps

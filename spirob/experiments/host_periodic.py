@@ -14,7 +14,7 @@ import scipy
 
 from spirob.experiments import Side, Sides, curve, row, within
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.host_loop import GainSet, OnHost, as_asked
+from spirob.experiments.host_loop import GainSet, OnHost
 from spirob.experiments.periodic_contact import (
     BAND,
     PAPER,
@@ -78,7 +78,7 @@ class HostPeriodic(OnHost, PeriodicContact):
     duration: float = 12.5
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
-        sides, rows = as_asked(sides), []
+        rows = []
         for one in self.sets:
             # the same rule as with the loop in the drive, on the plays of this set
             own = {self._name(p): sides[self.play_of(one, p)] for p in (None, *self.places)}
@@ -132,11 +132,13 @@ class HostPeriodic(OnHost, PeriodicContact):
         return peak_interval(values, max(1.0, noise))
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
-        sides, out = as_asked(sides), []
+        out = []
         one = self.slowest
         free = sides[self.play_of(one, None)]
         for place in self.places:
             for s, hit in sides[self.play_of(one, place)].items():
+                if hit.current is None:
+                    continue
                 play = f"{one.words}, at {place:.0%}"
                 out += in_time(play, s, hit, free[s], self.begins)
                 values = seen(hit, free[s], "current", self.begins)

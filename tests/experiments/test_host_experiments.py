@@ -76,21 +76,6 @@ def test_order_and_size_of_the_peaks():
     assert rows["current peak off the robot's, 10 Hz without back-EMF"]["met"] is False
 
 
-def test_single_dynamics_has_the_current_that_it_is_asked_for():
-    experiment = HostContact(bandwidths=(10.0,), shares=(0.0,))
-    sides = answers(experiment, RISING, RISING)
-    for play, of in sides.items():
-        moved = of["robot"].displacement + (0.0 if play.endswith("free") else 1e-3)
-        of["single"] = replace(of["robot"], current=None, displacement=moved)
-    rows = {r["what"]: r for r in experiment.measure(sides)}
-    assert rows["current peak, 10 Hz without back-EMF, at 95%"]["single"] == 0.0
-    assert rows["current peak off the robot's, 10 Hz without back-EMF"]["single"] == 1.0
-    assert rows["rank agreement of current peak, 10 Hz without back-EMF"]["single"] is None
-    flat = [c for c in experiment.curves(sides) if c["side"] == "single"]
-    assert {c["quantity"] for c in flat} >= {"current peak", "current after a hit"}
-    assert not any(np.any(c["y"]) for c in flat if "current" in c["quantity"])
-
-
 def test_what_is_below_a_count_has_no_order():
     rows = rows_of([0.4, 8, 12, 25, 60, 170], RISING)
     told = rows["rank agreement of current peak, 10 Hz without back-EMF"]
@@ -124,14 +109,11 @@ def test_the_wheel_has_a_row_for_every_rule_and_set():
         swing = 0.0 if "free" in play.name else 20 * COUNT
         current = np.repeat((0.8 + swing * np.sin(2 * np.pi * t / 0.4))[:, None], 2, axis=1)
         sides[play.name] = {s: Side(current, still, still, still) for s in ("robot", "named")}
-        sides[play.name]["single"] = Side(None, still, still, still)
     rows = {r["what"]: r for r in experiment.measure(sides)}
     for bandwidth in (5, 20):
         at = f"current, {bandwidth} Hz without back-EMF, at 85%"
         assert rows[f"apparent period of {at}"]["robot"] == pytest.approx(0.4, rel=0.01)
         assert rows[f"apparent period of {at}"]["met"]
-        assert rows[f"apparent period of {at}"]["note"].startswith("not visible, no line of one")
-        assert rows[f"swing of {at}"]["single"] == 0.0
         assert rows[f"interval between peaks of {at}"]["named"] == pytest.approx(0.4, rel=0.01)
     assert rows["apparent period of filtered, 5 Hz without back-EMF, at 25%"]["paper"] == 0.4
 
