@@ -56,10 +56,14 @@ def reconstructed(side: Side) -> str:
     return "current" if side.arm_current is None else "arm_current"
 
 
+def per_unit(signal: str) -> float:
+    """Counts of the drive (no gear) to a metre of displacement or to an ampere."""
+    return COUNTS_PER_METRE if signal == "displacement" else COUNTS_PER_AMPERE
+
+
 def difference(hit: Side, free: Side, signal: str, motor: int = 0) -> np.ndarray:
     """A signal with contact less the same without it, in counts of the drive (no gear)."""
-    scale = COUNTS_PER_METRE if signal == "displacement" else COUNTS_PER_AMPERE
-    return scale * (hit.driven(signal, motor) - free.driven(signal, motor))
+    return per_unit(signal) * (hit.driven(signal, motor) - free.driven(signal, motor))
 
 
 @dataclass(frozen=True)

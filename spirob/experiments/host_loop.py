@@ -15,8 +15,12 @@ the windings under held voltages as in `control`, driven by the voltages that we
 and the speed that was read, of a cycle the mean of its ends.  τ, each motor's R and each motor's
 k_e are those that leave the least of the measured current; L is nominal.  Currents that jump tell
 τ, rotors that turn tell k_e; currents that are held tell neither.
+
+The baseline has neither motor nor loop: its force is the commanded one, so that its current, and
+the i** that a force F_cmd asks for, is the commanded current F_cmd/n whatever touches the arm.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -26,7 +30,7 @@ import scipy
 
 from spirob.control import HostLoop, Placed, Winding, placed
 from spirob.errors import ConfigError, DataError
-from spirob.experiments import Experiment, Known, Play, Side, plan, row, trial
+from spirob.experiments import Experiment, Known, Play, Side, Sides, plan, row, trial
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
 from spirob.plant.rig import Motor
 
@@ -243,9 +247,23 @@ class OnHost(Experiment):
         note += f"{1e3 * self.latency:g}"
         return [row("latency of the loop", "ms", late, note=note), *shares]
 
+    def at(self, sides: Sides, one: GainSet, place: float | None) -> dict[str, Side]:
+        """What every side did under one set; a side without motors has its command as current."""
+        return {
+            s: replace(side, current=side.command, arm_current=side.command)
+            if side.current is None
+            else side
+            for s, side in sides[self.play_of(one, place)].items()
+        }
+
     def play_of(self, one: GainSet, place: float | None) -> str:
         """Its name."""
         return f"{self.named}_{one.key}_{'free' if place is None else f'{100 * place:.0f}'}"
+
+
+def or_none(told: Mapping[str, float]) -> dict[str, Any]:
+    """With "none" for what a current that never changes has not: the baseline's NaN."""
+    return {s: "none" if s == "single" and np.isnan(v) else v for s, v in told.items()}
 
 
 def jumps(name: str, current: float) -> dict[str, Any]:

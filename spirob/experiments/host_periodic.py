@@ -13,11 +13,12 @@ import numpy as np
 import scipy
 
 from spirob.experiments import Side, Sides, curve, row, within
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.host_loop import GainSet, OnHost
+from spirob.experiments.direct_drive import per_unit
+from spirob.experiments.host_loop import GainSet, OnHost, or_none
 from spirob.experiments.periodic_contact import (
     BAND,
     PAPER,
+    SHOWN,
     SMOOTHING,
     PeriodicContact,
     in_time,
@@ -30,7 +31,13 @@ HIGHEST = 12.0  # Hz of the spectrum in the report
 PARTS = 3  # of a trial, whose lines say how far one of a few seconds is to be trusted
 APART = 0.02  # s, least between two peaks
 ALIKE = 0.1  # most by which an apparent period of the model may be off
-SIGNALS = {"current": "current", "filtered": "filtered", "arm_current": "reconstructed current"}
+SIGNALS = {
+    "current": "current",
+    "filtered": "filtered",
+    "arm_current": "reconstructed current",
+    "displacement": "angle",
+}
+AS_PAPER = ("filtered", "arm_current")
 
 
 def highest(values: np.ndarray) -> float:
@@ -72,7 +79,9 @@ class HostPeriodic(OnHost, PeriodicContact):
     title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
     about: ClassVar[str] = (
         "The current follows the arm's own swing between hits of the wheel, for a slow loop on the "
-        "host lets the back-EMF through. What (12) feeds forward hides it here as well."
+        "host lets the back-EMF through. What (12) feeds forward hides it here as well. "
+        "Single dynamics has no motor to be pushed: its current stays the commanded one, 0 counts "
+        "and no period, while its angle swings."
     )
     named: ClassVar[str] = "host_peg"
     duration: float = 12.5
@@ -81,7 +90,7 @@ class HostPeriodic(OnHost, PeriodicContact):
         rows = []
         for one in self.sets:
             # the same rule as with the loop in the drive, on the plays of this set
-            own = {self._name(p): sides[self.play_of(one, p)] for p in (None, *self.places)}
+            own = {self._name(p): self.at(sides, one, p) for p in (None, *self.places)}
             for k, place in enumerate(self.places):
                 for signal in SIGNALS:
                     if signal == "arm_current" and not self._modelled(own, place):
@@ -99,19 +108,20 @@ class HostPeriodic(OnHost, PeriodicContact):
         periods, sizes, lines = self._lines(own, place, signal)
         hits, free = own[self._name(place)], own[self._name(None)]
         gaps = {s: self._gap(hits[s], free[s], signal) for s in periods}
-        hidden = [s for s, period in periods.items() if np.isnan(period)]
+        shown = or_none(periods)
+        hidden = [s for s, period in shown.items() if period != "none" and np.isnan(period)]
         notes = [f"not visible, no line of one count: {', '.join(hidden)}"] if hidden else []
         if signal == "current" and "robot" in hits and "robot" not in hidden:
             notes.append(self._repeats(seen(hits["robot"], free["robot"], signal, self.begins)))
         at = f"{SIGNALS[signal]}, {one.words}, at {place:.0%}"
-        as_paper = signal != "current" and len(self.places) == len(PAPER)
+        as_paper = signal in AS_PAPER and len(self.places) == len(PAPER)
         paper, note = PAPER[k] if as_paper else None, "; ".join(notes)
         tip = k == len(self.places) - 1 and signal == "current"
         met = within(periods.get("named"), periods.get("robot"), ALIKE) if tip else None
         aim = f"within {ALIKE:.0%}" if tip and met is not None else None
         return [
-            row(f"apparent period of {at}", "s", periods, paper=paper, aim=aim, met=met, note=note),
-            row(f"interval between peaks of {at}", "s", gaps),
+            row(f"apparent period of {at}", "s", shown, paper=paper, aim=aim, met=met, note=note),
+            row(f"interval between peaks of {at}", "s", or_none(gaps)),
             row(f"swing of {at}", "counts", sizes),
             row(f"line at 1/T of {at}", "counts", lines),
         ]
@@ -127,19 +137,20 @@ class HostPeriodic(OnHost, PeriodicContact):
 
     def _gap(self, hit: Side, free: Side, signal: str) -> float:
         values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
-        alone = smooth(COUNTS_PER_AMPERE * free.driven(signal, self.motor), SMOOTHING)
+        alone = smooth(per_unit(signal) * free.driven(signal, self.motor), SMOOTHING)
         noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
         return peak_interval(values, max(1.0, noise))
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
         one = self.slowest
-        free = sides[self.play_of(one, None)]
+        free = self.at(sides, one, None)
         for place in self.places:
-            for s, hit in sides[self.play_of(one, place)].items():
-                if hit.current is None:
-                    continue
+            for s, hit in self.at(sides, one, place).items():
                 play = f"{one.words}, at {place:.0%}"
+                angle = seen(hit, free[s], "displacement", self.begins)[:SHOWN]
+                time = np.arange(len(angle)) * PERIOD
+                out.append(curve(play, "angle", "counts", s, time, angle, 10))
                 out += in_time(play, s, hit, free[s], self.begins)
                 values = seen(hit, free[s], "current", self.begins)
                 frequency, size = mean_spectrum(values)

@@ -118,6 +118,25 @@ def test_the_wheel_has_a_row_for_every_rule_and_set():
     assert rows["apparent period of filtered, 5 Hz without back-EMF, at 25%"]["paper"] == 0.4
 
 
+def test_the_baselines_current_is_the_commanded_one_while_its_angle_answers():
+    experiment = HostContact(bandwidths=(10.0,), shares=(0.0,))
+    sides = answers(experiment, RISING, RISING)
+    for name, played in sides.items():
+        moved = np.zeros((1200, 2))
+        moved[520:620] += 0.0 if "free" in name else 1e-3
+        played["single"] = Side(None, moved, np.zeros((1200, 2)), played["robot"].command)
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    at = "10 Hz without back-EMF"
+    assert rows[f"angle, {at}, at 95%"]["single"] == pytest.approx(65.2, abs=0.1)
+    told = rows[f"current peak, {at}, at 95%"]
+    assert (told["single"], told["note"]) == (0.0, "not visible: single")
+    assert rows[f"current peak off the robot's, {at}"]["single"] == 1.0
+    order = rows[f"rank agreement of current peak, {at}"]
+    assert (order["single"], order["met"]) == ("none", True)
+    drawn = {c["quantity"] for c in experiment.curves(sides) if c["side"] == "single"}
+    assert {"current peak", "current after a hit", "reconstructed current"} <= drawn
+
+
 def test_less_than_one_shot_is_refused():
     with pytest.raises(ConfigError, match=r"paper\.host_contact\.shots = 0: one at least"):
         HostContact(shots=0)
@@ -196,6 +215,7 @@ def test_every_figure_of_a_current_has_the_reconstructed_one_beside_it():
         sides[play.name] = {
             "robot": Side(moved, still, still, still),
             "named": Side(moved, still, still, still, arm_current=2 * moved),
+            "single": Side(None, 1e-3 * moved, still, still),
         }
     drawn = {(c["quantity"], c["side"]): np.ptp(c["y"]) for c in experiment.curves(sides)}
     for side in ("robot", "named"):
@@ -205,6 +225,11 @@ def test_every_figure_of_a_current_has_the_reconstructed_one_beside_it():
     rows = {r["what"]: r for r in experiment.measure(sides)}
     told = rows["apparent period of reconstructed current, 5 Hz without back-EMF, at 85%"]
     assert told["named"] == pytest.approx(0.4, rel=0.01)
-    assert told["robot"] is None
+    assert (told["robot"], told["single"]) == (None, "none")
     measured = rows["apparent period of current, 5 Hz without back-EMF, at 85%"]
     assert measured["note"] == "robot, third by third: 0.39 to 0.40 s"
+    assert measured["single"] == "none"
+    assert rows["swing of current, 5 Hz without back-EMF, at 85%"]["single"] == 0.0
+    angle = rows["apparent period of angle, 5 Hz without back-EMF, at 85%"]
+    assert angle["single"] == pytest.approx(0.4, rel=0.01)
+    assert drawn["angle", "single"] > 0.0 == drawn["current", "single"]
