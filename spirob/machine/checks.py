@@ -82,7 +82,8 @@ def a_motion(
     if fast > NOISE * whole:
         raise DataError(
             f"{where}: '{name}' is no motion that can be followed: {fast / whole:.0%} of its "
-            f"variance lies above {edge:.3g} Hz; is it another column?"
+            f"variance lies above {edge:.3g} Hz; is it another column, or an angle that turns "
+            "too fast for these rows?"
         )
 
 

@@ -16,6 +16,7 @@ BACK = 0.2  # of a spike by which the position may have moved on behind it
 ANOTHER = "its zero may be another there, which moves what depends on position"
 LEAP = 1.5  # times the fastest 2 % of the log
 SURELY = 6.0  # times what is usual: a change of speed, and a speed that is none of its noise
+SMOOTHER = 0.5  # of the squared changes of speed: another modulus explains the motion better
 SLOWEST, QUARTER = 0.05, 0.25  # of the rows, and of a modulus a row
 SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
 
@@ -45,8 +46,9 @@ def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
     wraps = 0
     if modulus is not None:
         values, wraps, fast = unwrapped(track, modulus)
+        if track.modulus is not None:
+            said += _contradicted(where, name, track, modulus, wraps)
         if wraps:
-            _possible(where, name, track, modulus)
             how = " by its speed, as it turns by half and more in a row" if fast else ""
             said.append(
                 f"{where}: '{name}' wraps round by {modulus:.4g}; unwrapped at {wraps} places{how}."
@@ -59,28 +61,50 @@ def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
     return Repaired(values, kept[jumps], modulus if wraps else None)
 
 
-def _possible(where: str, name: str, track: Track, modulus: float) -> None:
-    """Raise DataError where a position that would wrap spans more than its modulus."""
-    low, high = np.quantile(track.values, [RARE, 1.0 - RARE])
-    if high - low > (1.0 + WITHIN) * modulus:
-        raise DataError(
-            f"{where}: '{name}' spans {high - low:.4g}, more than its modulus of {modulus:.4g}: is "
-            "that of another unit than the column's?"
+def _contradicted(where: str, name: str, track: Track, modulus: float, wraps: int) -> list[str]:
+    """That a position which never wraps exceeds the modulus that is given for it.
+
+    Raises DataError where it wraps and spans more, or where another modulus that its own steps
+    tell leaves a motion so much smoother.
+    """
+    unit = "is that of another unit than the column's?"
+    found = modulus_of(replace(track, modulus=None))
+    if found is not None and abs(found - modulus) > WITHIN * modulus:
+        rough, given = (
+            float(np.sum(np.diff(unwrapped(track, m)[0], 2) ** 2)) for m in (found, modulus)
         )
+        if rough < SMOOTHER * given:
+            raise DataError(
+                f"{where}: '{name}' begins again after {found:.4g} by its own steps, not after its "
+                f"modulus of {modulus:.4g}: {unit}"
+            )
+    low, high = np.quantile(track.values, [RARE, 1.0 - RARE])
+    if high - low <= (1.0 + WITHIN) * modulus:
+        return []
+    said = f"{where}: '{name}' spans {high - low:.4g}, more than its modulus of {modulus:.4g}"
+    if wraps:
+        raise DataError(f"{said}: {unit}")
+    return [f"{said}, and never begins again: used as it is."]
 
 
 def _unsure(where: str, name: str, track: Track, modulus: float) -> list[str]:
-    """That the other way round would do as well: no row is slow, and no sensor of speed tells.
+    """That the other way round would do as well, and no sensor of speed tells.
 
-    From a quarter of the modulus a row on, the other way is less than three times as fast.
+    It would where no row is slow, or where the speed changes at once, as the way is told by the
+    speed before.  From a quarter of the modulus a row on, the other way is less than three times
+    as fast, or as large a change.
     """
-    slow = float(np.quantile(np.abs(track.rates()), SLOWEST))
-    if track.speed is not None or slow < QUARTER * modulus:
+    rates = track.rates() / modulus
+    slow = float(np.quantile(np.abs(rates), SLOWEST))
+    change = float(np.abs(np.diff(median_filter(rates, 5))).max())  # and stays so: a jump does not
+    if track.speed is not None or max(slow, change) < QUARTER:
         return []
+    moves = f"moves on by {slow:.2g} of its modulus a row and more, and never rests"
+    if slow < QUARTER:
+        moves = f"changes its speed by {change:.2g} of its modulus a row from one row to the next"
     return [
-        f"{where}: '{name}' moves on by {slow / modulus:.2g} of its modulus a row and more, and "
-        "never rests: whether that way round or the other, nothing tells. Give a velocity, or log "
-        "more often."
+        f"{where}: '{name}' {moves}: whether that way round or the other, nothing tells. Give a "
+        "velocity, or log more often."
     ]
 
 

@@ -82,7 +82,8 @@ def _modulus(track: Track) -> float | None:
     back = large[1:] & large[:-1] & (steps[1:] * steps[:-1] < 0)  # a spike, or on the edge
     wraps = large & ~np.append(back, False) & ~np.insert(back, 0, False)
     small = np.flatnonzero(~large)
-    if not wraps.any() or len(small) < 2:
+    moved = np.count_nonzero(steps[small])  # at rest, two counts in turn are no wraps
+    if not wraps.any() or moved <= np.count_nonzero(wraps):
         return None
     beside = np.interp(np.arange(len(steps)), small, steps[small])
     sizes = np.abs(steps - beside)[wraps]
@@ -90,7 +91,11 @@ def _modulus(track: Track) -> float | None:
     rough = 4.0 * float(np.median(np.abs(np.diff(steps[small]))))
     alike = np.mean(np.abs(sizes - size) < WITHIN * size + rough) >= ALIKE
     spans = high - low, float(np.ptp(track.values))
-    if not alike or not any(FULL * size - rough <= span <= size / FULL for span in spans):
+    if (
+        rough > size
+        or not alike
+        or not any(FULL * size - rough <= span <= size / FULL for span in spans)
+    ):
         return None
     for known in track.usual:
         if abs(size - known) < SNAP * known + rough:

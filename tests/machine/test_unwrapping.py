@@ -149,10 +149,46 @@ def test_a_steady_turn_of_a_quarter_and_more_a_row_may_be_the_other_way_and_is_t
     assert "or the other" not in steady(0.05)
 
 
-def test_a_modulus_of_another_unit_is_refused_and_one_of_a_log_without_wraps_is_none():
+@given(MODULI, st.floats(0.02, 0.2), st.floats(0.0, 0.1), st.integers(0, 2**32))
+def test_a_speed_that_is_gained_by_and_by_is_sure(modulus, fastest, lost, seed):
+    _, track = spun(modulus, fastest, lost, seed)
+    said: list[str] = []
+    repaired("log", "q", track, said)
+    assert "or the other" not in " ".join(said)
+
+
+@pytest.mark.parametrize(("rate", "change"), [(0.3, 0.3), (0.64, 0.36), (1.3, 0.3)])
+def test_a_change_of_speed_at_once_may_be_the_other_way_and_is_told(rate, change):
+    """An axis at rest that turns by so many moduli from one row to the next."""
+    seconds = 0.01 * np.arange(1200)
+    true = 100.0 * rate * np.maximum(seconds - 6, 0) + 0.01 * np.sin(seconds)
+    said: list[str] = []
+    repaired("log", "q", Track(TURN * np.mod(true, 1.0), seconds, 0.01, 0.055), said)
+    assert f"changes its speed by {change} of its modulus" in said[-1]
+    assert "or the other" in said[-1]
+
+
+@given(MODULI, st.sampled_from([2.0, 180 / np.pi, 652.0]), st.integers(0, 2**32))
+def test_a_modulus_that_the_steps_contradict_is_refused_with_theirs(modulus, times, seed):
+    true, track = spun(modulus, 0.1, 0.0, seed)
+    assume(np.ptp(true) > 1.5 * modulus)
+    repaired("log", "q", replace(track, modulus=modulus), [])
+    with pytest.raises(DataError, match=r"again after .* by its own steps, not after its"):
+        repaired("log", "q", replace(track, modulus=times * modulus), [])
+
+
+def test_a_modulus_that_a_position_exceeds_is_refused_or_told_where_it_never_wraps():
     seconds = 0.01 * np.arange(1200)
     degrees = Track(4000.0 * np.sin(seconds), seconds, 0.01, 0.055, modulus=TURN)
     with pytest.raises(DataError, match=r"spans 7999, more than its modulus of 6\.283"):
         repaired("log", "q", degrees, [])
-    whole = Track(20.0 * np.sin(seconds), seconds, 0.01, 0.055, modulus=TURN)
-    assert np.array_equal(repaired("log", "q", whole, []).values, whole.values)
+    whole, said = Track(20.0 * np.sin(seconds), seconds, 0.01, 0.055, modulus=TURN), []
+    assert np.array_equal(repaired("log", "q", whole, said).values, whole.values)
+    assert "never begins again: used as it is" in said[0]
+
+
+@given(st.integers(600, 1200), st.integers(0, 1), st.integers(0, 2**32))
+def test_noise_and_counts_in_turn_at_rest_are_no_wraps(rows, counts, seed):
+    noise = np.random.default_rng(seed).random(rows)
+    values = np.round(noise) if counts else noise
+    assert modulus_of(Track(values, 0.01 * np.arange(rows), 0.01, 0.055)) is None
