@@ -4,6 +4,7 @@ A cause (a sign, a scale) is said only where mending it makes a log fit the mode
 with both figures; otherwise what was found.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
@@ -14,8 +15,9 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import Recording
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
-FEWEST = 3  # logs of which one can be told as the odd one
+PAIR, FEWEST = 2, 3  # logs that may differ by a unit, and of which one can be told as the odd one
 ALIKE = 0.1  # by which a factor between two logs counts as none
+HALF = 0.5  # of the squared error that another unit takes: of any other log it takes nothing
 FAR = 20.0  # between a stroke and that of all other logs
 UNITS_APART = tuple(f for u in (np.pi / 180, 2 * np.pi, 1e3) for f in (u, 1 / u))
 RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
@@ -78,42 +80,56 @@ def one_way(train: InverseProblem, heldout: InverseProblem) -> list[str]:
 
 
 def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
-    """The one log without which all others fit; empty where there is none, or the model fits all.
+    """The one log without which all others fit; empty where there is none.
 
     What fits is inertia, friction and weight, to first order, fitted to the other logs: beside a
-    log of another scale, a search finds a law that bends towards it.
+    log of another scale, a search finds a law that bends towards it.  So where the model fits all,
+    only another unit of the position is told, which nothing else is like.
 
     residuals  of one model on the trials of each problem
     """
-    logs: dict[str, Log] = {}
+    parts: dict[str, list[Log]] = defaultdict(list)  # the end of a log may be held out
     poorest = 1.0
     for problem, residual in zip(problems, residuals, strict=True):
         measured = problem.measured()
         edges = pairwise(problem.edges)
         for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
             own = measured[start:stop]
-            logs[recording.name] = own, partial(_design, problem, slice(start, stop))
+            parts[recording.log].append((own, partial(_design, problem, slice(start, stop))))
             poorest = min(poorest, explained(own, own + residual[start:stop]))
-    if len(logs) < FEWEST or poorest >= FAMILIAR:
+    if len(parts) < PAIR:
         return ""
+    logs = {name: _joined(part) for name, part in parts.items()}
     fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
     name = max(fits, key=lambda one: fits[one][1])
-    (measured, design), (found, poorest) = logs[name], fits[name]
-    modelled = design(1.0) @ found
-    share, mended = explained(measured, modelled), _mended(measured, modelled)
-    by_unit = {times: explained(measured, design(times) @ found) for times in UNITS_APART}
-    unit = max(by_unit, key=lambda times: by_unit[times])
-    if by_unit[unit] > max(FAMILIAR, share):
-        told = f"{by_unit[unit]:.0%} of the variance is explained, as by another unit"
-        mended = f"with its position times {unit:.4g} {told}"
-    if poorest < FAMILIAR or not (share < STRANGE or (share < FAMILIAR and mended)):
+    (measured, design), (found, poorest_other) = logs[name], fits[name]
+    if poorest_other < FAMILIAR:
         return ""
+    modelled = design(1.0) @ found
+    share = explained(measured, modelled)
+    mended = _of_another_unit(measured, design, found, share)
+    if mended and len(logs) == PAIR:
+        mended += " of one of the two logs"
+    if not mended:
+        mended = _mended(measured, modelled)
+        odd = share < STRANGE or (share < FAMILIAR and mended)
+        if poorest >= FAMILIAR or len(logs) == PAIR or not odd:
+            return ""
     said = f"{name}: inertia, friction and weight that fit all other logs explain "
     said += f"{max(0.0, share):.0%} of its effort's variance"
     return f"{said}; {mended}." if mended else f"{said}."
 
 
 Log = tuple[np.ndarray, Callable[[float], np.ndarray]]  # its effort, and columns for it
+
+
+def _joined(parts: Sequence[Log]) -> Log:
+    """The parts of a log as one."""
+
+    def design(times: float) -> np.ndarray:
+        return np.concatenate([of(times) for _, of in parts])
+
+    return np.concatenate([effort for effort, _ in parts]), design
 
 
 def _fitted(logs: Sequence[Log]) -> tuple[np.ndarray, float]:
@@ -126,6 +142,21 @@ def _fitted(logs: Sequence[Log]) -> tuple[np.ndarray, float]:
 def _design(problem: InverseProblem, rows: slice, times: float) -> np.ndarray:
     """The plain columns of some rows, (n, k), with the motion so many times as large."""
     return np.column_stack(plain_columns(problem, times))[rows]
+
+
+def _of_another_unit(
+    measured: np.ndarray, design: Callable[[float], np.ndarray], found: np.ndarray, share: float
+) -> str:
+    """Which unit of its motion makes a log fit the numbers of the others; empty where none does.
+
+    share  that they explain as it is logged
+    """
+    by_unit = {times: explained(measured, design(times) @ found) for times in UNITS_APART}
+    times = max(by_unit, key=lambda one: by_unit[one])
+    if by_unit[times] < FAMILIAR or 1.0 - by_unit[times] > HALF * (1.0 - share):
+        return ""
+    told = f"{by_unit[times]:.0%} of the variance is explained, as by another unit"
+    return f"with its position times {times:.4g} {told}"
 
 
 def explained(measured: np.ndarray, modelled: np.ndarray) -> float:

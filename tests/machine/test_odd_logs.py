@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.odd_logs import _mended, odd_one_out, one_way, strangers, way_of
+from spirob.machine.odd_logs import (
+    UNITS_APART,
+    _mended,
+    odd_one_out,
+    one_way,
+    strangers,
+    way_of,
+)
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -57,17 +64,43 @@ def test_the_log_without_which_all_others_fit_is_named(factors, odd):
     assert odd_one_out([made], [0.1 * made.measured()]) == ""  # the model fits all of them
 
 
-def test_the_log_whose_position_has_another_unit_is_named_with_it():
+def rubbing(*units):
+    """Logs of an axis that is hardly more than dry friction, the position of each in a unit."""
     rig, logs = RigFile.model_validate(description()), []
-    for k, unit in enumerate((1.0, 180 / np.pi, 1.0)):
+    for k, unit in enumerate(units):
         t = np.arange(0, 6, 2e-3)
-        w = 4.0 + k
-        effort = -0.01 * (w**2) * np.sin(w * t) + 0.3 * w * np.cos(w * t)
-        logs.append(prepare(f"log{k}", {"t": t, "q": unit * np.sin(w * t), "u": effort}, rig))
-    made = InverseProblem(rig, None, logs, [], SIZES, 0.02)
-    said = odd_one_out([made], [-0.9 * made.measured()])
+        q = np.sin((4.0 + k) * t) + 0.3 * np.sin(9.0 * t)
+        v = np.gradient(q, t)
+        effort = 0.01 * np.gradient(v, t) + 0.1 * v + 0.5 * np.tanh(v / 0.02)
+        logs.append(prepare(f"log{k}", {"t": t, "q": unit * q, "u": effort}, rig))
+    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+
+
+@pytest.mark.parametrize("left", [0.9, 0.1])  # of the effort, by a model that may fit all of them
+@pytest.mark.parametrize("unit", UNITS_APART)
+def test_the_log_whose_position_has_another_unit_is_named_with_it(unit, left):
+    made = rubbing(1.0, unit, 1.0)
+    said = odd_one_out([made], [-left * made.measured()])
+    assert re.match(rf"log1: .* position times {1 / unit:.4g} (99|100)% of the variance", said)
+
+
+def test_of_two_logs_of_different_units_either_may_be_the_one():
+    made = rubbing(1.0, 180 / np.pi)
+    said = odd_one_out([made], [-0.1 * made.measured()])
+    assert said.endswith("as by another unit of one of the two logs.")
+
+
+def test_a_log_whose_end_is_held_out_is_one_log():
+    made, ends = rubbing(1.0, 180 / np.pi, 1.0), rubbing(1.0, 180 / np.pi, 1.0)
+    for recording in ends.recordings:
+        recording.name += ", its end"
+    said = odd_one_out([made, ends], [-0.1 * p.measured() for p in (made, ends)])
     assert said.startswith("log1: ")
-    assert "with its position times 0.01745 100% of the variance" in said
+
+
+def test_logs_that_move_by_other_speeds_are_of_one_unit():
+    made = rubbing(1.0, 1.0, 1.0)
+    assert odd_one_out([made], [-0.9 * made.measured()]) == ""
 
 
 def test_what_mends_a_strange_log_is_said_with_its_share():
