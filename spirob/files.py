@@ -5,8 +5,9 @@ A file is written under a temporary name, flushed to disk, and renamed.
 
 import os
 import stat
+import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from spirob.errors import ConfigError, DataError, MissingLog
@@ -71,12 +72,19 @@ def inside(name: str, folder: Path, what: str) -> Path:
 
 
 def may_hold_results(folder: Path) -> None:
-    """Raise OSError where a folder is none and cannot be made, or nothing may be written there."""
-    there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    """Raise OSError where a folder is none and cannot be made, or nothing can be written there.
+
+    It is tried where it would begin, as permissions do not tell all.
+    """
+    with suppress(FileNotFoundError, NotADirectoryError):
+        os.lstat(folder)  # too long a name
+    there = next(p for p in (folder, *folder.absolute().parents) if os.path.lexists(p))
     if not there.is_dir():
         raise NotADirectoryError(20, "is a file, not a folder", str(there))
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise PermissionError(13, "may not be written", str(there))
+    try:
+        tempfile.TemporaryDirectory(dir=there).cleanup()
+    except OSError as error:
+        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(there)) from None
 
 
 @contextmanager

@@ -50,6 +50,15 @@ PARENTS = {
             subprocess.Popen([sys.executable, "-m", "spirob.ending", "asleep", str(folder)])
         time.sleep(1000)
     """,
+    "readers": """
+        import threading
+        (folder / "asleep.py").write_text(NOTE)
+        sys.path.append(str(folder))
+        import asleep
+        from spirob.logs.readers.isolation import apart
+        for _ in range(2):
+            threading.Thread(target=apart, args=(asleep.sleeper, str(folder))).start()
+    """,
 }
 
 

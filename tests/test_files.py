@@ -8,7 +8,7 @@ import os
 import pytest
 
 from spirob.errors import DataError, MissingLog
-from spirob.files import content, replacing, write_bytes, write_text
+from spirob.files import content, may_hold_results, replacing, write_bytes, write_text
 
 
 def test_a_file_is_read_as_far_as_it_may_go(tmp_path):
@@ -72,3 +72,26 @@ def test_the_temporary_file_lies_in_the_same_folder(tmp_path):
     with replacing(tmp_path / "a") as temporary:
         assert temporary.parent == tmp_path
         temporary.write_bytes(b"")
+
+
+@pytest.mark.parametrize("place", ["file", "file/a", "link", "link/a", "/proc/none/a", 300 * "a"])
+def test_a_folder_that_cannot_hold_results_is_told_by_trying(tmp_path, place):
+    (tmp_path / "file").touch()
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(OSError, match=r"is a file, not a folder|cannot be written|too long"):
+        may_hold_results(tmp_path / place)
+
+
+def test_trying_a_folder_for_results_leaves_nothing(tmp_path):
+    may_hold_results(tmp_path)
+    may_hold_results(tmp_path / "a" / "b")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_which_nothing_can_be_written_is_told(tmp_path, monkeypatch):
+    def full(**given):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("spirob.files.tempfile.TemporaryDirectory", full)
+    with pytest.raises(OSError, match="cannot be written: No space left"):
+        may_hold_results(tmp_path / "a")

@@ -12,6 +12,7 @@ from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import Ceiling, depends_on
 
 if TYPE_CHECKING:
+    from spirob.machine.inverse import InverseProblem
     from spirob.machine.models import Models
 
 SOME = 0.25  # of what is left follows from the motion: worth a sentence
@@ -38,6 +39,33 @@ def _said(follows: float, rest: Ceiling) -> str:
         f"Of what is left, {follows:.0%} of the square still follows from the motion: it "
         f"depends {depends_on(rest)}."
     )
+
+
+def drifting(
+    train: "InverseProblem", heldout: "InverseProblem", model: Model, least: float
+) -> list[str]:
+    """That an effort which changes with the time of a log, at one rate in all, is much of the rest.
+
+    measured = (c0 + c1·t)·modelled, with c from the training logs, has to take its share of the
+    held-out ones' squared error, too, and more than the least error that counts.
+    """
+    left = model.fit.residual, model.heldout
+    measured = [p.measured() for p in (train, heldout)]
+    modelled = [m + rest for m, rest in zip(measured, left, strict=True)]
+    seconds = (p.signals()["time"] for p in (train, heldout))
+    grown = [np.column_stack([m, t * m]) for m, t in zip(modelled, seconds, strict=True)]
+    whole, rate = np.linalg.lstsq(grown[0], measured[0], rcond=None)[0]
+    taken = [
+        share(rest, m - design @ (whole, rate))
+        for rest, m, design in zip(left, measured, grown, strict=True)
+    ]
+    if min(taken) < SOME or taken[0] * float(np.mean(left[0] ** 2)) < least**2:
+        return []
+    return [
+        f"A modelled effort that changes by {rate / whole:+.1%} a second in all logs takes "
+        f"{taken[0]:.0%} of the squared error that is left, and {taken[1]:.0%} held out: does the "
+        "effort's sensor drift, or is it heat? Names may come of it."
+    ]
 
 
 def _unknown(models: "Models", model: Model, follows: float, rest: Ceiling) -> tuple[str, str]:

@@ -23,6 +23,7 @@ from spirob.identify.identifiability import Identifiability
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import Ceiling
 from spirob.machine.laws import LOAD_SIDE
+from spirob.machine.leftovers import drifting
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (
     FAMILIAR,
@@ -90,6 +91,7 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
                     "is a unit or a factor wrong?"
                 )
     said += one_way(search.models.train, search.models.heldout)
+    said += drifting(search.models.train, search.models.heldout, chosen, search.worth.least)
     said += far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
     signals = search.models.train.signals()
     stroke, speed = float(np.ptp(signals["position"])), float(np.max(np.abs(signals["speed"])))

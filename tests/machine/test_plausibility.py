@@ -1,10 +1,12 @@
-"""A sign is blamed only where turning it makes the model fit."""
+"""A sign, or a drift, is blamed only where it makes the model fit."""
 
 import numpy as np
+import pytest
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.leftovers import drifting
 from spirob.machine.models import Models
 from spirob.machine.plausibility import _turned
 from spirob.machine.recording import prepare
@@ -36,3 +38,25 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
     assert "100%" in said
     noise = np.random.default_rng(0).normal(size=5000)
     assert _turned(search_of(lambda q, v, a: noise)) == ""
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"), [(0.1, "by +10.0% a second"), (-0.04, "by -4.0% a second")]
+)
+def test_an_effort_that_changes_with_time_is_told(rate, said):
+    def drifted(q, v, a):
+        return (0.01 * a + 0.05 * v) * (1.0 + rate * np.arange(0, 10, 2e-3))
+
+    search = search_of(drifted)
+    model = search.models.fitted((), {})
+    train = search.models.train
+    assert said in drifting(train, train, model, 0.001)[0]
+    assert drifting(train, train, model, 1.0) == []  # less than counts
+
+
+def test_friction_that_a_model_lacks_is_no_drift():
+    search = search_of(
+        lambda q, v, a: 0.01 * a + 0.05 * v + 0.1 * np.tanh(v / 0.02) + 0.1 * v * abs(v)
+    )
+    train = search.models.train
+    assert drifting(train, train, search.models.fitted((), {}), 0.001) == []

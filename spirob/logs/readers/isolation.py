@@ -6,6 +6,7 @@ ends there as an error.
 """
 
 import multiprocessing
+import os
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -72,6 +73,7 @@ def _main_left_alone() -> Iterator[None]:
 
 def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     _bound()
+    threading.Thread(target=_end_with_asker, daemon=True).start()
     try:
         there.send((True, function(*arguments)))
     except MemoryError:
@@ -80,6 +82,13 @@ def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[An
         there.send((False, DataError(printable(str(error)))))
     except Exception as error:
         there.send((False, ValueError(" ".join(str(error).split())[:200] or type(error).__name__)))
+
+
+def _end_with_asker() -> None:
+    """End with the process that asked; the server that forked this one lives as long as this."""
+    if asker := multiprocessing.parent_process():
+        asker.join()
+        os._exit(1)
 
 
 def _bound() -> None:
