@@ -27,8 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.model import Left, Model
-from spirob.diagnosis.search import Found, Search, alike
+from spirob.diagnosis.model import Left, Model, alike
+from spirob.diagnosis.search import Found, Search
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 

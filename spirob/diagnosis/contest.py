@@ -21,9 +21,9 @@ from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings, Worth
 from spirob.diagnosis.evidence import complete
 from spirob.diagnosis.fitting import Begun, briefly
-from spirob.diagnosis.model import Model, Offer
+from spirob.diagnosis.model import Model, Offer, alike
 from spirob.diagnosis.proposals import Proposal, propose
-from spirob.diagnosis.search import Found, Search, alike
+from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict, concluded, judge, weigh
 from spirob.effects import Effect, find_effects

@@ -10,6 +10,7 @@ from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem
 
+ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
 ABSORBED = 1e-3  # share of an effect outside of what the fitted numbers make: below, it is of these
 
 
@@ -162,3 +163,24 @@ class Predictor(Protocol):
 def label(effects: Sequence[type[Effect]]) -> str:
     """A set of effects in a line."""
     return " + ".join(e.name() for e in effects) or "the fitted numbers alone"
+
+
+def alike(one: Model, two: Model, least: float) -> bool:
+    """Whether two models predict the same effort, within a tenth of the least effect's RMS."""
+    difference = one.fit.residual - two.fit.residual
+    return float(np.sqrt(np.mean(difference**2))) < ALIKE * least
+
+
+def equivalents(
+    chosen: Model, rivals: Sequence[Model], least: float
+) -> tuple[list[str], list[str]]:
+    """Names of the effects that say the same as the chosen one, and of those that are real rivals.
+
+    A rival counts as itself once, though it may be met several times.
+    """
+    same: list[str] = []
+    other: list[str] = []
+    for rival in rivals:
+        name = next(iter(rival.names - chosen.names))
+        (same if alike(chosen, rival, least) else other).append(name)
+    return sorted(set(same)), sorted(set(other) - set(same))

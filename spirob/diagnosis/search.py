@@ -8,11 +8,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.dry import is_dry
-from spirob.diagnosis.model import ABSORBED, Model, Offer, Predictor, label, richness
+from spirob.diagnosis.model import (
+    ABSORBED,
+    ALIKE,
+    Model,
+    Offer,
+    Predictor,
+    equivalents,
+    label,
+    richness,
+)
 from spirob.effects import Effect
 from spirob.progress import Steps
 
@@ -21,7 +28,6 @@ EACH = 2 + EXCHANGES  # steps for an effect of a set: without it, what then is m
 CEILINGS = 2  # over the bare and the chosen model
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
 POOR = 0.25  # of a model's squared error, if a fit from elsewhere leaves less: another valley
-ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
 M = TypeVar("M", bound=Predictor)
 
 
@@ -70,11 +76,8 @@ class Search(Generic[M]):
 
     def run(self) -> Found:
         """Search from the bare model."""
-        current = self.models.fitted((), {})
-        first = offers = self._offers(current, self.candidates)
-        # what the fitted numbers can say themselves is no effect, whatever is added later
-        possible = {o.effect.name() for o in offers}
-        self.candidates = [e for e in self.candidates if e.name() in possible]
+        current, first = self._begun()
+        offers = first
         seen, afresh = {current.names}, False
         while len(current.effects) < self.criteria.most and not self.models.complete(current):
             grown = self._grown(current, offers)
@@ -103,6 +106,20 @@ class Search(Generic[M]):
                 offers = self._offers(current, self.absent(current))
         self.progress.expect(_last(len(current.effects)))
         return self._found(self._pruned(current, whole=True), first)
+
+    def settled(self, model: Model) -> Found:
+        """What a search ends with that has come to this model: what of it matters, its rivals."""
+        bare, offers = self._begun()
+        self._grown(bare, offers)  # how far each alone comes is told of every search
+        return self._found(self._pruned(model, whole=True), offers)
+
+    def _begun(self) -> tuple[Model, list[Offer]]:
+        """The bare model, and what may be missing of it: never what its numbers say themselves."""
+        bare = self.models.fitted((), {})
+        offers = self._offers(bare, self.candidates)
+        possible = {o.effect for o in offers}
+        self.candidates = [e for e in self.candidates if e in possible]
+        return bare, offers
 
     def _elsewhere(self, model: Model, again: Model, grown: Model | None) -> bool:
         """Whether candidates were ranked beside a poor fit of a model, and rank otherwise now."""
@@ -308,27 +325,6 @@ class Search(Generic[M]):
 
 def _further(before: Model, after: Model) -> bool:
     return after.names != before.names and after.mean_square < before.mean_square
-
-
-def alike(one: Model, two: Model, least: float) -> bool:
-    """Whether two models predict the same effort, within a tenth of the least effect's RMS."""
-    difference = one.fit.residual - two.fit.residual
-    return float(np.sqrt(np.mean(difference**2))) < ALIKE * least
-
-
-def equivalents(
-    chosen: Model, rivals: Sequence[Model], least: float
-) -> tuple[list[str], list[str]]:
-    """Names of the effects that say the same as the chosen one, and of those that are real rivals.
-
-    A rival counts as itself once, though it may be met several times.
-    """
-    same: list[str] = []
-    other: list[str] = []
-    for rival in rivals:
-        name = next(iter(rival.names - chosen.names))
-        (same if alike(chosen, rival, least) else other).append(name)
-    return sorted(set(same)), sorted(set(other) - set(same))
 
 
 def _steps(effects: int, criteria: Criteria) -> int:

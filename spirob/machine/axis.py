@@ -7,7 +7,7 @@ from pathlib import Path
 from spirob.diagnosis.atlas import atlas
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.flexible import one_thread
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Model, alike
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.verdict import TWICE, Verdict, concluded, judge
@@ -22,6 +22,7 @@ from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
 from spirob.machine.leftovers import structured
 from spirob.machine.models import RigSearch
+from spirob.machine.odd_logs import another_unit
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import (
     AT_LOAD,
@@ -100,7 +101,11 @@ def _taught_by_all(
 
 def _found(ready: Ready) -> "_Searched":
     """The whole search: about its delay, within its bounds, with numbers of logs, by the sensor."""
-    done = _set_free(_once_more(_searched(_placed(ready))))
+    placed = _placed(ready)
+    search, gate = search_of(placed)
+    if another_unit((search.models.train, search.models.heldout)):  # no law means anything
+        return _Searched(placed, search, gate, Found([search.models.fitted((), {})]))
+    done = _set_free(_once_more(_Searched(placed, search, gate, search.run())))
     return _set_free(_with_sensor_at_load(_with_numbers_of_logs(done)))
 
 
@@ -142,6 +147,8 @@ def _with_numbers_of_logs(done: _Searched) -> _Searched:
     for kind in KINDS:
         if may_differ(kind, done.ready.rig, done.search, done.chosen):
             told = done.ready.told(per_log=(*(done.ready.rig.per_log or ()), kind))
+            if not _fits_better(done, told):
+                continue
             said = f"The logs differ by a number of their own, {kind}: fitted for each."
             done = _better(done, _searched(told), said)
     return done
@@ -169,7 +176,11 @@ def _set_free(done: _Searched) -> _Searched:
     if not free:
         return done
     done.ready.progress(f"once more, with {', '.join(free)} set free of its bounds")
-    return _searched(_placed(replace(done.ready, rig=released(done.ready.rig, free))))
+    ready = _placed(replace(done.ready, rig=released(done.ready.rig, free)))
+    search, gate = search_of(ready)
+    again = search.models.fitted(done.chosen.effects, done.chosen.fit.changes)
+    more = done.search.worth.matters(done.chosen, again)
+    return _Searched(ready, search, gate, search.run() if more else search.settled(again))
 
 
 def _searched(ready: Ready) -> _Searched:
@@ -205,8 +216,8 @@ def _once_more(done: _Searched) -> _Searched:
     The effects that were found say more of the delay than any one of the library did: where they
     place it elsewhere and explain more there, or it ended at a bound, it is searched there; where
     they place it nowhere else, within twice as wide bounds if they explain more in these.  The
-    usual one is tried where it was none of those looked at: a place found beside coarse shapes of
-    laws may be another law's.
+    usual one is tried where it was none of those looked at, and the fitted numbers end elsewhere
+    about it: a place found beside coarse shapes of laws may be another law's.
     """
     little = done.chosen.mean_square < (TWICE * done.search.worth.least) ** 2
     if little or not done.ready.untold:
@@ -214,11 +225,13 @@ def _once_more(done: _Searched) -> _Searched:
     fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
     anew, others = _place(done.search, done.chosen), []
     at_bound = done.chosen.fit.estimates[DELAY].at_bound
-    if anew != fitted and (at_bound or _fits_better(done, anew)):
+    if anew != fitted and (at_bound or _fits_better(done, _about(done.ready, anew), anew)):
         others.append(anew)
-    elif anew == fitted and at_bound and _fits_better(done, wider := widened(fitted)):
-        others.append(wider)
-    if none not in others and (none.low < fitted.low or fitted.high < none.high):
+    elif anew == fitted and at_bound:
+        wider = widened(fitted)
+        others += [wider] if _fits_better(done, _about(done.ready, wider), wider) else []
+    usual = none.low < fitted.low or fitted.high < none.high
+    if none not in others and usual and not _begins_alike(done, none):
         others.append(none)
     for delay in others:
         done.ready.progress(
@@ -229,11 +242,19 @@ def _once_more(done: _Searched) -> _Searched:
     return done
 
 
-def _fits_better(done: _Searched, delay: Bounded) -> bool:
-    """Whether the chosen effects explain more about another delay."""
-    search, _ = search_of(_about(done.ready, delay))
-    begin = done.chosen.fit.changes | {DELAY: delay.nominal}
+def _fits_better(done: _Searched, told: Ready, delay: Bounded | None = None) -> bool:
+    """Whether the chosen effects explain more with something else told, such as another delay."""
+    search, _ = search_of(told)
+    begin = done.chosen.fit.changes | ({DELAY: delay.nominal} if delay else {})
     return done.search.worth.matters(done.chosen, search.models.fitted(done.chosen.effects, begin))
+
+
+def _begins_alike(done: _Searched, delay: Bounded) -> bool:
+    """Whether a search about another delay begins as one about the fitted one, and may end so."""
+    search, _ = search_of(_about(done.ready, delay))
+    bare, found = search.models.fitted((), {}), done.chosen.fit.changes[DELAY]
+    inside = delay.low < found < delay.high
+    return inside and alike(bare, done.found.rungs[0], done.search.worth.least)
 
 
 def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:

@@ -24,7 +24,7 @@ import numpy as np
 
 from spirob.diagnosis.model import Model
 from spirob.effects import Effect
-from spirob.machine.flexible import RIDGE, step
+from spirob.machine.flexible import bounded
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import Recording
 from spirob.machine.rig import Bounded, RigFile
@@ -124,20 +124,11 @@ class _Law:
     low: np.ndarray
     high: np.ndarray
 
-    def least(self) -> np.ndarray:
-        """Fall of the squared residual at each delay, were there no bounds, (K,)."""
-        size = np.sqrt(np.diagonal(self.gram))
-        size = np.where(size > 0.0, size, 1.0)
-        scaled = self.gram / np.outer(size, size) + RIDGE * np.eye(len(size))
-        goal = self.side / size[:, None]
-        return np.asarray(np.sum(goal * np.linalg.solve(scaled, goal), axis=0))
-
-    def within(self, k: int) -> float:
-        """The same at one delay, within bounds."""
-        side = self.side[:, k]
-        sums = np.block([[self.gram, side[:, None]], [side[None], np.zeros((1, 1))]])
-        moved = step(sums[None], self.low, self.high)
-        return float(-2.0 * moved @ side - moved @ self.gram @ moved)
+    def falls(self) -> np.ndarray:
+        """Fall of the squared residual at each delay, within bounds, (K,)."""
+        side = self.side.T
+        moved = bounded(self.gram[None], side, self.low, self.high)
+        return np.asarray(-np.sum(moved * (2.0 * side + moved @ self.gram), axis=1))
 
 
 def place(
@@ -161,7 +152,7 @@ def place(
         return as_usual(period)
     residuals = (model.fit.residual + problem.measured())[rows, None] - efforts
     laws = _laws(problem, model, folds, rows, residuals, effects)
-    left = np.sum(residuals**2, axis=0) - _falls(laws)
+    left = np.sum(residuals**2, axis=0) - np.max([law.falls() for law in laws], axis=0)
     best, first, last = valley(left, np.abs(delays) <= most)
     nominal, low, high, near = (
         round(float(x), GRAIN) for x in (delays[best], delays[first], delays[last], most)
@@ -185,18 +176,6 @@ def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:
     first = int(np.max(out[out < k], initial=-1)) + 1
     last = int(np.min(out[out > k], initial=len(left))) - 1
     return k, first, last
-
-
-def _falls(laws: Sequence[_Law]) -> np.ndarray:
-    """Greatest fall of the squared residual by any of the laws at each delay, (K,)."""
-    free = np.array([law.least() for law in laws])
-    falls = np.full(free.shape[1], -np.inf)
-    for k, own in enumerate(free.T):
-        for which in np.argsort(-own):
-            if own[which] <= falls[k]:  # bounds can only take from it
-                break
-            falls[k] = max(falls[k], laws[which].within(k))
-    return falls
 
 
 def _laws(

@@ -110,12 +110,14 @@ def products(columns: np.ndarray, residual: np.ndarray, folds: np.ndarray) -> np
 
 def steps(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """For each fold the coefficients, within bounds, that the other folds choose, (K, n)."""
-    return _solved(sums.sum(axis=0) - sums, low, high)
+    others = sums.sum(axis=0) - sums
+    return bounded(others[:, :-1, :-1], others[:, :-1, -1], low, high)
 
 
 def step(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """argmin |r + A·x|² within bounds over all folds, (n,)."""
-    return np.asarray(_solved(sums.sum(axis=0)[None], low, high)[0])
+    whole = sums.sum(axis=0)[None]
+    return np.asarray(bounded(whole[:, :-1, :-1], whole[:, :-1, -1], low, high)[0])
 
 
 def error(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
@@ -142,37 +144,53 @@ def _edges(folds: np.ndarray) -> np.ndarray:
     return np.flatnonzero(np.diff(folds)) + 1
 
 
-def _solved(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """argmin |r + A·x|² within bounds from each entry of `sums`, (K, n)."""
-    gram, side = sums[:, :-1, :-1], sums[:, :-1, -1]
+def bounded(gram: np.ndarray, side: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """argmin |r + A·x|² within bounds for K residuals, (K, n).
+
+    gram  Aᵀ·A, (K, n, n), or (1, n, n) where it is the same for all;  side  Aᵀ·r, (K, n)
+    """
     size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
     size = np.where(size > 0.0, size, 1.0)  # a column of zeros gets a coefficient of zero
     scaled = gram / (size[:, :, None] * size[:, None, :]) + RIDGE * np.eye(gram.shape[1])
     goal = -side / size
+    scaled, size = (np.broadcast_to(part, (len(goal), *part.shape[1:])) for part in (scaled, size))
     found = np.linalg.solve(scaled, goal[:, :, None])[:, :, 0] / size
-    for k in np.flatnonzero(np.any((found < low) | (found > high), axis=1)):
-        found[k] = _within(scaled[k], goal[k], low * size[k], high * size[k]) / size[k]
+    out = np.any((found < low) | (found > high), axis=1)
+    if np.any(out):
+        edges = low * size[out], high * size[out]
+        found[out] = _within(scaled[out], goal[out], *edges) / size[out]
     return np.asarray(found)
 
 
 def _within(gram: np.ndarray, goal: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """argmin x·G·x/2 - g·x within bounds, (n,): block principal pivoting.
+    """argmin x·G·x/2 - g·x within bounds for K problems, (K, n): block principal pivoting.
 
     Whatever leaves its bounds is held there, whatever a bound holds against the slope is let go,
     all at once; where that goes round in circles, one at a time (Júdice and Pires 1994).
     """
-    side = np.zeros(len(goal), int)
+    found, side, going = np.empty_like(goal), np.zeros(goal.shape, int), np.arange(len(goal))
     for _ in range(PIVOTS):
-        free = side == 0
-        found = np.where(side < 0, low, np.where(side > 0, high, 0.0))
-        held = gram[:, ~free] @ found[~free]
-        found[free] = np.linalg.solve(gram[np.ix_(free, free)], (goal - held)[free])
-        slope = gram @ found - goal
-        out = (found > high).astype(int) - (found < low)
-        following = np.where(free, out, np.where(slope * side > 0.0, 0, side))
-        if np.array_equal(following, side):
-            return np.asarray(found)
-        side = following
+        own, sides, least, most = gram[going], side[going], low[going], high[going]
+        free = sides == 0
+        held = np.where(sides < 0, least, np.where(sides > 0, most, 0.0))
+        pushed = goal[going] - (own @ held[:, :, None])[:, :, 0]
+        alone = np.where(free[:, :, None] & free[:, None, :], own, np.eye(goal.shape[1]))
+        moved = np.linalg.solve(alone, np.where(free, pushed, held)[:, :, None])[:, :, 0]
+        slope = (own @ moved[:, :, None])[:, :, 0] - goal[going]
+        out = (moved > most).astype(int) - (moved < least)
+        following = np.where(free, out, np.where(slope * sides > 0.0, 0, sides))
+        found[going], side[going] = moved, following
+        going = going[np.any(following != sides, axis=1)]
+        if not len(going):
+            break
+    for k in going:
+        found[k] = _one_by_one(gram[k], goal[k], low[k], high[k])
+    return found
+
+
+def _one_by_one(
+    gram: np.ndarray, goal: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
     root = _root(gram)
     target = np.linalg.solve(root, goal)
     found = scipy.optimize.lsq_linear(root.T, target, (low, high), method="bvls", max_iter=ROUNDS)

@@ -6,6 +6,7 @@ with both figures; otherwise what was found.
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
@@ -88,39 +89,78 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
 
     residuals  of one model on the trials of each problem
     """
-    parts: dict[str, list[Log]] = defaultdict(list)  # the end of a log may be held out
-    poorest = 1.0
+    odd = _apart(problems)
+    if odd is None or (said := odd.of_another_unit()):
+        return "" if odd is None else said
+    poorest, mended = 1.0, _mended(odd.measured, odd.design(1.0) @ odd.found)
     for problem, residual in zip(problems, residuals, strict=True):
         measured = problem.measured()
-        edges = pairwise(problem.edges)
-        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
+        for start, stop in pairwise(problem.edges):
             own = measured[start:stop]
-            parts[recording.log].append((own, partial(_design, problem, slice(start, stop))))
             poorest = min(poorest, explained(own, own + residual[start:stop]))
-    if len(parts) < PAIR:
-        return ""
-    logs = {name: _joined(part) for name, part in parts.items()}
-    fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
-    name = max(fits, key=lambda one: fits[one][1])
-    (measured, design), (found, poorest_other) = logs[name], fits[name]
-    if poorest_other < FAMILIAR:
-        return ""
-    modelled = design(1.0) @ found
-    share = explained(measured, modelled)
-    mended = _of_another_unit(measured, design, found, share)
-    if mended and len(logs) == PAIR:
-        mended += " of one of the two logs"
-    if not mended:
-        mended = _mended(measured, modelled)
-        odd = share < STRANGE or (share < FAMILIAR and mended)
-        if poorest >= FAMILIAR or len(logs) == PAIR or not odd:
-            return ""
-    said = f"{name}: inertia, friction and weight that fit all other logs explain "
-    said += f"{max(0.0, share):.0%} of its effort's variance"
-    return f"{said}; {mended}." if mended else f"{said}."
+    strange = odd.share < STRANGE or (odd.share < FAMILIAR and mended)
+    return odd.said(mended) if strange and poorest < FAMILIAR and odd.logs > PAIR else ""
+
+
+def another_unit(problems: Sequence[InverseProblem]) -> str:
+    """The one log whose position has another unit than all others', empty where there is none.
+
+    No model has to be fitted to see it.
+    """
+    odd = _apart(problems)
+    return odd.of_another_unit() if odd else ""
 
 
 Log = tuple[np.ndarray, Callable[[float], np.ndarray]]  # its effort, and columns for it
+
+
+@dataclass(frozen=True)
+class _Odd:
+    """The log without which the plain columns fit the others best, all of them well.
+
+    found  numbers of the plain columns fitted to the others;  logs  how many there are
+    """
+
+    name: str
+    measured: np.ndarray
+    design: Callable[[float], np.ndarray]
+    found: np.ndarray
+    logs: int
+
+    @property
+    def share(self) -> float:
+        """Of its variance that these numbers explain."""
+        return explained(self.measured, self.design(1.0) @ self.found)
+
+    def of_another_unit(self) -> str:
+        """That its position has another unit; empty where it has not."""
+        mended = _of_another_unit(self.measured, self.design, self.found, self.share)
+        if mended and self.logs == PAIR:
+            mended += " of one of the two logs"
+        return self.said(mended) if mended else ""
+
+    def said(self, mended: str) -> str:
+        """How little of it the others' numbers explain, and what mends it."""
+        said = f"{self.name}: inertia, friction and weight that fit all other logs explain "
+        said += f"{max(0.0, self.share):.0%} of its effort's variance"
+        return f"{said}; {mended}." if mended else f"{said}."
+
+
+def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
+    """The log that fits the others least, where these fit one another; None of a single log."""
+    parts: dict[str, list[Log]] = defaultdict(list)  # the end of a log may be held out
+    for problem in problems:
+        measured, edges = problem.measured(), pairwise(problem.edges)
+        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
+            design = partial(_design, problem, slice(start, stop))
+            parts[recording.log].append((measured[start:stop], design))
+    if len(parts) < PAIR:
+        return None
+    logs = {name: _joined(part) for name, part in parts.items()}
+    fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
+    name = max(fits, key=lambda one: fits[one][1])
+    found, poorest_other = fits[name]
+    return None if poorest_other < FAMILIAR else _Odd(name, *logs[name], found, len(logs))
 
 
 def _joined(parts: Sequence[Log]) -> Log:
