@@ -4,7 +4,6 @@ Measured and modelled effort pass the same filters; the equations are in `invers
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
 BLOCK = 0.5  # s, over which a residual is correlated at most
-LONG = 20_000  # samples from which on threads do not mostly wait for one another
 
 
 class InverseProblem:
@@ -31,6 +29,8 @@ class InverseProblem:
            because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
     """
+
+    workers = 1  # threads would wait for one another, whatever the length of the logs
 
     def __init__(
         self,
@@ -53,7 +53,6 @@ class InverseProblem:
         self.asked = AskedEffort(
             motion, effects, self._table, sizes, rest_speed, stiffness, body is not None
         )
-        self.workers = 2 if len(motion.q) >= LONG else 1
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))
         counts = {id(r): 0 for r in self.recordings}
@@ -114,8 +113,7 @@ class InverseProblem:
 
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
-        with ThreadPoolExecutor(self.workers) as pool:
-            return list(pool.map(self, points))
+        return [self(point) for point in points]
 
     def model(self, changes: Mapping[str, float]) -> np.ndarray:
         """The modelled effort at every sample of every piece, filtered, (n,)."""

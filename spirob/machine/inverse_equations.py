@@ -22,7 +22,6 @@ noise alone.  The kernels are those of the library, run over the measured signal
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from threading import Lock
 
 import numpy as np
 
@@ -69,7 +68,6 @@ class AskedEffort:
         self._carried = self._load_cells()
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
         self._known: dict[tuple[object, ...], np.ndarray] = {}
-        self._lock = Lock()
         self._fixed = self._moving(motion)
 
     def effort(self, p: np.ndarray, near: bool = False) -> np.ndarray:
@@ -282,14 +280,12 @@ class AskedEffort:
         key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
         if _feels_load(effect):
             key = (*key, p[self._carried].tobytes())
-        with self._lock:
-            torque = self._known.pop(key, None)
+        torque = self._known.pop(key, None)
         if torque is None:
             torque = self.run(effect, p, motion, signals, None)
-        with self._lock:
-            while len(self._known) * torque.nbytes > KEPT:
-                self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
-            self._known[key] = torque
+        while len(self._known) * torque.nbytes > KEPT:
+            self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
+        self._known[key] = torque
         return torque
 
     def seen(self, p: np.ndarray) -> Motion:

@@ -7,7 +7,6 @@ raise the error when it is added alone.
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -71,9 +70,8 @@ class Screening:
 
     def offers(self, effects: Sequence[type[Effect]]) -> list[Offer]:
         """The effects, each at its best shape, best first."""
-        with ThreadPoolExecutor(self.problem.workers) as pool:
-            for offer in pool.map(self._offer, self.untried(effects)):
-                self._tried[offer.effect.name()] = offer
+        for effect in self.untried(effects):
+            self._tried[effect.name()] = self._offer(effect)
         return sorted((self._tried[e.name()] for e in effects), key=lambda offer: offer.error)
 
     def untried(self, effects: Sequence[type[Effect]]) -> list[type[Effect]]:

@@ -43,6 +43,15 @@ def test_what_is_missing_is_found_the_largest_on_the_lowest_rung():
     assert found.offers[0].effect is TWO
 
 
+def test_a_search_that_has_come_to_a_model_ends_as_the_one_that_came_to_it():
+    machine = Linear(0.03 * A + 0.1 * B, EACH)
+    search, found = searched(machine)
+    again = Search(machine, list(machine.columns), CRITERIA).settled(found.chosen)
+    assert again == found
+    more = machine.fitted((*found.chosen.effects, THREE), {})  # what does not matter is dropped
+    assert search.settled(more).chosen is found.chosen
+
+
 @pytest.mark.parametrize("most", [1, 2])
 def test_no_more_effects_are_added_than_are_asked_for(most):
     _, found = searched(Linear(0.1 * A + 0.1 * B + 0.1 * C, EACH), replace(CRITERIA, most=most))

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from spirob.machine.flexible import error, left_out_linear, products, step, steps
+from spirob.machine.flexible import bounded, error, left_out_linear, products, step, steps
 
 FREE = np.full(3, -np.inf), np.full(3, np.inf)
 
@@ -82,3 +82,24 @@ def test_it_is_the_least_squares_of_an_independent_solver(seed, count):
     found = step(products(columns, residual, np.zeros(80, int)), low, high)
     other = lsq_linear(columns, -residual, (low, high), method="bvls", max_iter=200).x
     np.testing.assert_allclose(columns @ found, columns @ other, atol=1e-4)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 8), st.integers(1, 12))
+def test_problems_within_bounds_are_solved_together_as_one_by_one(seed, n, count):
+    random = np.random.default_rng(seed)
+    columns = random.standard_normal((count, 40, n)) @ random.standard_normal((n, n))
+    residual = random.standard_normal((count, 40))
+    low, high = -random.exponential(0.05, n) - 1e-6, random.exponential(0.05, n) + 1e-6
+    gram, side = (
+        np.einsum("kij,kil->kjl", columns, columns),
+        np.einsum("kij,ki->kj", columns, residual),
+    )
+    found = bounded(gram, side, low, high)
+    for k, own in enumerate(found):
+        exact = lsq_linear(columns[k], -residual[k], (low, high), method="bvls").x
+        least, reached = (np.sum((residual[k] + columns[k] @ x) ** 2) for x in (exact, own))
+        assert reached <= least * (1 + 1e-6)
+        assert np.all((own >= low - 1e-9) & (own <= high + 1e-9))
+    same = bounded(gram[:1], side, low, high)  # one square for all
+    np.testing.assert_array_equal(same[0], found[0])

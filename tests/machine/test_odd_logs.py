@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from spirob.machine.axis import diagnose_recordings
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.odd_logs import (
     UNITS_APART,
@@ -82,6 +83,18 @@ def test_the_log_whose_position_has_another_unit_is_named_with_it(unit, left):
     made = rubbing(1.0, unit, 1.0)
     said = odd_one_out([made], [-left * made.measured()])
     assert re.match(rf"log1: .* position times {1 / unit:.4g} (99|100)% of the variance", said)
+
+
+def test_where_a_log_has_another_unit_no_law_is_looked_for(tmp_path):
+    made = rubbing(1.0, 180 / np.pi, 1.0)
+    steps: list[str] = []
+    found = diagnose_recordings(
+        made.rig, tmp_path, made.recordings[:2], made.recordings[2:], progress=steps.append
+    )
+    assert found.document["verdict"] == "unknown"
+    assert "by another unit" in found.document["explanation"]
+    assert found.document["candidates"] == []
+    assert not any("screened" in step for step in steps)
 
 
 def test_of_two_logs_of_different_units_either_may_be_the_one():
