@@ -8,10 +8,13 @@ import numpy as np
 from spirob.diagnosis.dry import another_dry
 from spirob.diagnosis.model import Model
 from spirob.effects import Effect
+from spirob.identify.intervals import Estimate
 from spirob.machine.laws import LEVER, shares_inertia
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, parameters
-from spirob.machine.shapes import counts_periods
+from spirob.machine.shapes import counts_periods, periods, reads_a_disc
+
+CONFIRMED = 3.0  # periods in the way travelled
 
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
     "motor.drive_torque": "the motor's torque per ampere",
@@ -140,3 +143,28 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
         if f not in e.neutral and counts_periods(e, f)
     ]
     return any(abs(one - two) < apart for one, two in combinations(orders, 2))
+
+
+def seldom_seen(model: Model, sizes: Sizes) -> bool:
+    """Whether a wave of the model comes round too seldom on the way to be known as one.
+
+    Two periods give its length, and a third one shows that it comes again; less is a curve of the
+    place, as any other.  A whole order in a turn is what a wave has: it needs no third period.
+    """
+    turned = sizes.stroke / sizes.angle
+    for effect in model.effects:
+        told = {f: model.fit.estimates[f"{effect.name()}.{f}"] for f in effect.fitted()}
+        orders = [told[f] for f in told if f not in effect.neutral and counts_periods(effect, f)]
+        if not orders or reads_a_disc(effect) or all(map(_is_whole, orders)):
+            continue
+        values = {f: p.nominal for f, p in parameters(effect, sizes).items()}
+        values |= {f: estimate.value for f, estimate in told.items()}
+        if periods(effect, values, turned) < CONFIRMED:
+            return True
+    return False
+
+
+def _is_whole(order: Estimate) -> bool:
+    """Whether an order is told to be a whole number: its interval holds one, and no half."""
+    whole = round(order.value)
+    return whole >= 1 and order.high - order.low < 0.5 and order.low <= whole <= order.high

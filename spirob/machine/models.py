@@ -21,7 +21,7 @@ from spirob.effects import Effect
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import Fit, fit
 from spirob.identify.scaling import Scaling
-from spirob.machine.candidates import related, same_wave
+from spirob.machine.candidates import related, same_wave, seldom_seen
 from spirob.machine.delays import DELAY, only_aligns
 from spirob.machine.filtering import noise_in_effort
 from spirob.machine.flexible import Ceiling, ceiling, products, steps
@@ -164,11 +164,10 @@ class Models(Predictor):
         return all(offer.new <= ABSORBED for offer in self.offers(model, [effect]))
 
     def plain(self, model: Model) -> bool:
-        """Whether a model is no wave twice, and no delay in other words."""
-        period = max(r.period for r in self.train.recordings)
-        return not same_wave(model, self.train.sizes) and not only_aligns(
-            model, self.train.rig, period
-        )
+        """Whether a model is no wave twice or seldom seen, and no delay in other words."""
+        sizes, period = self.train.sizes, max(r.period for r in self.train.recordings)
+        waves = same_wave(model, sizes) or seldom_seen(model, sizes)
+        return not waves and not only_aligns(model, self.train.rig, period)
 
     def complete(self, model: Model) -> bool:
         """Never: what builds of a rig differ by is not known, and an inverse model is cheap."""

@@ -16,7 +16,7 @@ KINDS = {
     "named": "A missing effect is named",
     "undecided": "These data cannot decide",
     "nothing_missing": "Nothing is missing",
-    "unknown": "Something is missing that the library does not hold",
+    "unknown": "Something is missing that no name is likely enough for",
 }
 NOT_ASKED = "No video was asked for; spirob report --video renders one where OpenGL works."
 FEW = 5.0  # per cent; where less is missing, decimals are of use
@@ -64,6 +64,8 @@ def kind(diagnosis: dict[str, Any]) -> str:
     """What sort of verdict it is and, where an effect is named, how sure."""
     found = KINDS.get(diagnosis["verdict"], diagnosis["verdict"])
     effects = diagnosis.get("effects") or []
+    if diagnosis.get("doubts"):
+        return "Look at the data first"
     if diagnosis["verdict"] == "undecided":
         known = [e["together"] for e in effects if is_number(e.get("together"))]
         return f"{found}; {percent(min(known))} sure that it is one of these" if known else found
