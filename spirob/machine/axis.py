@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from spirob.diagnosis.atlas import atlas
+from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Model, alike
@@ -17,6 +18,7 @@ from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.law import beyond
+from spirob.machine.composed.rival import OUTDONE, outdone
 from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
@@ -111,12 +113,16 @@ def _found(ready: Ready) -> "_Searched":
 
 @dataclass(frozen=True)
 class _Judged:
-    """A search, what stands of it, and the verdict; `rest` is what follows from the motion yet."""
+    """A search, what stands of it, and the verdict.
+
+    rest  what follows from the motion yet;  law  of it, where it was composed for the verdict
+    """
 
     done: _Searched
     found: Found
     verdict: Verdict
     rest: Ceiling
+    law: Composed | None = None
 
     @property
     def search(self) -> RigSearch:
@@ -269,7 +275,23 @@ def _judged(done: _Searched) -> _Judged:
     ended, weighed = concluded(search, done.found, lambda model: is_bent(search, model))
     rest = search.models.ceiling(ended.found.chosen)
     verdict = judge(ended, weighed, doubts(search, ended.found, rest))
-    return _Judged(done, ended.found, verdict, rest)
+    return _beside_laws(_Judged(done, ended.found, verdict, rest))
+
+
+def _beside_laws(judged: _Judged) -> _Judged:
+    """With the law of what a name leaves; without the name where a law alone outdoes both."""
+    search, found, verdict = judged.search, judged.found, judged.verdict
+    left = structured(search.models, found.chosen, judged.rest)
+    if verdict.kind not in ("named", "undecided") or not left:
+        return judged
+    beside, alone = (composed(search, found, base) for base in (found.chosen, found.rungs[0]))
+    if not outdone(search.worth, found.chosen, beside, alone):
+        return replace(judged, law=beside)
+    named = {n: replace(one, probability=0.0, together=0.0) for n, one in verdict.weighed.items()}
+    bare = search.narrowed(found, [])
+    verdict = judge(Ended(search, bare, search.models.left(bare.chosen)), named)
+    verdict = replace(verdict, explanation=f"{verdict.explanation} {OUTDONE}")
+    return _Judged(judged.done, bare, verdict, search.models.ceiling(bare.chosen), alone)
 
 
 def _written(judged: _Judged) -> Diagnosis:
@@ -277,7 +299,9 @@ def _written(judged: _Judged) -> Diagnosis:
     ready, search, gate = judged.done.ready, judged.search, judged.done.gate
     problems = search.models.train, search.models.heldout
     bare, chosen = found.rungs[0], found.chosen
-    law = None if verdict.doubts else _law(search, found, rest, verdict.kind)
+    law = judged.law
+    if verdict.kind == "unknown" and not verdict.doubts:
+        law = law or composed(search, found, bare)
     notes = [*ready.said, *oddities(search, chosen, gate, ready.given)]
     notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.models.train, bare.fit.residual)
@@ -301,12 +325,3 @@ def _written(judged: _Judged) -> Diagnosis:
         law,
         heldout(search, stands),
     )
-
-
-def _law(search: RigSearch, found: Found, rest: Ceiling, kind: str) -> Composed | None:
-    """The law of what no name explains: of all that is left where there is none."""
-    if kind == "unknown":
-        return composed(search, found, found.rungs[0])
-    if kind in ("named", "undecided") and structured(search.models, found.chosen, rest):
-        return composed(search, found, found.chosen)
-    return None

@@ -8,13 +8,10 @@ import numpy as np
 from spirob.diagnosis.dry import another_dry
 from spirob.diagnosis.model import Model
 from spirob.effects import Effect
-from spirob.identify.intervals import Estimate
 from spirob.machine.laws import LEVER, shares_inertia
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, parameters
-from spirob.machine.shapes import counts_periods, periods, reads_a_disc
-
-CONFIRMED = 3.0  # periods in the way travelled
+from spirob.machine.shapes import counts_periods, reads_a_disc
 
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
     "motor.drive_torque": "the motor's torque per ampere",
@@ -145,26 +142,16 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
     return any(abs(one - two) < apart for one, two in combinations(orders, 2))
 
 
-def seldom_seen(model: Model, sizes: Sizes) -> bool:
-    """Whether a wave of the model comes round too seldom on the way to be known as one.
+def seldom_seen(model: Model) -> bool:
+    """Whether a wave of the model ends as long as the bounds of its order let it.
 
-    Two periods give its length, and a third one shows that it comes again; less is a curve of the
-    place, as any other.  A whole order in a turn is what a wave has: it needs no third period.
+    They let it come round twice on the way: two periods are needed to give its length.  What would
+    be longer still comes round less, and is a curve of the place, as any other.
     """
-    turned = sizes.stroke / sizes.angle
     for effect in model.effects:
         told = {f: model.fit.estimates[f"{effect.name()}.{f}"] for f in effect.fitted()}
         orders = [told[f] for f in told if f not in effect.neutral and counts_periods(effect, f)]
-        if not orders or reads_a_disc(effect) or all(map(_is_whole, orders)):
-            continue
-        values = {f: p.nominal for f, p in parameters(effect, sizes).items()}
-        values |= {f: estimate.value for f, estimate in told.items()}
-        if periods(effect, values, turned) < CONFIRMED:
+        slowest = any(o.at_bound and o.value - o.low < o.high - o.value for o in orders)
+        if slowest and not reads_a_disc(effect):
             return True
     return False
-
-
-def _is_whole(order: Estimate) -> bool:
-    """Whether an order is told to be a whole number: its interval holds one, and no half."""
-    whole = round(order.value)
-    return whole >= 1 and order.high - order.low < 0.5 and order.low <= whole <= order.high

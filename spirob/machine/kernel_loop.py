@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from spirob.effects import Effect
@@ -41,9 +42,13 @@ def loop_of(effect: type[Effect]) -> Callable[..., None]:
     if effect.__module__.startswith("spirob."):
         return load(_source(effect), KIND).run  # type: ignore[no-any-return]
 
+    @cache
+    def compiled() -> Callable[..., None]:
+        return load(_source(effect), KIND).run  # type: ignore[no-any-return]
+
     def run(*arguments: Any) -> None:
         try:
-            load(_source(effect), KIND).run(*arguments)
+            compiled()(*arguments)
         except Exception as wrong:  # whatever a user's file does must come back as a sentence
             said = f"{type(wrong).__name__}: {' '.join(COLOUR.sub('', str(wrong)).split())[:300]}"
             raise EffectError(f"effect '{effect.name()}': its kernel fails: {said}") from wrong

@@ -166,7 +166,7 @@ class Models(Predictor):
     def plain(self, model: Model) -> bool:
         """Whether a model is no wave twice or seldom seen, and no delay in other words."""
         sizes, period = self.train.sizes, max(r.period for r in self.train.recordings)
-        waves = same_wave(model, sizes) or seldom_seen(model, sizes)
+        waves = same_wave(model, sizes) or seldom_seen(model)
         return not waves and not only_aligns(model, self.train.rig, period)
 
     def complete(self, model: Model) -> bool:

@@ -19,8 +19,6 @@ from spirob.ports import SIGNALS
 
 MOST = 12  # combinations of one effect
 DRAWS = 30  # of all that a kernel is given, over six decades, to see what matters to it
-GRAIN = 1024  # places of an angle at which a wave is looked at
-PADDED = 16  # parts of a period that are told apart
 WIDE = 30.0  # bounds further apart than this factor are walked by ratio
 
 
@@ -106,20 +104,6 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
     scale = abs(here) + 1e-12
     repeats = abs(effect.kernel(**turned) - here) < 1e-9 * scale
     return bool(repeats and abs(effect.kernel(**half) - here) > 1e-6 * scale)
-
-
-def periods(effect: type[Effect], values: Mapping[str, float], turned: float) -> float:
-    """Periods of a law's wave, of the largest where it has several, in an angle turned [rad].
-
-    It is the frequency below which half of its variance lies.  values: its numbers, by field
-    """
-    told = dict.fromkeys(effect.reads, 1.0) | {"dt": 1e-3, "upstream": 1.0}
-    told = {name: value for name, value in told.items() if name in effect.arguments()}
-    angles = [a for a, signal in effect.reads.items() if SIGNALS[signal].unit == "rad"]
-    along = np.linspace(0.0, turned, GRAIN, endpoint=False)
-    wave = np.array([effect.kernel(**{**told, **values, angles[0]: float(at)}) for at in along])
-    power = np.abs(np.fft.rfft(wave - wave.mean(), PADDED * GRAIN)) ** 2
-    return float(np.searchsorted(np.cumsum(power), 0.5 * power.sum()) + 1) / PADDED
 
 
 def reads_a_disc(effect: type[Effect]) -> bool:

@@ -258,7 +258,7 @@ def _told(one: _Fitted, below: Model) -> Composed:
     found = scores(one.model, one.residuals)
     rmse = {"train": found["train"].rmse, "test": found["heldout"].rmse}
     document = document_of(law, one.effect.name(), title, units, one.own, share, rmse, nearest)
-    return Composed(document, written(law, title, nearest[0], one.own), rows)
+    return Composed(document, written(law, title, nearest[0], one.own), rows, one.model)
 
 
 def _drawn(one: _Fitted) -> pd.DataFrame:

@@ -39,11 +39,13 @@ class Composed:
     document  plain data, as `diagnosis.json` holds it
     text      of its effect file
     drawing   rows of held-out samples: as `shown.laws`, with `band`, half the 95 % interval
+    model     fitted, with the law as its last effect
     """
 
     document: dict[str, Any]
     text: str
     drawing: pd.DataFrame
+    model: Model
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,7 @@ def _told(search: RigSearch, found: Found, base: Model, one: _Fitted) -> Compose
     rmse = {"train": float(np.sqrt(np.mean(model.fit.residual**2)))}
     rmse["test"] = float(np.sqrt(model.heldout_square))
     document = document_of(law, one.name, title, sizes, own, share, rmse, (nearest, alike))
-    return Composed(document, written(law, title, nearest, own), rows)
+    return Composed(document, written(law, title, nearest, own), rows, model)
 
 
 def document_of(
