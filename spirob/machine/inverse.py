@@ -114,6 +114,8 @@ class InverseProblem:
 
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
+        if self.workers == 1:
+            return [self(point) for point in points]
         with ThreadPoolExecutor(self.workers) as pool:
             return list(pool.map(self, points))
 
