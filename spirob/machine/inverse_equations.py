@@ -29,7 +29,8 @@ from spirob.effects import Effect
 from spirob.machine import pipes
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.motion import Motion, late
-from spirob.machine.rig import NUMBERS, PER_LOG
+from spirob.machine.numbers import cells_of
+from spirob.machine.rig import NUMBERS
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
@@ -38,9 +39,9 @@ BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torqu
 READINGS = 4  # passes to where a wrong reading was taken; each leaves a small part of the last
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
-CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 KEPT = 1e8  # bytes of effects' torques along all trials
 Run = Callable[..., None]
+Neutral = tuple[type[Effect], list[int], list[float]]
 
 
 class AskedEffort:
@@ -64,11 +65,13 @@ class AskedEffort:
         self.motion, self.effects, self.table, self.sizes = motion, list(effects), table, sizes
         self.rest_speed, self._stiffness = rest_speed, stiffness
         self._described, self._carries = described, bool(np.any(motion.body["payload"]))
-        self._of_logs = _cells(table, motion)
+        self._of_logs = cells_of(table, motion.logs)
         self._carried = self._load_cells()
         self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
         self._known: dict[tuple[object, ...], np.ndarray] = {}
         self._fixed = self._moving(motion)
+        self._neutral = _neutral_of(effects, table)
+        self._read: tuple[float, np.ndarray] = (0.0, motion.effort)
 
     def effort(self, p: np.ndarray, near: bool = False) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table.
@@ -127,8 +130,8 @@ class AskedEffort:
         """What a payload of 1 adds to the load, (n,)."""
         if self._carries:
             return motion.body["payload"] / self.sizes.mass
-        turned = motion.q if self.sizes.axis_unit == "rad" else np.zeros_like(motion.q)
-        weight = own["payload_cosine"] * np.cos(turned) + own["payload_sine"] * np.sin(turned)
+        cosine, sine = motion.turned if self.sizes.axis_unit == "rad" else (1.0, 0.0)
+        weight = own["payload_cosine"] * cosine + own["payload_sine"] * sine
         return own["payload_inertia"] * motion.a + weight
 
     def added(self, effect: type[Effect], p: np.ndarray) -> np.ndarray | None:
@@ -154,13 +157,11 @@ class AskedEffort:
 
     def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
         """The effects at a port that are not neutral."""
-        neutral = self.table.values
-        found = []
-        for effect in self._at(port):
-            cells = [self.table.position(f"{effect.name()}.{f}") for f in effect.neutral]
-            if any(p[k] != neutral[k] for k in cells):
-                found.append(effect)
-        return found
+        return [
+            effect
+            for effect, cells, neutral in self._neutral.get(port, ())
+            if any(p[k] != value for k, value in zip(cells, neutral, strict=True))
+        ]
 
     def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
         """An effect's numbers, by field, in a vector of the table."""
@@ -171,8 +172,7 @@ class AskedEffort:
         """What kernels may read, each (n,)."""
         shared = 0.0 if self._described else float(p[self.table.position("rig.inertia")])
         fixed = self._fixed if motion is self.motion else self._moving(motion)
-        carried = {"motor.load_torque": load, "motor.inertia_torque": shared * motion.a}
-        return {**fixed, **carried}
+        return {**fixed, "motor.load_torque": load, "motor.inertia_torque": shared * motion.a}
 
     def _moving(self, motion: Motion) -> dict[str, np.ndarray]:
         """Of these, what follows from the motion alone."""
@@ -201,12 +201,20 @@ class AskedEffort:
     ) -> np.ndarray:
         """The same to first order about the measured effort, from before its reading."""
         own = self.own(p)
-        read = late(motion.effort, -own["delay"], motion) - own["back_emf"] * motion.v
+        read = self._in_time(own["delay"], motion) - own["back_emf"] * motion.v
         before = read
         if any(self.present(port, p) for port in READ):
             before = pipes.nearby(lambda e: self._shown(e, p, motion, signals), read, read)
         at = {**signals, "motor.current": before, "motor.command": before}
         return pipes.nearby(lambda e: self._passed(e, p, motion, at), wanted, before)
+
+    def _in_time(self, delay: float, motion: Motion) -> np.ndarray:
+        """The measured effort when it was made, (n,); kept, because it has one delay mostly."""
+        known, read = self._read
+        if known != delay:
+            read = late(motion.effort, -delay, motion)
+            self._read = delay, read
+        return read
 
     def _shown(
         self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
@@ -243,27 +251,17 @@ class AskedEffort:
         out = np.empty(n)
         values = np.array(list(self.values(effect, p).values()))
         above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
-        self._runs[effect.name()](
-            out, motion.starts, motion.steps, above, reads.reshape(len(effect.reads), n), values
-        )
+        shaped = reads.reshape(len(effect.reads), n)
+        self._runs[effect.name()](out, motion.starts, motion.steps, above, shaped, values)
         return out
 
     def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
-        """The measured effort through a kernel that remembers some cycles of a bus, (n,).
-
-        A log may be faster than any bus: its samples are then dealt out to as many rows, each at
-        the pace of a cycle.
-        """
-        stride = max(1, round(CYCLE / float(np.min(motion.steps))))
-        pieces = zip(motion.starts[:-1], motion.starts[1:], strict=True)
-        rows = [np.arange(a + k, b, stride) for a, b in pieces for k in range(stride)]
-        order = np.concatenate(rows)
-        starts = np.cumsum([0, *(len(row) for row in rows)])
-        steps = np.repeat(stride * motion.steps, stride)
+        """The measured effort through a kernel that remembers some cycles of a bus, (n,)."""
+        order, starts, steps = motion.dealt()
         values = np.array(list(self.values(effect, p).values()))
         dealt, out = np.empty(len(order)), np.empty(len(order))
-        reads = np.empty((0, len(order)))
-        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], reads, values)
+        nothing = np.empty((0, len(order)))
+        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], nothing, values)
         out[order] = dealt
         return out
 
@@ -334,10 +332,13 @@ class AskedEffort:
         return [e for e in self.effects if e.port == port]
 
 
-def _cells(table: Table, motion: Motion) -> dict[str, list[int]]:
-    """Kind of a log's own number -> its place in the table for each piece."""
-    kinds = {n.partition(".")[0] for n in table.names} & set(PER_LOG)
-    return {kind: [table.position(f"{kind}.{log}") for log in motion.logs] for kind in kinds}
+def _neutral_of(effects: Sequence[type[Effect]], table: Table) -> dict[str, list[Neutral]]:
+    """Port -> its effects, each with the places and values of the numbers that silence it."""
+    found: dict[str, list[Neutral]] = {}
+    for effect in effects:
+        cells = [table.position(f"{effect.name()}.{f}") for f in effect.neutral]
+        found.setdefault(effect.port, []).append((effect, cells, table.values[cells].tolist()))
+    return found
 
 
 def _feels_load(effect: type[Effect]) -> bool:

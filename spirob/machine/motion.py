@@ -7,6 +7,7 @@ effect follows the drift of a hold would then be named in place of none.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -15,6 +16,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.filtering import rates
 from spirob.machine.recording import Piece, Recording
 
+CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
 REACH = 4  # samples to either side that a second derivative looks at
 NEEDS = ("load", "payload", "along", "across")  # of `RigidBody.needs`
 
@@ -37,6 +39,11 @@ class Motion:
     body: dict[str, np.ndarray]
     logs: tuple[str, ...] = ()
 
+    @cached_property
+    def turned(self) -> tuple[np.ndarray, np.ndarray]:
+        """Cosine and sine of the position of an axis that turns, (n,) each."""
+        return np.cos(self.q), np.sin(self.q)
+
     def rates(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First and second derivative of a signal by time, none across pieces, (n,) each."""
         first, second = np.empty_like(values), np.empty_like(values)
@@ -48,6 +55,17 @@ class Motion:
     def spread(self, values: np.ndarray) -> np.ndarray:
         """One value a piece, (pieces,), at each of its samples, (n,)."""
         return np.repeat(values, np.diff(self.starts))
+
+    def dealt(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The samples at the pace of a bus: their order (n,), where rows begin, and their steps.
+
+        A log may be faster than any bus: its samples are then dealt out to as many rows.
+        """
+        stride = max(1, round(CYCLE / float(np.min(self.steps))))
+        pieces = zip(self.starts[:-1], self.starts[1:], strict=True)
+        rows = [np.arange(a + k, b, stride) for a, b in pieces for k in range(stride)]
+        starts = np.cumsum([0, *(len(row) for row in rows)])
+        return np.concatenate(rows), starts, np.repeat(stride * self.steps, stride)
 
     def without(self, error: np.ndarray) -> "Motion":
         """The motion with an error of its sensor taken out."""
@@ -120,18 +138,23 @@ def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
 
     Away from the ends, where derivatives are one-sided, this is one filter of a few taps.
     """
-
-    def exact(v: np.ndarray) -> np.ndarray:
-        first, second = rates(v, period)
-        return v - by * first + 0.5 * by**2 * second
-
     if len(values) <= 6 * REACH:
-        return exact(values)
-    impulse = exact(np.eye(1, 4 * REACH + 1, 2 * REACH)[0])
-    out = np.convolve(values, impulse[REACH : 3 * REACH + 1], "same")
-    out[:REACH] = exact(values[: 3 * REACH])[:REACH]
-    out[-REACH:] = exact(values[-3 * REACH :])[-REACH:]
+        return _expanded(values, by, period)
+    out = np.convolve(values, _taps(by, period), "same")
+    out[:REACH] = _expanded(values[: 3 * REACH], by, period)[:REACH]
+    out[-REACH:] = _expanded(values[-3 * REACH :], by, period)[-REACH:]
     return out
+
+
+def _expanded(values: np.ndarray, by: float, period: float) -> np.ndarray:
+    first, second = rates(values, period)
+    return values - by * first + 0.5 * by**2 * second
+
+
+@lru_cache(maxsize=64)  # the derivatives of a fit move the delay once, and all else many times
+def _taps(by: float, period: float) -> np.ndarray:
+    impulse = _expanded(np.eye(1, 4 * REACH + 1, 2 * REACH)[0], by, period)
+    return impulse[REACH : 3 * REACH + 1]
 
 
 HOLD = 0.1  # s; a reversal is shorter, and says much of friction

@@ -197,6 +197,12 @@ def table_of(
     return Table.of(about | logs.about, values | logs.known)
 
 
+def cells_of(table: Table, logs: Sequence[str]) -> dict[str, list[int]]:
+    """Kind of a log's own number -> its place in the table for each piece, of logs by name."""
+    kinds = {n.partition(".")[0] for n in table.names} & set(PER_LOG)
+    return {kind: [table.position(f"{kind}.{log}") for log in logs] for kind in kinds}
+
+
 def _own(rig: RigFile, name: str, sizes: Sizes) -> Parameter:
     units = {
         "inertia": f"{sizes.torque_unit}·s²/{sizes.axis_unit}",
