@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from spirob.diagnosis.atlas import atlas
@@ -18,7 +19,7 @@ from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.composed.rival import OUTDONE, outdone
+from spirob.machine.composed.rival import OUTDONE, may_outdo, outdone
 from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
@@ -284,7 +285,8 @@ def _beside_laws(judged: _Judged) -> _Judged:
     left = structured(search.models, found.chosen, judged.rest)
     if verdict.kind not in ("named", "undecided") or not left:
         return judged
-    beside, alone = (composed(search, found, base) for base in (found.chosen, found.rungs[0]))
+    beside = composed(search, found, found.chosen)
+    alone = composed(search, found, found.rungs[0], partial(may_outdo, found.chosen, beside))
     if not outdone(search.worth, found.chosen, beside, alone):
         return replace(judged, law=beside)
     named = {n: replace(one, probability=0.0, together=0.0) for n, one in verdict.weighed.items()}

@@ -6,7 +6,7 @@ every effect has to pass.
 """
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from spirob.effects import Effect, load_file
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.scaling import Scaling
+from spirob.machine.composed.draft import Draft
 from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.law import Law, law_of
@@ -68,14 +69,21 @@ class _Fitted:
         )
 
 
-def composed(search: RigSearch, found: Found, base: Model) -> Composed | None:
+def composed(
+    search: RigSearch,
+    found: Found,
+    base: Model,
+    wanted: Callable[[Draft], bool] = lambda draft: True,
+) -> Composed | None:
     """The law of what `base` leaves; None where no term is needed, or the file does not hold.
 
     It has to explain what no set of effects explains: not the model alone, and not the one that the
     search chose, likely or not.
+
+    wanted  whether a law drafted so is to be fitted in full
     """
     drafted = compose(ground_of(search, list(base.fit.estimates), base.fit.changes))
-    if drafted is None:
+    if drafted is None or not wanted(drafted[1]):
         return None
     drafts, draft = drafted
     law = law_of(draft, drafts.ranges, search.models.train.sizes.torque)

@@ -6,12 +6,10 @@ to explain, composed beside the fitted numbers alone, may be plainer than the na
 composed beside them, and predict as well.  The names then only imitate it.
 """
 
-from collections.abc import Sequence
-
 from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Model
-from spirob.effects import Effect
 from spirob.machine.composed.composing import Composed
+from spirob.machine.composed.draft import Draft
 from spirob.machine.shapes import shaping
 
 OUTDONE = (
@@ -28,20 +26,28 @@ def outdone(worth: Worth, named: Model, beside: Composed | None, alone: Composed
 
     With the names and the law beside them clearly better, they are not outdone.
     """
-    if alone is None or not worth.halves(named, alone.model):
-        return False
     richer = beside.model if beside else named
-    plainer = numbers(alone.model, alone.model.effects) < numbers(richer, richer.effects)
-    return plainer and not worth.clearly(alone.model, richer)
+    return (
+        alone is not None
+        and worth.halves(named, alone.model)
+        and numbers(alone.model) < numbers(richer)
+        and not worth.clearly(alone.model, richer)
+    )
 
 
-def numbers(model: Model, effects: Sequence[type[Effect]]) -> int:
-    """Numbers of effects that a model tells, and one more for each that remembers.
+def may_outdo(named: Model, beside: Composed | None, draft: Draft) -> bool:
+    """Whether a draft is plain enough and leaves little enough to be such a law."""
+    plainer = draft.richness < numbers(beside.model if beside else named)
+    return plainer and draft.mean_square < named.mean_square
+
+
+def numbers(model: Model) -> int:
+    """Numbers of its effects that a model tells, and one more for each that remembers.
 
     Told is an amplitude whose interval holds no neutral value, and what shapes such a one.
     """
     count = 0
-    for effect in effects:
+    for effect in model.effects:
         found = {f: model.fit.estimates[f"{effect.name()}.{f}"] for f in effect.fitted()}
         told = [
             f
