@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnosis.orders import peaks
-from spirob.machine.composed.track import Ranges, Track
+from spirob.machine.composed.track import Ranges, Track, evaluated
 
 KNOTS = "k"  # of a curve
 
@@ -155,8 +155,7 @@ class Term:
 
 
 def _evaluated(text: str, known: Mapping[str, object]) -> np.ndarray:
-    """The value of a text of `grammar`; nothing else reaches this."""
-    return np.asarray(eval(text, {"__builtins__": {}}, dict(known)), dtype=float)
+    return np.asarray(evaluated(text, known), dtype=float)
 
 
 def closed(text: str) -> str:

@@ -6,7 +6,9 @@ motion here and, in the same words, in a written law.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cache
+from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -171,6 +173,16 @@ class Ranges:
         }
 
 
+def evaluated(text: str, known: Mapping[str, Any]) -> Any:
+    """The value of a text of this package, never of another."""
+    return eval(_compiled(text), {"__builtins__": {}}, known)
+
+
+@cache  # a term's numbers have names: its text is one whatever they are
+def _compiled(text: str) -> CodeType:
+    return compile(text, "<law>", "eval")
+
+
 @dataclass(frozen=True)
 class Track:
     """All samples of all pieces of one role in a row.
@@ -183,6 +195,7 @@ class Track:
     starts: np.ndarray
     steps: np.ndarray
     placed: bool = True
+    _known: dict[Ranges, dict[str, Any]] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def of(cls, problem: InverseProblem, changes: Mapping[str, float]) -> "Track":
@@ -195,10 +208,12 @@ class Track:
 
     def values(self, ranges: Ranges) -> dict[str, Any]:
         """What the text of a shape may name, each (n,) or a number."""
-        known: dict[str, Any] = {**FUNCTIONS, **self.signals, **vars(ranges)}
-        for name, text in SHORT.items():
-            known[name] = eval(text, {"__builtins__": {}}, known)  # of this file, never of another
-        return known
+        if ranges not in self._known:
+            known: dict[str, Any] = {**FUNCTIONS, **self.signals, **vars(ranges)}
+            for name, text in SHORT.items():
+                known[name] = evaluated(text, known)
+            self._known[ranges] = known
+        return self._known[ranges]
 
     def remembered(self, kind: str, followed: np.ndarray, reach: float) -> np.ndarray:
         """A memory along the motion, (n,), begun anew in each piece."""
