@@ -15,15 +15,23 @@ settings.register_profile("drawn", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 COSTLY = (  # the costliest first; where one moves, the order is worth a little less, no test is
-    "pipeline/test_whole_way.py",
-    "docs/test_docs.py",
     "machine/test_verdicts.py",
-    "campaign/arm/test_running.py",
-    "machine/composed/test_arm.py",
+    "pipeline/test_whole_way.py",
+    "machine/test_what_logs_hold.py",
+    "diagnosis/test_arm_search.py",
     "pipeline/test_bad_input.py",
     "benchmark/test_benchmark.py",
-    "logs/test_recovery.py",
+    "docs/test_docs.py",
+    "emulator/test_hidden.py",
+    "machine/composed/test_arm.py",
+    "machine/test_diagnosis.py",
+    "machine/arm/test_preparation.py",
+    "campaign/arm/test_running.py",
+    "campaign/test_cases.py",
     "machine/test_damaged_logs.py",
+    "machine/arm/test_another_arm.py",
+    "diagnosis/test_fitting.py",
+    "logs/test_recovery.py",
     "physics/test_compiled.py",
 )
 

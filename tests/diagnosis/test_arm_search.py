@@ -42,15 +42,31 @@ def offset():
     return residuals, begun(residuals["train"], NAMES, {}, SETTINGS)
 
 
+@pytest.fixture(scope="module")
+def found_offset(offset):
+    """A search over them, and its verdict."""
+    return diagnosed(offset[0], start=offset[1])
+
+
 def written(ended, verdict):
     return document(ended, verdict, {}, noise_floor(ended.search.models.train))
 
 
+@pytest.fixture(scope="module")
+def found_friction():
+    """A search over data with friction at the holes, and its verdict."""
+    return diagnosed(trials({"capstan_friction.friction": 0.1}))
+
+
 @pytest.mark.parametrize(
-    ("hidden", "value"), [("capstan_friction.friction", 0.1), ("current_offset.offset", 0.06)]
+    ("hidden", "value", "search"),
+    [
+        ("capstan_friction.friction", 0.1, "found_friction"),
+        ("current_offset.offset", 0.06, "found_offset"),
+    ],
 )
-def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
-    ended, verdict = diagnosed(trials({hidden: value}))
+def test_the_missing_effect_is_named_and_the_error_falls(request, hidden, value, search):
+    ended, verdict = request.getfixturevalue(search)
     found, name = ended.found, hidden.split(".")[0]
     assert (verdict.kind, verdict.named) == ("named", [name])
     assert [e.name() for e in found.chosen.effects] == [name]
@@ -73,9 +89,11 @@ def test_the_missing_effect_is_named_and_the_error_falls(hidden, value):
     assert (few["effect"], few["before"]) == (name, told["ladder"][0]["heldout"])
 
 
-def test_whoever_doubts_gets_no_name_and_the_document_says_why(offset):
+def test_whoever_doubts_gets_no_name_and_the_document_says_why(found_offset):
+    """The models are those of a search without doubts, which fits the same."""
     doubts = ["The motors are exchanged."]
-    ended, verdict = diagnosed(offset[0], start=offset[1], doubts=doubts)
+    models = found_offset[0].search.models
+    ended, verdict = searched(models, find_effects(CANDIDATES), SETTINGS, doubts=doubts)
     told = written(ended, verdict)
     assert (told["verdict"], told["sentence"], told["doubts"]) == ("unknown", SENSELESS, doubts)
     assert told["effects"] == []
@@ -170,11 +188,10 @@ def test_what_only_led_the_numbers_out_of_a_poor_valley_is_no_effect(most):
     assert verdict.kind == "nothing_missing"
 
 
-def test_a_second_search_without_some_names_is_as_if_they_had_never_been(offset):
+def test_a_second_search_without_some_names_is_as_if_they_had_never_been(offset, found_offset):
     """The fit of the numbers alone is taken over, what was screened beside it, and no more."""
-    residuals, start = offset
-    models = Simulated(residuals, NAMES, SETTINGS, start)
-    first, verdict = searched(models, find_effects(CANDIDATES), SETTINGS)
+    (residuals, start), (first, verdict) = offset, found_offset
+    models = first.search.models
     assert verdict.named == ["current_offset"]
     rest = [n for n in CANDIDATES if n != "current_offset"]
     again = searched(models.without({"current_offset"}), find_effects(rest), SETTINGS)[1]
