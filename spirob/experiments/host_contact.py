@@ -56,10 +56,10 @@ class HostContact(OnHost, SingleContact):
         "at every place, which is 100 % off and has no order, while its angle answers."
     )
     named: ClassVar[str] = "host_ball"
-    # a peak is then sure to 0.8 and 0.4 counts: half of the 30 % that are asked of one of 5 counts,
-    # and a quarter where there are no larger ones but at the tip
+    # a peak is then sure to 0.8 counts, half of the 30 % that are asked of one of 5 counts, and to
+    # 0.5, a tenth of it, where there are no larger ones but at the tip: one shot has 2.1 at most
     shots: int = 6
-    forward: int = 24
+    forward: int = 18
 
     def _found(self, sides: Sides, one: GainSet) -> Found:
         """Side -> responses at every place."""
