@@ -1,11 +1,12 @@
 """Plays trials: one on every side, robot, models, single dynamics; or many on one of them.
 
 The trial before a passive experiment tells of a robot on direct drive what its models have to know
-(`informed`): its loop's own numbers (`spirob.experiments.host_loop`), and how its hinges lose.
-Behind a gear the arm swings too slowly for that to show, so that a fit of the geared machine leaves
-it open.  On direct drive both tendons shake the arm, and
+(`informed`): its loop's own numbers (`spirob.experiments.host_loop`), and how its arm swings.
+Behind a gear it swings too slowly for that to show, so that a fit of the geared machine leaves open
+what the hinges lose, and hardly tells a stiffer arm from one with inertia added to its hinges.  On
+direct drive both tendons shake the arm, and
 
-    τ_d = argmin Σ (v_robot - v_model(τ_d))²
+    τ_d, k₁, I_a = argmin Σ (v_robot - v_model(τ_d, k₁, I_a))²
 
 over both tendons' speeds.
 """
@@ -19,7 +20,7 @@ from zlib import crc32
 
 import numpy as np
 from joblib import Parallel, delayed
-from scipy.optimize import minimize_scalar
+from scipy.optimize import least_squares
 
 from pipeline.robots import build, drive_of, loop_of
 from pipeline.schema import Config
@@ -211,9 +212,14 @@ def _single(rig: Rig, trial: Trial, base: Mapping[str, Any], sides: Mapping[str,
     return Side.from_motion(single_dynamics(bare, np.maximum(force, 0.0), trial.scene), played)
 
 
-DAMPING = "arm.damping_time"
-REACH = (2e-3, 0.2)  # s
-CLOSE = 0.02  # of the number
+SWING = {  # what the arm's swing tells -> within which bounds
+    "damping_time": (2e-3, 0.2),  # s
+    "base_stiffness": (0.01, 2.0),  # N·m/rad
+    "armature": (1e-6, 1e-3),  # kg·m²; the tip wants more than two steps a cycle with less
+}
+CLOSE = 1e-3  # of the sum of squares, from one step of the fit to the next
+NUDGE = 1e-2  # of the number, for a derivative
+TRIES = 20  # of a step
 
 
 def informed(
@@ -226,19 +232,28 @@ def informed(
     side = robot_side(config, hidden, first, logs / f"{first.name}.mcap")
     experiment = experiment.informed(side)
     again = experiment.before() or first
-    return experiment, {name: damped(config, again, m, side) for name, m in models.items()}
+    return experiment, {name: swinging(config, again, m, side) for name, m in models.items()}
 
 
-def damped(config: Config, play: Play, model: Mapping[str, Any], robot: Side) -> dict[str, Any]:
-    """A model with the damping under which its tendons move as the robot's in this trial."""
+def swinging(config: Config, play: Play, model: Mapping[str, Any], robot: Side) -> dict[str, Any]:
+    """A model with the arm's numbers under which its tendons move as the robot's in this trial."""
+    arm = Rig.from_mapping(merged(config.rig, play.rig)).arm
+    begin = [model["changes"].get(f"arm.{name}", getattr(arm, name)) for name in SWING]
+    low, high = np.array(list(SWING.values())).T
 
-    def moved(log_time: float) -> dict[str, Any]:
-        return {**model, "changes": {**model["changes"], DAMPING: float(np.exp(log_time))}}
+    def moved(logs: np.ndarray) -> dict[str, Any]:
+        found = {f"arm.{name}": float(v) for name, v in zip(SWING, np.exp(logs), strict=True)}
+        return {**model, "changes": {**model["changes"], **found}}
 
-    def apart(log_time: float) -> float:
-        other = model_side(config, play, moved(log_time))
-        return float(np.mean((robot.velocity - other.velocity) ** 2))
+    def apart(logs: np.ndarray) -> np.ndarray:
+        return (model_side(config, play, moved(logs)).velocity - robot.velocity).ravel()
 
-    bounds = (np.log(REACH[0]), np.log(REACH[1]))
-    found = minimize_scalar(apart, bounds=bounds, method="bounded", options={"xatol": CLOSE})
-    return moved(float(found.x))
+    found = least_squares(
+        apart,
+        np.log(np.clip(begin, low, high)),
+        bounds=(np.log(low), np.log(high)),
+        diff_step=NUDGE,
+        ftol=CLOSE,
+        max_nfev=TRIES,
+    )
+    return moved(found.x)

@@ -139,7 +139,7 @@ class Play:
     react  makes what a side does about what it feels; None where it does nothing
     shots  how often a robot plays it, its noise being another each time, for their mean
     noisy  whether a model's current has the sensor's noise as the robot's has, the mean of as many
-           draws as there are shots
+           draws as there are shots, and a loop on the host reads it in the drive's counts
     repeat makes, of the robot's side, what a model does to move as the robot did, whatever it feels
            itself; the models then play the trial twice, see `repeating`
     """

@@ -171,7 +171,7 @@ class OnHost(Experiment):
 
     bandwidths  at which the gains of the loop are placed [Hz]
     shares      of the back-EMF that it feeds forward;  latency  from a reading to its voltage [s]
-    shots       of a robot, whose mean is looked at
+    shots       of a robot, whose mean is looked at;  forward  the same under (12), in part or whole
     told        by the robot's trial `before`; no setting
     """
 
@@ -180,6 +180,7 @@ class OnHost(Experiment):
     shares: tuple[float, ...] = (1.0, 0.0)
     latency: float = 0.001
     shots: int = 1
+    forward: int = 1
     told: Windings | None = None
 
     if TYPE_CHECKING:  # of the experiment whose trials are played
@@ -189,9 +190,10 @@ class OnHost(Experiment):
         def trial_at(self, name: str, place: float | None) -> dict[str, Any]: ...
 
     def __post_init__(self) -> None:
-        if self.shots < 1:
-            name = type(self).__module__.rpartition(".")[2]
-            raise ConfigError(f"paper.{name}.shots = {self.shots}: one at least")
+        for key in ("shots", "forward"):
+            if getattr(self, key) < 1:
+                name = type(self).__module__.rpartition(".")[2]
+                raise ConfigError(f"paper.{name}.{key} = {getattr(self, key)}: one at least")
 
     @property
     def sets(self) -> list[GainSet]:
@@ -229,7 +231,8 @@ class OnHost(Experiment):
         """A trial under one set; models have what the robot has told."""
         known = one.known(self.told, self.motor) if self.told else Known()
         plain = self.trial_at(name, place)
-        return Play(name, plain, one.rig(), known, shots=self.shots, noisy=True)
+        shots = self.forward if one.share else self.shots
+        return Play(name, plain, one.rig(), known, shots=shots, noisy=True)
 
     def told_rows(self) -> list[dict[str, Any]]:
         """Rows of what the robot's trial before has told."""

@@ -43,6 +43,7 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
     shift   mean change of the current within `SHIFT`
     arm peak  largest change of i** within `PEAK`, over `SMOOTHING` samples
     ... error   what noise alone makes of each
+    peak noise  standard deviation before the hit of what the peak is read from
     A side without a motor has an angle only.
     """
     first = round(1e3 * at)
@@ -59,6 +60,7 @@ def responses(hit: Side, free: Side, at: float) -> dict[str, float]:
     return found | {
         "peak": float(np.abs(level[soon]).max()),
         "peak error": float(1.5 * np.abs(level[calm]).max()),
+        "peak noise": float(level[calm].std()),
         "filtered": float(np.abs(mean[soon]).max()),
         "filtered error": float(1.5 * np.abs(mean[calm]).max()),
         "shift": float(steady.mean()),

@@ -16,7 +16,7 @@ from spirob.export.arm import CorrectedArm
 from spirob.export.corrected import Held
 from spirob.export.law import kernel_functions, law_of
 from spirob.plant.assemble import generate
-from spirob.plant.records import COLUMNS
+from spirob.plant.records import COLUMNS, NOISE
 from spirob.ports import PORTS
 from spirob.robot import Scene
 
@@ -45,6 +45,7 @@ import numpy as np
 
 {modes}
 COLUMNS = {columns}
+ROW = {row}
 {constants}
 
 
@@ -85,7 +86,7 @@ class Controller:
 
     def reset(self):
         """Forget everything; begin with the data that `start` leaves."""
-        self._loop, self.out = None, [Record(dict.fromkeys(COLUMNS, 0.0)) for _ in range(2)]
+        self._loop, self.out = None, [Record(dict.fromkeys(ROW, 0.0)) for _ in range(2)]
         self.angles = np.zeros(len(ARM["stiffness"]))
 
     def start(self, model, data):
@@ -146,6 +147,7 @@ def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
         name=name,
         modes="\n".join(f"{n} = {int(v)}" for n, v in modes.items()),
         columns=repr(COLUMNS),
+        row=repr((*COLUMNS, NOISE)),
         constants="\n".join([names, *constants]),
         functions=functions,
         limit=20.0,

@@ -19,11 +19,11 @@ And check.py, what only the whole model can show of an effect.
 import mujoco
 
 from spirob.plant.plant import Plant
-from spirob.plant.records import Response
+from spirob.plant.records import Frames, Response
 from spirob.plant.rig import Rig
 from spirob.plant.session import Session
 
-__all__ = ["Plant", "Response", "Rig", "Session"]
+__all__ = ["Frames", "Plant", "Response", "Rig", "Session"]
 
 _log = mujoco.MjLogConfig.get()
 _log.logto_file = False  # no MUJOCO_LOG.TXT where the program was started; the console still hears

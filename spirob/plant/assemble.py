@@ -47,7 +47,11 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     motor.demanded_tension,
     motor.one_sided_tensions,
 )
-ON_THE_HOST: tuple[Callable[..., object], ...] = (control.host_voltage, motor.held_current)
+ON_THE_HOST: tuple[Callable[..., object], ...] = (
+    control.host_voltage,
+    motor.counted,
+    motor.held_current,
+)
 TEMPLATES: tuple[Callable[..., object], ...] = (  # in the order in which they run
     loop.begin,
     loop.pose,

@@ -79,6 +79,7 @@ def command(p, s, w, c, memory, m, reference, reference_rate, row):
     s.command[m] = wanted
     row.command = wanted
     if HOST_LOOP:
+        row.current = counted(row.current + row.noise, c.host_current_count)
         if s.cycle == 0.0:
             s.host_error[m] = wanted - row.current
         s.volts[2, m], s.volts[1, m] = s.volts[1, m], s.volts[0, m]
@@ -87,7 +88,7 @@ def command(p, s, w, c, memory, m, reference, reference_rate, row):
             w.command_before[m],
             row.current,
             s.host_error[m],
-            p.winch.gear_ratio * row.velocity / c.radius,
+            counted(p.winch.gear_ratio * row.velocity / c.radius, c.host_speed_count),
             s.host_integral[m],
             c.cycle,
             c.host_resistance,
@@ -172,7 +173,8 @@ def run(
     numbers, state, passing, settings, arms  p, s, w, c and arm, arrays of one;  moved  a `Moved`
     memory         of the effects, a row for each state of `assemble.memory_rows`
     reference      (T, 2) of the law, in the unit of its mode;  reference_rate  (T, 2) [m/s]
-    out            (T + 1, 2) filled, `records.ROW`;  angles  (T + 1, N) filled [rad]
+    out            (T + 1, 2) filled, `records.ROW`, but for its noise, which is given
+    angles         (T + 1, N) filled [rad]
     """
     p, s, w, c, arm = numbers[0], state[0], passing[0], settings[0], arms[0]
     cycles = reference.shape[0]

@@ -38,6 +38,8 @@ numerical damping; where c < h k the step cannot resolve a tendon so little damp
 
 import math
 
+import numpy as np
+
 
 def own(mean, difference, m):
     """The number of one motor, 0 the left, 1 the right, of their mean and relative difference."""
@@ -118,6 +120,11 @@ def held_current(
         total += final * span + (current - final) * (1.0 - decay) * inductance / resistance
         current = final + (current - final) * decay
     return current, total / period
+
+
+def counted(value, count):
+    """A value as a frame holds it, a whole number of counts; as it is where a count is nothing."""
+    return count * np.rint(value / count) if count > 0.0 else value
 
 
 def free_rate(rate, force, inertia, damping, step):

@@ -22,7 +22,7 @@ from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, memory_rows
 from spirob.plant.body import build_spec, compiled
 from spirob.plant.objects import launch
-from spirob.plant.records import SETTINGS, Layout, Response, made
+from spirob.plant.records import SETTINGS, Frames, Layout, Response, made
 from spirob.plant.rig import Arm, Holes, Rig
 from spirob.plant.session import CYCLE, Session, Torque
 from spirob.plant.tendon import room
@@ -74,6 +74,14 @@ class Plant:
         found.off = off
         return found
 
+    def reading(self, frames: Frames) -> "Plant":
+        """The same machine, its loop on the host reading counts; a drive's own loop reads none."""
+        found = copy.copy(self)
+        found.settings = self.settings.copy()
+        told = found.settings[0]
+        told.host_current_count, told.host_speed_count = frames.current, frames.speed
+        return found
+
     def within(self, about: Mapping[str, Parameter]) -> "Plant":
         """The same machine with something else known of some numbers, which stand at nominal."""
         found = copy.copy(self)
@@ -86,12 +94,14 @@ class Plant:
         scene: Scene,
         changes: Mapping[str, float] | None = None,
         first_angle: Sequence[float] | np.ndarray = (0.0, 0.0),
+        noise: np.ndarray | None = None,
     ) -> Response:
         """Play a schedule from rest; `changes` replaces parameters by name, `owner.field`.
 
         The tendons are off before, or hold the arm where the schedule says so.
 
         first_angle  of the rotors [rad], for what depends on where in a turn they stand
+        noise        (T, 2) of the current that a loop on the host reads [A]; None: none
 
         Deterministic: the same arguments give the same bits.  Raises SimulationError naming the
         cycle when a state becomes non-finite, ConfigError on an unknown parameter.
@@ -99,7 +109,7 @@ class Plant:
         session = self.start(scene, changes, first_angle)
         if schedule.held is not None:
             session.settle(schedule.held)
-        whole = session.play(schedule)
+        whole = session.play(schedule, noise)
         return Response(*(getattr(whole, f.name)[:-1] for f in fields(Response)))
 
     def start(

@@ -93,6 +93,8 @@ SETTINGS = _kind(
         ("host_limit", "f8"),  # [V]
         ("host_latency", "f8"),  # from a reading until its voltage acts [cycles]
         ("host_count", "f8"),  # of the voltage on the bus [V]
+        ("host_current_count", "f8"),  # of the current that it reads [A]; 0: it reads all of it
+        ("host_speed_count", "f8"),  # of the rotor's speed [rad/s]; the same
     ]
 )
 COLUMNS = (
@@ -106,7 +108,19 @@ COLUMNS = (
     "command",
     "voltage",
 )
-ROW = _kind([(name, "f8") for name in COLUMNS])  # of one motor in one cycle
+NOISE = "noise"  # of the current that the host reads [A]; given, where the others are told
+ROW = _kind([(name, "f8") for name in (*COLUMNS, NOISE)])  # of one motor in one cycle
+
+
+@dataclass(frozen=True)
+class Frames:
+    """In what counts the host's loop reads a drive: current [A], speed of the rotor [rad/s].
+
+    Zero is no count: it then reads what the drive measures.
+    """
+
+    current: float = 0.0
+    speed: float = 0.0
 
 
 @cache
@@ -171,7 +185,7 @@ class Moved(NamedTuple):
 class Response:
     """What the model did, one row for each 1 kHz cycle; columns of the (T, 2) arrays: left, right.
 
-    current          i* as the drive reports it [A]
+    current          i* as the drive reports it [A], as the host's loop read it where there is one
     arm_current      i**, reconstructed from the arm's motion and the tension it feels [A]
     displacement     wound-in length as the encoder reports it [m];  velocity  its rate [m/s]
     shortening       Δl of the tendon [m];  shortening_rate [m/s]

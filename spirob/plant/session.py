@@ -24,6 +24,7 @@ from spirob.plant.chain import chain_of
 from spirob.plant.objects import bow, launch, outlines
 from spirob.plant.records import (
     COLUMNS,
+    NOISE,
     PASSING,
     ROW,
     STATE,
@@ -218,10 +219,15 @@ class Session:
             "qpos": self._data.qpos.copy(),
         }
 
-    def play(self, schedule: Schedule) -> Response:
-        """Play a schedule; the response has one row more than it, the state at its end."""
+    def play(self, schedule: Schedule, noise: np.ndarray | None = None) -> Response:
+        """Play a schedule; the response has one row more than it, the state at its end.
+
+        noise  (T, 2) of the current that the host's loop reads [A]; None: none
+        """
         rows = schedule.cycles + 1
         out = np.zeros((rows, 2), ROW)
+        if noise is not None:
+            out[NOISE][:-1] = noise
         angles = np.zeros((rows, self._plant.rig.units))
         self._settings["mode"], self._settings["limit"] = schedule.mode, schedule.current_limit
         failed = self._plant.run(

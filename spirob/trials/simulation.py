@@ -1,6 +1,6 @@
 """Trials without any robot: the model played at once, or behind the robot's interface."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 
 import numpy as np
@@ -16,15 +16,17 @@ from spirob.can_protocol import (
     encode_feedback,
 )
 from spirob.control import CURRENT, Schedule
+from spirob.drives.description import RPM
 from spirob.errors import HardwareError
 from spirob.logs.reader import CHANNELS, FILTER_WINDOW, VOLTAGE
-from spirob.plant import Plant, Response, Session
+from spirob.plant import Frames, Plant, Response, Session
 from spirob.robot import CYCLE_NS, MOTORS, Scene
 from spirob.trace import Trace, moving_average
 from spirob.trials.play import Reaction
 from spirob.trials.trial import Trial
 
 ARM_CURRENT = {"arm_current": "A"}  # i** of (17), beside i*
+FRAMES = Frames(current=AMPERE_PER_COUNT, speed=1.0 / RPM["rad/s"])  # of `Feedback`: whole rpm
 
 
 def simulate(
@@ -38,20 +40,27 @@ def simulate(
 ) -> Trace:
     """The trial as a decoded trace: current in counts of the drive, with sensor noise.
 
-    current_noise  standard deviation [A];  seed  of the noise;  shots  whose mean the current is
+    A loop on the host reads that noise and the drive's counts too, so that every shot is another
+    trial.  Without noise it reads exact values: rounding alone is no dither, and does not average.
+
+    current_noise  standard deviation [A];  seed  of the noise;  shots  whose mean the trace is
     react          what the trial does about the current that it feels, which may shorten it
     Raises SimulationError when the model diverges.
     """
     schedule = trial.schedule()
     rng = np.random.default_rng(seed)
     draws = rng.normal(0.0, 1.0, (shots, *schedule.reference.shape)) * current_noise
-    if react is None:
-        response = plant.simulate(schedule, trial.scene, changes)
-    else:
+    if react is not None:
         session = plant.start(trial.scene, changes)
         response, schedule = _reacting(session, schedule, draws[0], react)
-        draws = draws[:, : schedule.cycles]
-    current = _counted(response.current + draws).mean(axis=0)
+        current = _counted(response.current + draws[:, : schedule.cycles]).mean(axis=0)
+    elif current_noise and plant.rig.host is not None:
+        heard = plant.reading(FRAMES)
+        response = _mean([heard.simulate(schedule, trial.scene, changes, noise=d) for d in draws])
+        current = response.current
+    else:
+        response = plant.simulate(schedule, trial.scene, changes)
+        current = _counted(response.current + draws).mean(axis=0)
     signals: dict[str, np.ndarray] = {}
     for m, motor in enumerate(MOTORS):
         signals |= {
@@ -96,6 +105,11 @@ def _reacting(
     whole = {f.name: [getattr(p, f.name)[:-1] for p in pieces] for f in fields(Response)}
     played = _part(schedule, np.concatenate(rows))
     return Response(**{name: np.concatenate(parts) for name, parts in whole.items()}), played
+
+
+def _mean(shots: Sequence[Response]) -> Response:
+    of = {f.name: [getattr(shot, f.name) for shot in shots] for f in fields(Response)}
+    return Response(**{name: np.mean(values, axis=0) for name, values in of.items()})
 
 
 def _part(schedule: Schedule, rows: np.ndarray) -> Schedule:

@@ -140,6 +140,24 @@ def test_the_baselines_current_is_the_commanded_one_while_its_angle_answers():
 def test_less_than_one_shot_is_refused():
     with pytest.raises(ConfigError, match=r"paper\.host_contact\.shots = 0: one at least"):
         HostContact(shots=0)
+    with pytest.raises(ConfigError, match=r"paper\.host_contact\.forward = 0: one at least"):
+        HostContact(forward=0)
+
+
+def test_small_peaks_have_more_shots_and_their_standard_error_is_told():
+    experiment = HostContact(bandwidths=(10.0,), shares=(1.0, 0.0), shots=6, forward=24)
+    assert [p.shots for p in experiment.plays()] == [24] * 7 + [6] * 7
+    sides = answers(experiment, RISING, RISING)
+    rng = np.random.default_rng(2)
+    for played in sides.values():
+        noise = rng.normal(0.0, 4.0 * COUNT, (24, 1200, 2)).mean(axis=0)
+        played["robot"] = replace(played["robot"], current=played["robot"].current + noise)
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    # two means of 24, over 11 samples each: 4·√(2/24/11)
+    told = "standard error in counts: robot 0.3"
+    assert rows["current peak, 10 Hz (12) whole, at 95%"]["note"] == told
+    assert rows["current peak off the robot's, 10 Hz (12) whole"]["note"].endswith("robot 0.4")
+    assert "standard error" not in rows["shift, 10 Hz (12) whole, at 95%"]["note"]
 
 
 def test_several_shots_are_their_mean_and_a_signal_that_one_lacks_is_left_out():
