@@ -45,6 +45,9 @@ from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
 
+LONG = 3e8  # samples played: half a minute of a core, and a diagnosis is to end in one
+UNTRIED = "The search took so long that it was not repeated: fewer or slower rows make it shorter."
+
 
 @dataclass(frozen=True)
 class _Searched:
@@ -58,6 +61,15 @@ class _Searched:
     @property
     def chosen(self) -> Model:
         return self.found.chosen
+
+    def noted(self, said: str) -> "_Searched":
+        """The same with a further note."""
+        return replace(self, ready=replace(self.ready, said=[*self.ready.said, said]))
+
+    @property
+    def is_long(self) -> bool:
+        """Whether it took so much that another search, begun otherwise, would take too long."""
+        return self.search.models.train.played > LONG
 
 
 def diagnose_recordings(
@@ -83,7 +95,10 @@ def diagnose_recordings(
 
     with one_thread():
         judged = _judged(_found(told(train, test)))
-        if said := untaught(judged.search, judged.chosen, judged.verdict):
+        said = untaught(judged.search, judged.chosen, judged.verdict)
+        if said and judged.done.is_long:
+            judged = judged.noted(f"{said} {UNTRIED}")
+        elif said:
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, [*train, *test], said)
             judged = again or judged.noted(said)
@@ -135,8 +150,7 @@ class _Judged:
 
     def noted(self, said: str) -> "_Judged":
         """The same with a further note."""
-        ready = replace(self.done.ready, said=[*self.done.ready.said, said])
-        return replace(self, done=replace(self.done, ready=ready))
+        return replace(self, done=self.done.noted(said))
 
 
 def base_model(
@@ -240,6 +254,8 @@ def _once_more(done: _Searched) -> _Searched:
     usual = none.low < fitted.low or fitted.high < none.high
     if none not in others and usual and not _begins_alike(done, none):
         others.append(none)
+    if others and done.is_long:
+        return done.noted(f"Not looked for about another delay. {UNTRIED}")
     for delay in others:
         done.ready.progress(
             f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion"
@@ -268,7 +284,7 @@ def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:
     """What was searched with more told of the rig, where that explains more by what counts."""
     if not done.search.worth.matters(done.chosen, wider.chosen):
         return done
-    return replace(wider, ready=replace(wider.ready, said=[*wider.ready.said, said]))
+    return wider.noted(said)
 
 
 def _judged(done: _Searched) -> _Judged:

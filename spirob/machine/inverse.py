@@ -28,6 +28,7 @@ class InverseProblem:
     logs   own numbers of all logs of the rig;  own  those that are fitted anew at every call,
            because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
+    played  samples of all residuals that were asked for: what the work of a search is counted by
     """
 
     workers = 1  # threads would wait for one another, whatever the length of the logs
@@ -44,7 +45,7 @@ class InverseProblem:
         own: Sequence[str] = (),
     ):
         self.logs, self.own = logs, list(own)
-        self.rig, self.body, self.sizes = rig, body, sizes
+        self.rig, self.body, self.sizes, self.played = rig, body, sizes, 0
         self.recordings = list(recordings)
         self.effects, self.rest_speed = list(effects), rest_speed
         self._table = table_of(rig, effects, sizes, logs)
@@ -120,6 +121,7 @@ class InverseProblem:
         return self._model(self.completed(changes))
 
     def _residual(self, changes: Mapping[str, float]) -> np.ndarray:
+        self.played += len(self.asked.motion.q)
         effort = self.asked.effort(self._table.vector(changes), near=True)
         return self._thin(self._smooth(effort)) - self._measured
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spirob.machine import axis
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.plausibility import AT_LOAD
 from spirob.machine.recording import prepare
@@ -88,6 +89,16 @@ def test_what_the_held_out_log_alone_shows_is_found_with_the_ends_held_out(tmp_p
     assert [f.name for f in found.findings] == ["asymmetric_viscous_friction"]
     (note,) = (text for text in found.notes if "they show what these do not" in text)
     assert "30% of every log was kept aside" in note
+
+
+def test_a_search_that_took_long_is_not_repeated_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(axis, "LONG", 0)
+    rig = RigFile.model_validate(description())
+    logs = [prepare(f"{way}", leaning(way, 2730 + way), rig) for way in (1, -1)]
+    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
+    assert found.verdict == "unknown"
+    (note,) = (text for text in found.notes if "they show what these do not" in text)
+    assert note.endswith(axis.UNTRIED)
 
 
 def test_logs_of_one_direction_give_one_name_for_friction_and_a_force(tmp_path):
