@@ -68,6 +68,21 @@ class _Fitted:
             [n for n in silent if n not in kept], effects, self.model.fit.changes
         )
 
+    def weakest(self, model: Model, kept: Sequence[int]) -> int:
+        """The part of these without which the others of a model leave least, to first order."""
+        names, slopes = list(model.fit.estimates), model.fit.jacobian
+        scaling, changes = Scaling(self.models.train.table, names), model.fit.changes
+
+        def left(k: int) -> float:
+            own = {f"{self.name}.{field}" for field in self.law.fields(k)}
+            none = changes | {f"{self.name}.amplitude_{k + 1}": 0.0}
+            away = slopes @ (scaling.scaled(none) - scaling.scaled(changes))
+            after, rest = model.fit.residual + away, slopes[:, [n not in own for n in names]]
+            moved = np.linalg.lstsq(rest, after, rcond=None)[0]
+            return float(np.sum((after - rest @ moved) ** 2))
+
+        return min(kept, key=left)
+
 
 def composed(
     search: RigSearch,
@@ -115,12 +130,11 @@ def _pruned(beside: _Beside, law: Law) -> _Fitted:
     worth, whole = beside.search.worth, _fitted(beside, law, "whole")
     kept, one = list(range(law.terms)), whole.model
     while len(kept) > 1:
-        lesser = {k: whole.only([j for j in kept if j != k], beside) for k in kept}
-        weak = [k for k, m in lesser.items() if not worth.matters(m, one) or worth.denied(m, one)]
-        if not weak:
+        others = [k for k in kept if k != whole.weakest(one, kept)]
+        lesser = whole.only(others, beside)
+        if worth.matters(lesser, one) and not worth.denied(lesser, one):
             break
-        least = min(weak, key=lambda k: lesser[k].mean_square)
-        kept, one = [k for k in kept if k != least], lesser[least]
+        kept, one = others, lesser
     return whole if len(kept) == law.terms else _fitted(beside, whole.law.only(kept), "pruned")
 
 

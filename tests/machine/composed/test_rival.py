@@ -34,7 +34,7 @@ def test_numbers_are_those_that_are_told_and_their_shapes():
     assert numbers(ONE_WAVE) == 3  # two amplitudes and the order
     assert numbers(THREE_WAVES) == 9
     assert numbers(model("cogging")) == 0
-    assert numbers(model("coulomb_friction", told=("coulomb_friction.torque",))) == 1
+    assert numbers(model("quadratic_drag", told=("quadratic_drag.drag",))) == 1
     bristle = all_effects()["presliding_friction"]
     assert bristle.state
     told = [f"presliding_friction.{f}" for f in bristle.neutral]
