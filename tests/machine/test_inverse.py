@@ -154,21 +154,6 @@ def test_a_late_effort_is_its_series_of_second_order(count, delay):
         np.testing.assert_allclose(found[own], series[at], atol=1e-12)
 
 
-def test_two_threads_find_what_one_finds():
-    rig = RigFile.model_validate(description())
-    t = np.arange(0, 45, 2e-3)
-    long = {"t": t, "q": np.sin(3 * t) + 0.2 * np.sin(7 * t), "u": np.cos(3 * t)}
-    effects = [LIBRARY["coulomb_friction"], LIBRARY["load_dependent_friction"]]
-    made = InverseProblem(rig, None, [prepare("log", long, rig)], effects, SIZES, 0.02)
-    assert made.workers == 2
-    points = [
-        {"rig.inertia": 0.01 * k, "coulomb_friction.coulomb_torque": 0.02 * (k % 3)}
-        for k in range(12)
-    ]
-    for both, alone in zip(made.many(points), map(made, points), strict=True):
-        np.testing.assert_array_equal(both, alone)
-
-
 def test_a_ratio_shapes_the_second_wave_alone():
     cogging = LIBRARY["cogging"]
     assert shaping(cogging, "sine") == ("order",)
