@@ -12,6 +12,7 @@ from spirob.machine.composed.composing import Composed
 from spirob.machine.composed.draft import Draft
 from spirob.machine.shapes import shaping
 
+TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
     "A law composed without any name is plainer and leaves less than half the squared error: what "
     "was nearest only imitates it."
@@ -30,14 +31,14 @@ def outdone(worth: Worth, named: Model, beside: Composed | None, alone: Composed
     return (
         alone is not None
         and worth.halves(named, alone.model)
-        and numbers(alone.model) < numbers(richer)
+        and numbers(alone.model) + TERM <= numbers(richer)
         and not worth.clearly(alone.model, richer)
     )
 
 
 def may_outdo(named: Model, beside: Composed | None, draft: Draft) -> bool:
     """Whether a draft is plain enough and leaves little enough to be such a law."""
-    plainer = draft.richness < numbers(beside.model if beside else named)
+    plainer = draft.richness + TERM <= numbers(beside.model if beside else named)
     return plainer and draft.mean_square < named.mean_square
 
 
