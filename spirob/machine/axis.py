@@ -45,7 +45,7 @@ from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
 
-LONG = 3e8  # samples played: half a minute of a core, and a diagnosis is to end in one
+LONG = 1.5e8  # samples played: half a minute of a core, and a diagnosis is to end in one
 UNTRIED = "The search took so long that it was not repeated: fewer or slower rows make it shorter."
 
 

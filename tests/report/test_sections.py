@@ -10,7 +10,7 @@ import spirob.report
 from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
 from spirob.report.sections.object_size import mae_interval
-from spirob.report.sections.verdict import explained_sentence, share
+from spirob.report.sections.verdict import explained_sentence, kind, share
 from tests.report.synthetic import TRIALS
 
 SECTIONS = {section.name: section for section in discover()}
@@ -23,6 +23,11 @@ def text(name, data):
     if why := section.absent(context):
         return why
     return spirob.report._environment().get_template(section.template).render(context)
+
+
+def test_a_doubt_about_the_data_is_no_gap_in_the_library():
+    assert kind({"verdict": "unknown", "doubts": ["another unit"]}) == "Look at the data first"
+    assert "missing" in kind({"verdict": "unknown", "doubts": []})
 
 
 def test_sections_stand_in_the_order_of_the_page():
