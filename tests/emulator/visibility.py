@@ -2,7 +2,7 @@
 
 Both play the same trial with the same seed and controller, noise and counts included.  What the
 wrong parameters could explain is judged by the twin's own sensitivity to them, to first order.
-`python -m tests.emulator.visibility` measures the table of docs/emulator.md.
+`python -m tests.emulator.visibility` measures the table of docs/lab/emulator.md.
 """
 
 import functools

@@ -7,7 +7,7 @@ A file here defines
 which maps a strength (1 is typical) and details drawn from the seed to fields of the compiled
 step's record of numbers.  Its name is the effect's name.  A value is added to what the machine
 has, unless the file lists its field in `REPLACED`.  How much of each the logs show stands in
-docs/emulator.md, measured by tests/emulator/visibility.py.
+docs/lab/emulator.md, measured by tests/emulator/visibility.py.
 """
 
 from collections.abc import Callable
