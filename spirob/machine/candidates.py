@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from itertools import combinations
+from math import prod
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from spirob.effects import Effect
 from spirob.machine.laws import LEVER, shares_inertia
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, parameters
-from spirob.machine.shapes import counts_periods, reads_a_disc
+from spirob.machine.shapes import counts_periods, reads_a_disc, waves
 
 DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
     "motor.drive_torque": "the motor's torque per ampere",
@@ -132,7 +133,7 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
 
     Each of several laws can ripple at the same order; two of them together fit the edges of any.
     """
-    apart = 2 * np.pi * sizes.angle / sizes.stroke
+    apart = _apart(sizes)
     orders = [
         model.fit.changes[f"{e.name()}.{f}"]
         for e in model.effects
@@ -142,6 +143,32 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
     return any(abs(one - two) < apart for one, two in combinations(orders, 2))
 
 
+def repeated_waves(model: Model, sizes: Sizes) -> list[str]:
+    """Numbers of waves of an effect that come at the order of another of its waves.
+
+    Two waves that the stroke cannot tell apart are one wave.  Fitted as two, of opposite signs,
+    they beat: a curve that fades in and out along the way, which no periodic law is.
+    """
+    found: list[str] = []
+    for effect in model.effects:
+        kept: dict[str, float] = {}  # numbers of the waves that stay -> order of one of them
+        for amplitudes, shape in waves(effect):
+            fitted = [f"{effect.name()}.{f}" for f in (*amplitudes, *shape)]
+            if not all(name in model.fit.estimates for name in fitted):
+                continue
+            order = prod(model.fit.changes[name] for name in fitted[len(amplitudes) :])
+            if any(abs(order - other) < _apart(sizes) for other in kept.values()):
+                found += [name for name in fitted if name not in kept]
+            else:
+                kept |= dict.fromkeys(fitted, order)
+    return found
+
+
+def _apart(sizes: Sizes) -> float:
+    """By how much orders differ that the stroke tells apart: a period of it."""
+    return float(2 * np.pi * sizes.angle / sizes.stroke)
+
+
 def seldom_seen(model: Model) -> bool:
     """Whether a wave of the model ends as long as the bounds of its order let it.
 
@@ -149,8 +176,9 @@ def seldom_seen(model: Model) -> bool:
     be longer still comes round less, and is a curve of the place, as any other.
     """
     for effect in model.effects:
-        told = {f: model.fit.estimates[f"{effect.name()}.{f}"] for f in effect.fitted()}
-        orders = [told[f] for f in told if f not in effect.neutral and counts_periods(effect, f)]
+        names = {f: f"{effect.name()}.{f}" for f in effect.fitted() if f not in effect.neutral}
+        told = {f: model.fit.estimates[n] for f, n in names.items() if n in model.fit.estimates}
+        orders = [told[f] for f in told if counts_periods(effect, f)]
         slowest = any(o.at_bound and o.value - o.low < o.high - o.value for o in orders)
         if slowest and not reads_a_disc(effect):
             return True

@@ -10,7 +10,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.evidence import block_errors
@@ -18,10 +17,10 @@ from spirob.diagnosis.flexible import folds_of
 from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, label
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect
-from spirob.identify.descent import slopes_ahead
+from spirob.identify.descent import descend, slopes_ahead
 from spirob.identify.fit import Fit, fit
 from spirob.identify.scaling import Scaling
-from spirob.machine.candidates import related, same_wave, seldom_seen
+from spirob.machine.candidates import related, repeated_waves, same_wave, seldom_seen
 from spirob.machine.delays import DELAY, only_aligns
 from spirob.machine.filtering import noise_in_effort
 from spirob.machine.flexible import Ceiling, ceiling, products, steps
@@ -33,7 +32,9 @@ from spirob.score import Score, score
 
 BENT = 0.1  # of the residual: by so much it may differ from what its slopes told of a step
 WORST = 1e6  # of the largest residual: by how much more a fold is missed says nothing
-STEPS = 4  # of a fit to the others: it begins close to where it ends
+ROUNDS = 2  # of a fit to the others: it begins with known slopes, close to where it ends
+SETTLED = 1e-3  # relative fall of the squared residual in a step that ends it
+PLAIN = 1e3  # times the residual, where errors would begin to count linearly: plain least squares
 
 
 def left_out(problem: InverseProblem, found: Fit, folds: np.ndarray, width: float) -> np.ndarray:
@@ -66,19 +67,21 @@ def _fitted(
     problem: InverseProblem, scaling: Scaling, found: Fit, others: np.ndarray, width: float
 ) -> dict[str, float]:
     """The numbers fitted to some samples alone, from those that fit all."""
-    margin = 1e-3 * (scaling.high - scaling.low)
-    begin = np.clip(scaling.scaled(found.changes), scaling.low + margin, scaling.high - margin)
+
+    def everywhere(u: np.ndarray) -> np.ndarray:
+        return problem(found.changes | scaling.physical(u))
 
     def value(u: np.ndarray) -> np.ndarray:
-        return problem(found.changes | scaling.physical(u))[others]
+        return everywhere(u)[others]
 
-    def slopes(u: np.ndarray) -> np.ndarray:
-        at = problem(found.changes | scaling.physical(u))
-        return slopes_ahead(problem, scaling, u, found.changes, at, width)[others]
+    def differences(u: np.ndarray, at: np.ndarray) -> np.ndarray:
+        return slopes_ahead(problem, scaling, u, found.changes, everywhere(u), width)[others]
 
-    bounds = scaling.low, scaling.high
-    ended = least_squares(value, begin, slopes, bounds, max_nfev=STEPS, xtol=1e-4, ftol=1e-4)
-    return scaling.physical(ended.x)
+    begin, slopes = scaling.scaled(found.changes), found.jacobian[others]
+    plain = PLAIN * float(np.std(found.residual))
+    box = scaling.around
+    ended = descend(value, differences, begin, box, plain, ROUNDS, SETTLED, slopes=slopes)
+    return scaling.physical(ended.u)
 
 
 ITERATIONS = 40  # of a fit at most: one that has not arrived is taken for a poorer law
@@ -205,7 +208,11 @@ class Models(Predictor):
         """The fitted model of a set; `start` holds where its numbers begin."""
         key = frozenset(e.name() for e in effects)
         if key not in self.tried:
-            self.tried[key] = self.without((), effects, start)
+            made = self.without((), effects, start)
+            if twice := repeated_waves(made, self.train.sizes):
+                once = {n: v for n, v in made.fit.changes.items() if n not in twice}
+                made = self.without(twice, effects, once)
+            self.tried[key] = made
         return self.tried[key]
 
     def without(

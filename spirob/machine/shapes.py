@@ -8,6 +8,7 @@ from the peaks of the residual's spectrum over that angle, those of a disc also 
 from collections.abc import Mapping
 from functools import cache
 from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -83,8 +84,7 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
 
     Asked of the kernel itself, so that it holds for effects that nobody here has seen.
     """
-    angles = [a for a, signal in effect.reads.items() if SIGNALS[signal].unit == "rad"]
-    if not angles or effect.state:
+    if not _angles(effect) or effect.state:
         return False
     rng = np.random.default_rng(0)
     # a second wave may have any ratio to the first; what comes round is that of a whole number
@@ -92,18 +92,28 @@ def counts_periods(effect: type[Effect], field: str) -> bool:
         f: rng.uniform(0.2, 0.8) * (p.high - p.low) + p.low
         if f in (field, *effect.neutral)
         else p.nominal
-        for f, p in _bounds(effect)
+        for f, p in effect.parameters().items()
     }
+    return _repeats(effect, values, values[field])
+
+
+def _repeats(effect: type[Effect], numbers: Mapping[str, float], order: float) -> bool:
+    """Whether the kernel comes round with so many periods a turn, and is not the same all along."""
+    angles, rng = _angles(effect), np.random.default_rng(0)
+    values = dict(numbers)
     values |= {argument: rng.uniform(0.5, 1.5) for argument in effect.reads}
     values |= {"upstream": 1.0} if is_pipe(effect) else {}
     values |= {"dt": 1e-3} if "dt" in effect.arguments() else {}
-    order = values[field]
     turned = {**values, angles[0]: values[angles[0]] + 2 * np.pi / order}
     half = {**values, angles[0]: values[angles[0]] + 2 * np.pi / (2.7 * order)}
     here = effect.kernel(**values)
     scale = abs(here) + 1e-12
     repeats = abs(effect.kernel(**turned) - here) < 1e-9 * scale
     return bool(repeats and abs(effect.kernel(**half) - here) > 1e-6 * scale)
+
+
+def _angles(effect: type[Effect]) -> list[str]:
+    return [a for a, signal in effect.reads.items() if SIGNALS[signal].unit == "rad"]
 
 
 def reads_a_disc(effect: type[Effect]) -> bool:
@@ -124,6 +134,23 @@ def shaping(effect: type[Effect], amplitude: str) -> tuple[str, ...]:
     return tuple(f for f in shape if _matters(effect, amplitude, f))
 
 
+@cache
+def waves(effect: type[Effect]) -> list[tuple[list[str], tuple[str, ...]]]:
+    """Waves that an effect is made of: amplitudes, and the numbers whose product is their order."""
+    if not any(counts_periods(effect, f) for f in effect.parameters() if f not in effect.neutral):
+        return []
+    found: dict[tuple[str, ...], list[str]] = {}
+    for amplitude in effect.neutral:
+        found.setdefault(shaping(effect, amplitude), []).append(amplitude)
+    nominal = {f: about.nominal for f, about in effect.parameters().items()}
+    alone = {s: {**nominal, **effect.neutral, a[0]: nominal[a[0]] or 1.0} for s, a in found.items()}
+    return [
+        (amplitudes, shape)
+        for shape, amplitudes in found.items()
+        if _repeats(effect, alone[shape], prod(nominal[f] for f in shape))
+    ]
+
+
 def _matters(effect: type[Effect], amplitude: str, field: str) -> bool:
     rng = np.random.default_rng(0)
     about = effect.parameters()
@@ -142,7 +169,3 @@ def _matters(effect: type[Effect], amplitude: str, field: str) -> bool:
         except (ArithmeticError, ValueError):  # not made for such numbers: nothing is known
             return True
     return False
-
-
-def _bounds(effect: type[Effect]) -> list[tuple[str, Parameter]]:
-    return list(effect.parameters().items())

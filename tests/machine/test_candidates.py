@@ -7,7 +7,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
-from spirob.machine.candidates import related, seldom_seen, with_room
+from spirob.machine.candidates import related, repeated_waves, seldom_seen, with_room
 from spirob.machine.laws import for_axis
 from spirob.machine.scaling import Sizes, parameters
 
@@ -72,3 +72,35 @@ def test_a_disc_comes_round_once_a_turn_however_little_is_seen():
     }
     model = SimpleNamespace(effects=(disc,), fit=SimpleNamespace(estimates=told))
     assert not seldom_seen(model)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "third", "repeated"),
+    [
+        (2.0, 3.0, []),
+        (1.1, 3.0, ["second_sine", "second_cosine", "ratio"]),
+        (4.0, 4.1, ["third_sine", "third_cosine", "third_ratio"]),
+        (4.0, 3.7, []),
+        (
+            1.05,
+            1.1,
+            ["second_sine", "second_cosine", "ratio", "third_sine", "third_cosine", "third_ratio"],
+        ),
+    ],
+)
+def test_two_waves_of_one_order_as_the_stroke_tells_it_are_one(ratio, third, repeated):
+    cogging, about = all_effects()["cogging"], sizes(2 * math.pi)  # orders are told apart by one
+    changes = {f"cogging.{f}": p.nominal for f, p in parameters(cogging, about).items()}
+    changes |= {"cogging.order": 5.0, "cogging.ratio": ratio, "cogging.third_ratio": third}
+    fit = SimpleNamespace(changes=changes, estimates=dict.fromkeys(changes))
+    found = repeated_waves(SimpleNamespace(effects=(cogging,), fit=fit), about)
+    assert found == [f"cogging.{f}" for f in repeated]
+
+
+def test_a_wave_that_is_left_out_is_not_repeated():
+    cogging, about = all_effects()["cogging"], sizes(2 * math.pi)
+    changes = {f"cogging.{f}": p.nominal for f, p in parameters(cogging, about).items()}
+    changes |= {"cogging.order": 5.0, "cogging.ratio": 1.0}
+    told = {n: None for n in changes if "second" not in n and n != "cogging.ratio"}
+    fit = SimpleNamespace(changes=changes, estimates=told)
+    assert repeated_waves(SimpleNamespace(effects=(cogging,), fit=fit), about) == []

@@ -49,7 +49,8 @@ def numbers(model: Model) -> int:
     """
     count = 0
     for effect in model.effects:
-        found = {f: model.fit.estimates[f"{effect.name()}.{f}"] for f in effect.fitted()}
+        names = {f: f"{effect.name()}.{f}" for f in effect.fitted()}
+        found = {f: model.fit.estimates[n] for f, n in names.items() if n in model.fit.estimates}
         told = [
             f
             for f, zero in effect.neutral.items()
