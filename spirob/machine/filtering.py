@@ -10,6 +10,7 @@ from math import comb
 
 import numpy as np
 import scipy
+from numba import njit
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
@@ -67,9 +68,26 @@ def _both_ways(
     more = min(padding, len(values) - 1)
     before, after = values[more:0:-1], values[-2 : -more - 2 : -1]
     padded = np.concatenate([2.0 * values[0] - before, values, 2.0 * values[-1] - after])
-    ahead, _ = scipy.signal.sosfilt(sections, padded, zi=settled * padded[0])
-    back, _ = scipy.signal.sosfilt(sections, ahead[::-1], zi=settled * ahead[-1])
-    return np.asarray(back[more : len(back) - more][::-1])
+    _pass(sections, settled * padded[0], padded, padded)
+    backward = padded[::-1]
+    _pass(sections, settled * backward[0], backward, backward)
+    return padded[more : len(padded) - more]
+
+
+@njit(cache=True)
+def _pass(sections: np.ndarray, state: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
+    """`scipy.signal.sosfilt`, bit for bit, which takes longer to be called than to filter.
+
+    state  of each section, (sections, 2), and afterwards that after the last value
+    """
+    for k in range(len(values)):
+        passed = values[k]
+        for s in range(len(sections)):
+            given = passed
+            passed = sections[s, 0] * given + state[s, 0]
+            state[s, 0] = sections[s, 1] * given - sections[s, 4] * passed + state[s, 1]
+            state[s, 1] = sections[s, 2] * given - sections[s, 5] * passed
+        out[k] = passed
 
 
 @cache
