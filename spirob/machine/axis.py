@@ -45,8 +45,9 @@ from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
 
-LONG = 1.5e8  # samples played: half a minute of a core, and a diagnosis is to end in one
-UNTRIED = "The search took so long that it was not repeated: fewer or slower rows make it shorter."
+SHORTER = "fewer or slower rows make it shorter."
+UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"
+CUT = f"The search took so long that no more than three effects were tried together: {SHORTER}"
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class _Searched:
     @property
     def is_long(self) -> bool:
         """Whether it took so much that another search, begun otherwise, would take too long."""
-        return self.search.models.train.played > LONG
+        return self.search.models.is_long
 
 
 def diagnose_recordings(
@@ -320,7 +321,8 @@ def _written(judged: _Judged) -> Diagnosis:
     law = judged.law
     if verdict.kind == "unknown" and not verdict.doubts:
         law = law or composed(search, found, bare)
-    notes = [*ready.said, *oddities(search, chosen, gate, ready.given)]
+    notes = [*ready.said, *[CUT] * search.models.cut]
+    notes += oddities(search, chosen, gate, ready.given)
     notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.models.train, bare.fit.residual)
     written = document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)

@@ -152,7 +152,7 @@ def repeated_waves(model: Model, sizes: Sizes) -> list[str]:
     found: list[str] = []
     for effect in model.effects:
         kept: dict[str, float] = {}  # numbers of the waves that stay -> order of one of them
-        for amplitudes, shape in waves(effect):
+        for amplitudes, shape in waves(effect):  # type: ignore[arg-type] # a class is hashable
             fitted = [f"{effect.name()}.{f}" for f in (*amplitudes, *shape)]
             if not all(name in model.fit.estimates for name in fitted):
                 continue

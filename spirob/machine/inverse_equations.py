@@ -20,14 +20,15 @@ a law that lowers it makes the error no larger than it is.  At the true numbers 
 noise alone.  The kernels are those of the library, run over the measured signals.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine import pipes
-from spirob.machine.kernel_loop import loop_of
+from spirob.machine.kept import Kept
+from spirob.machine.kernel_loop import Kernels
 from spirob.machine.motion import Motion, late
 from spirob.machine.numbers import cells_of
 from spirob.machine.rig import NUMBERS
@@ -39,12 +40,13 @@ BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torqu
 READINGS = 4  # passes to where a wrong reading was taken; each leaves a small part of the last
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
+MOVED = {"motor.load_torque", "motor.inertia_torque"}  # what is read of the load
 KEPT = 1e8  # bytes of effects' torques along all trials
-Run = Callable[..., None]
-Neutral = tuple[type[Effect], list[int], list[float]]
+MOTIONS = 16  # corrected ones that are kept: a set of derivatives moves few numbers of a sensor
+TANGENTS = 16  # of the pipes, that are kept
 
 
-class AskedEffort:
+class AskedEffort(Kernels):
     """The equations over one motion.
 
     stiffness   of the driven joint [N·m/rad], which effects at a hinge read
@@ -62,15 +64,17 @@ class AskedEffort:
         stiffness: float,
         described: bool,
     ):
-        self.motion, self.effects, self.table, self.sizes = motion, list(effects), table, sizes
+        super().__init__(effects, table)
+        self.motion, self.sizes = motion, sizes
         self.rest_speed, self._stiffness = rest_speed, stiffness
         self._described, self._carries = described, bool(np.any(motion.body["payload"]))
         self._of_logs = cells_of(table, motion.logs)
         self._carried = self._load_cells()
-        self._runs: dict[str, Run] = {e.name(): loop_of(e) for e in effects}
-        self._known: dict[tuple[object, ...], np.ndarray] = {}
+        self._torques: Kept[np.ndarray] = Kept(int(KEPT / (motion.q.nbytes + 1)))
+        self._corrections: Kept[tuple[Motion, dict[str, np.ndarray]]] = Kept(MOTIONS)
+        self._tangents: Kept[pipes.Tangent] = Kept(TANGENTS)
+        self._correcting, self._piping = self._correcting_cells(), self._piping_cells()
         self._fixed = self._moving(motion)
-        self._neutral = _neutral_of(effects, table)
         self._read: tuple[float, np.ndarray] = (0.0, motion.effort)
 
     def effort(self, p: np.ndarray, near: bool = False) -> np.ndarray:
@@ -153,25 +157,14 @@ class AskedEffort:
 
     def tip_mass(self, p: np.ndarray) -> float:
         """What the body carries at its tip [kg]."""
-        return float(sum(e.kernel(**self.values(e, p)) for e in self._at("body.tip_mass")))
-
-    def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
-        """The effects at a port that are not neutral."""
-        return [
-            effect
-            for effect, cells, neutral in self._neutral.get(port, ())
-            if any(p[k] != value for k, value in zip(cells, neutral, strict=True))
-        ]
-
-    def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
-        """An effect's numbers, by field, in a vector of the table."""
-        name = effect.name()
-        return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
+        return float(sum(e.kernel(**self.values(e, p)) for e in self.at("body.tip_mass")))
 
     def signals(self, motion: Motion, load: np.ndarray, p: np.ndarray) -> dict[str, np.ndarray]:
         """What kernels may read, each (n,)."""
         shared = 0.0 if self._described else float(p[self.table.position("rig.inertia")])
-        fixed = self._fixed if motion is self.motion else self._moving(motion)
+        known = [fixed for _, (kept, fixed) in self._corrections.items() if kept is motion]
+        known += [self._fixed] if motion is self.motion else []
+        fixed = known[0] if known else self._moving(motion)
         return {**fixed, "motor.load_torque": load, "motor.inertia_torque": shared * motion.a}
 
     def _moving(self, motion: Motion) -> dict[str, np.ndarray]:
@@ -199,14 +192,27 @@ class AskedEffort:
     def _nearby(
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """The same to first order about the measured effort, from before its reading."""
+        """The same to first order about the measured effort, from before its reading.
+
+        Its tangent is kept: a derivative by what is no number of a pipe does not turn it.
+        """
+        mark = self._mark(motion)
+        if mark is None:
+            return self._tangent(p, motion, signals).reached(wanted)
+        key = (mark, p[self._piping].tobytes())
+        return self._tangents(key, lambda: self._tangent(p, motion, signals)).reached(wanted)
+
+    def _tangent(
+        self, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+    ) -> pipes.Tangent:
+        """The pipes about the measured effort, from before its reading."""
         own = self.own(p)
         read = self._in_time(own["delay"], motion) - own["back_emf"] * motion.v
         before = read
         if any(self.present(port, p) for port in READ):
             before = pipes.nearby(lambda e: self._shown(e, p, motion, signals), read, read)
         at = {**signals, "motor.current": before, "motor.command": before}
-        return pipes.nearby(lambda e: self._passed(e, p, motion, at), wanted, before)
+        return pipes.tangent(lambda e: self._passed(e, p, motion, at), before)
 
     def _in_time(self, delay: float, motion: Motion) -> np.ndarray:
         """The measured effort when it was made, (n,); kept, because it has one delay mostly."""
@@ -237,34 +243,6 @@ class AskedEffort:
             share = self.run(effect, p, motion, seen, share)
         return share * passed
 
-    def run(
-        self,
-        effect: type[Effect],
-        p: np.ndarray,
-        motion: Motion,
-        signals: Mapping[str, np.ndarray],
-        upstream: np.ndarray | None,
-    ) -> np.ndarray:
-        """An effect's kernel at every sample, (n,)."""
-        reads = np.array([signals[name] for name in effect.reads.values()])
-        n = len(motion.q)
-        out = np.empty(n)
-        values = np.array(list(self.values(effect, p).values()))
-        above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
-        shaped = reads.reshape(len(effect.reads), n)
-        self._runs[effect.name()](out, motion.starts, motion.steps, above, shaped, values)
-        return out
-
-    def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
-        """The measured effort through a kernel that remembers some cycles of a bus, (n,)."""
-        order, starts, steps = motion.dealt()
-        values = np.array(list(self.values(effect, p).values()))
-        dealt, out = np.empty(len(order)), np.empty(len(order))
-        nothing = np.empty((0, len(order)))
-        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], nothing, values)
-        out[order] = dealt
-        return out
-
     def _torque(
         self,
         effect: type[Effect],
@@ -273,18 +251,19 @@ class AskedEffort:
         signals: Mapping[str, np.ndarray],
     ) -> np.ndarray:
         """An effect's torque; kept, because a derivative moves one number and leaves the others."""
-        if motion is not self.motion:
+        mark = self._mark(motion)
+        if mark is None:
             return self.run(effect, p, motion, signals, None)
-        key: tuple[object, ...] = (effect.name(), *self.values(effect, p).values())
+        key: tuple[object, ...] = (effect.name(), mark, *self.values(effect, p).values())
         if _feels_load(effect):
             key = (*key, p[self._carried].tobytes())
-        torque = self._known.pop(key, None)
-        if torque is None:
-            torque = self.run(effect, p, motion, signals, None)
-        while len(self._known) * torque.nbytes > KEPT:
-            self._known.pop(next(iter(self._known)))  # the one that was asked for longest ago
-        self._known[key] = torque
-        return torque
+        return self._torques(key, lambda: self.run(effect, p, motion, signals, None))
+
+    def _mark(self, motion: Motion) -> Hashable:
+        """What a motion was corrected by; None of one that is not kept."""
+        if motion is self.motion:
+            return b""
+        return next((m for m, (kept, _) in self._corrections.items() if kept is motion), None)
 
     def seen(self, p: np.ndarray) -> Motion:
         """The motor's motion: what its sensor tells, without the errors that the model holds."""
@@ -292,11 +271,22 @@ class AskedEffort:
         return self._ahead(behind, self.load(behind, p), p)[0]
 
     def _corrected(self, p: np.ndarray) -> Motion:
-        """The motion with errors of its sensor taken out, from each log's own zero."""
+        """The motion with errors of its sensor taken out; kept as effects' torques are."""
+        wrong = [e for e in self.present(SENSOR, p) if not _feels_load(e)]
+        if not wrong and not np.any(self.of_log("zero", p)):
+            return self.motion
+
+        def corrected() -> tuple[Motion, dict[str, np.ndarray]]:
+            motion = self._rightly_read(wrong, p)
+            return motion, self._moving(motion)
+
+        return self._corrections(p[self._correcting].tobytes(), corrected)[0]
+
+    def _rightly_read(self, wrong: Sequence[type[Effect]], p: np.ndarray) -> Motion:
+        """The motion from each log's own zero, without these errors of its sensor."""
         zero, found = self.of_log("zero", p), self.motion
         if np.any(zero):
             found = replace(found, q=found.q + zero)
-        wrong = [e for e in self.present(SENSOR, p) if not _feels_load(e)]
         error = still = np.zeros_like(found.q)
         for _ in range(READINGS if wrong else 0):  # it depends on the place itself, not as read
             error = self._misread(wrong, p, replace(found, q=found.q - error), still)
@@ -320,25 +310,28 @@ class AskedEffort:
             error += self.run(effect, p, motion, signals, motion.q) - motion.q
         return error
 
+    def _correcting_cells(self) -> list[int]:
+        """Places in the table of all numbers that the motion is corrected by."""
+        owners = {e.name() for e in self.at(SENSOR) if not _feels_load(e)}
+        cells = [k for k, n in enumerate(self.table.names) if n.partition(".")[0] in owners]
+        return [*cells, *self._of_logs.get("zero", [])]
+
+    def _piping_cells(self) -> list[int]:
+        """Places in the table of all numbers that the pipes about the measured effort depend on."""
+        inside = [e for port in (*READ, *BEFORE, "winch.efficiency") for e in self.at(port)]
+        owners, names = {e.name() for e in inside}, self.table.names
+        cells = [k for k, n in enumerate(names) if n.partition(".")[0] in owners]
+        moved = any(MOVED & set(e.reads.values()) for e in inside)
+        cells += [self.table.position(f"rig.{name}") for name in ("delay", "back_emf")]
+        return cells + (self._carried if moved else [])
+
     def _load_cells(self) -> list[int]:
         """Places in the table of all numbers that the load depends on."""
-        owners = {e.name() for port in (HINGE, "body.tip_mass") for e in self._at(port)}
+        owners = {e.name() for port in (HINGE, "body.tip_mass") for e in self.at(port)}
         rig = ("inertia", "stiffness", "payload_inertia", "payload_cosine", "payload_sine")
         owners |= {"payload", *(f"rig.{name}" for name in rig)}
         names = self.table.names
         return [k for k, n in enumerate(names) if n in owners or n.partition(".")[0] in owners]
-
-    def _at(self, port: str) -> list[type[Effect]]:
-        return [e for e in self.effects if e.port == port]
-
-
-def _neutral_of(effects: Sequence[type[Effect]], table: Table) -> dict[str, list[Neutral]]:
-    """Port -> its effects, each with the places and values of the numbers that silence it."""
-    found: dict[str, list[Neutral]] = {}
-    for effect in effects:
-        cells = [table.position(f"{effect.name()}.{f}") for f in effect.neutral]
-        found.setdefault(effect.port, []).append((effect, cells, table.values[cells].tolist()))
-    return found
 
 
 def _feels_load(effect: type[Effect]) -> bool:

@@ -1,13 +1,17 @@
-"""An effect's kernel run along a whole recording, compiled once and kept on disk."""
+"""Effects' kernels run along whole recordings, compiled once and kept on disk."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
+
+import numpy as np
 
 from spirob.effects import Effect
 from spirob.effects.generated import call, kernels, load
 from spirob.errors import EffectError
+from spirob.machine.motion import Motion
+from spirob.parameter import Table
 from spirob.ports import PORTS
 
 KIND = "kernel"
@@ -72,3 +76,69 @@ def _source(effect: type[Effect]) -> str:
 def is_pipe(effect: type[Effect]) -> bool:
     """Whether the effect maps the value from upstream instead of adding to it."""
     return PORTS[effect.port].combine == "pipe"
+
+
+class Kernels:
+    """The kernels of some effects along a motion, with numbers from a vector of the table."""
+
+    def __init__(self, effects: Sequence[type[Effect]], table: Table):
+        self.effects, self.table = list(effects), table
+        self._runs = {e.name(): loop_of(e) for e in effects}
+        self._neutral = _neutral_of(effects, table)
+
+    def at(self, port: str) -> list[type[Effect]]:
+        """The effects at a port."""
+        return [e for e in self.effects if e.port == port]
+
+    def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
+        """The effects at a port that are not neutral."""
+        return [
+            effect
+            for effect, cells, neutral in self._neutral.get(port, ())
+            if any(p[k] != value for k, value in zip(cells, neutral, strict=True))
+        ]
+
+    def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
+        """An effect's numbers, by field, in a vector of the table."""
+        name = effect.name()
+        return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
+
+    def run(
+        self,
+        effect: type[Effect],
+        p: np.ndarray,
+        motion: Motion,
+        signals: Mapping[str, np.ndarray],
+        upstream: np.ndarray | None,
+    ) -> np.ndarray:
+        """An effect's kernel at every sample, (n,)."""
+        reads = np.array([signals[name] for name in effect.reads.values()])
+        n = len(motion.q)
+        out = np.empty(n)
+        values = np.array(list(self.values(effect, p).values()))
+        above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
+        shaped = reads.reshape(len(effect.reads), n)
+        self._runs[effect.name()](out, motion.starts, motion.steps, above, shaped, values)
+        return out
+
+    def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
+        """The measured effort through a kernel that remembers some cycles of a bus, (n,)."""
+        order, starts, steps = motion.dealt()
+        values = np.array(list(self.values(effect, p).values()))
+        dealt, out = np.empty(len(order)), np.empty(len(order))
+        nothing = np.empty((0, len(order)))
+        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], nothing, values)
+        out[order] = dealt
+        return out
+
+
+Neutral = tuple[type[Effect], list[int], list[float]]
+
+
+def _neutral_of(effects: Sequence[type[Effect]], table: Table) -> dict[str, list[Neutral]]:
+    """Port -> its effects, each with the places and values of the numbers that silence it."""
+    found: dict[str, list[Neutral]] = {}
+    for effect in effects:
+        cells = [table.position(f"{effect.name()}.{f}") for f in effect.neutral]
+        found.setdefault(effect.port, []).append((effect, cells, table.values[cells].tolist()))
+    return found

@@ -32,6 +32,8 @@ from spirob.score import Score, score
 
 BENT = 0.1  # of the residual: by so much it may differ from what its slopes told of a step
 WORST = 1e6  # of the largest residual: by how much more a fold is missed says nothing
+LONG = 1.5e8  # samples played: half a minute of a core, and a diagnosis is to end in one
+PAIR = 2  # effects that are looked for whatever it takes
 ROUNDS = 2  # of a fit to the others: it begins with known slopes, close to where it ends
 SETTLED = 1e-3  # relative fall of the squared residual in a step that ends it
 PLAIN = 1e3  # times the residual, where errors would begin to count linearly: plain least squares
@@ -173,8 +175,22 @@ class Models(Predictor):
         return not waves and not only_aligns(model, self.train.rig, period)
 
     def complete(self, model: Model) -> bool:
-        """Never: what builds of a rig differ by is not known, and an inverse model is cheap."""
-        return False
+        """Whether more than a pair is found, and the search took its time (`LONG`).
+
+        What builds of a rig differ by is not known: the error alone never ends a search.
+        """
+        return len(model.effects) > PAIR and self.is_long
+
+    @property
+    def is_long(self) -> bool:
+        """Whether a search took so much that another, begun otherwise, would take too long."""
+        return self.train.played > LONG
+
+    @property
+    def cut(self) -> bool:
+        """Whether a search ended for its time alone."""
+        most = max(len(model.effects) for model in self.tried.values())
+        return self.is_long and most == PAIR + 1
 
     def finished(self, model: Model) -> Model:
         """The model itself: its fit has the intervals."""

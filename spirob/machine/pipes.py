@@ -5,6 +5,7 @@ P is a torque constant that saturates or ripples, an efficiency, a dead band: a 
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,13 +17,28 @@ Pipes = Callable[[np.ndarray], np.ndarray]
 
 
 def nearby(passed: Pipes, wanted: np.ndarray, effort: np.ndarray) -> np.ndarray:
-    """e + (wanted - P(e))/P', a Newton step from an effort e that was measured, (n,).
+    """e + (wanted - P(e))/P', a Newton step from an effort e that was measured, (n,)."""
+    return tangent(passed, effort).reached(wanted)
 
-    P' is a secant over the RMS effort either way: inside a dead band a short one would be flat.
-    """
+
+@dataclass(frozen=True)
+class Tangent:
+    """P about an effort e, (n,) each: P(e) `there`, and P'."""
+
+    effort: np.ndarray
+    there: np.ndarray
+    slope: np.ndarray
+
+    def reached(self, wanted: np.ndarray) -> np.ndarray:
+        """e + (wanted - P(e))/P', (n,)."""
+        return np.asarray(self.effort + (wanted - self.there) / self.slope)
+
+
+def tangent(passed: Pipes, effort: np.ndarray) -> Tangent:
+    """P' is a secant over the RMS effort either way: inside a dead band a short one is flat."""
     far = float(np.sqrt(np.mean(effort**2))) or 1.0
     slope = (passed(effort + far) - passed(effort - far)) / (2.0 * far)
-    return np.asarray(effort + (wanted - passed(effort)) / np.maximum(slope, LEAST))
+    return Tangent(effort, passed(effort), np.maximum(slope, LEAST))
 
 
 def solved(passed: Pipes, wanted: np.ndarray) -> np.ndarray:

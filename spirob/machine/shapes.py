@@ -141,7 +141,8 @@ def waves(effect: type[Effect]) -> list[tuple[list[str], tuple[str, ...]]]:
         return []
     found: dict[tuple[str, ...], list[str]] = {}
     for amplitude in effect.neutral:
-        found.setdefault(shaping(effect, amplitude), []).append(amplitude)
+        shape = shaping(effect, amplitude)  # type: ignore[arg-type] # a class is hashable
+        found.setdefault(shape, []).append(amplitude)
     nominal = {f: about.nominal for f, about in effect.parameters().items()}
     alone = {s: {**nominal, **effect.neutral, a[0]: nominal[a[0]] or 1.0} for s, a in found.items()}
     return [

@@ -11,6 +11,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable
 from spirob.machine.filtering import rates
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.kept import Kept
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.laws import for_axis, load_side
 from spirob.machine.motion import late
@@ -106,6 +107,36 @@ def test_about_the_effort_that_a_machine_takes_nothing_is_missed(names):
     missed = np.sqrt(np.mean(again(at) ** 2))  # the log's filter rounds the corners of a dead band
     bare = np.sqrt(np.mean(again({"rig.inertia": 0.03, "rig.viscous": 0.2}) ** 2))
     assert missed < 0.01 * bare
+
+
+def test_what_is_kept_of_other_numbers_changes_nothing():
+    """One number after another is moved and put back, as a set of derivatives does it."""
+    rig = RigFile.model_validate(description())
+    possible, _ = applicable(list(LIBRARY.values()), rig, False, 1.0, True)
+    names = [e.name() for e in possible if e.port != "sensing.frame"]
+    made, fresh = problem(*names), problem(*names)
+    at = {"rig.inertia": 0.03, "rig.viscous": 0.2, "rig.delay": 0.001}
+    at |= {f"{e.name()}.{f}": p.nominal for e in possible for f, p in e.parameters().items()}
+    at = {name: value for name, value in at.items() if name.partition(".")[0] in ("rig", *names)}
+    for name, value in at.items():
+        moved = {**at, name: 1.001 * value}
+        p = fresh.table.vector(moved)
+        fresh.asked = fresh.asked.__class__(
+            made.asked.motion, fresh.asked.effects, fresh.table, SIZES, 0.02, 0.0, False
+        )
+        for near in (True, False):
+            np.testing.assert_array_equal(made.asked.effort(p, near), fresh.asked.effort(p, near))
+    held = made.asked.effort(made.table.vector(at), near=True)
+    np.testing.assert_array_equal(held, fresh.asked.effort(fresh.table.vector(at), near=True))
+
+
+def test_what_was_asked_for_longest_ago_is_made_again():
+    made = []
+    kept = Kept(2)
+    for key in "abacab":
+        assert kept(key, lambda key=key: made.append(key) or key.upper()) == key.upper()
+    assert made == ["a", "b", "c", "b"]
+    assert [key for key, _ in kept.items()] == ["a", "b"]
 
 
 @pytest.mark.parametrize(("iron", "wanted"), [(0.0, 1.0), (0.5, 1.0), (20.0, 1.0), (20.0, -5.0)])

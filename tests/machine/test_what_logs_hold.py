@@ -1,10 +1,13 @@
 """What a description leaves open, and what only one of the logs tells: sides, directions."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from spirob.machine import axis
+from spirob.machine import axis, models
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.models import Models
 from spirob.machine.plausibility import AT_LOAD
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
@@ -92,13 +95,25 @@ def test_what_the_held_out_log_alone_shows_is_found_with_the_ends_held_out(tmp_p
 
 
 def test_a_search_that_took_long_is_not_repeated_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr(axis, "LONG", 0)
+    monkeypatch.setattr(models, "LONG", 0)
     rig = RigFile.model_validate(description())
     logs = [prepare(f"{way}", leaning(way, 2730 + way), rig) for way in (1, -1)]
     found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
     assert found.verdict == "unknown"
     (note,) = (text for text in found.notes if "they show what these do not" in text)
     assert note.endswith(axis.UNTRIED)
+
+
+def test_more_than_a_pair_is_looked_for_while_there_is_time():
+    problem, search = SimpleNamespace(played=1.0e6), Models.__new__(Models)
+    search.train, three = problem, SimpleNamespace(effects=(1, 2, 3))
+    search.tried = {frozenset(): three}
+    assert not search.complete(three)
+    assert not search.cut
+    problem.played = 2 * models.LONG
+    assert search.complete(three)
+    assert search.cut
+    assert not search.complete(SimpleNamespace(effects=(1, 2)))
 
 
 def test_logs_of_one_direction_give_one_name_for_friction_and_a_force(tmp_path):
