@@ -4,11 +4,14 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from functools import cache
 from importlib import import_module
 
 import numpy as np
 import pytest
+from hydra import compose as hydra_compose
 
+from pipeline import config
 from pipeline.stage import public_config, run, write_json
 from spirob.logs import read_parquet, write_parquet
 from spirob.machine import loading
@@ -43,14 +46,32 @@ class Folder:
         return spoken
 
 
+@cache
+def answer(name, overrides):
+    """What Hydra makes of overrides, or why it refuses them: the same each time, and slow."""
+    try:
+        return hydra_compose(name, list(overrides)), None
+    except config.REFUSED as refused:
+        return None, refused
+
+
+def compose(name, overrides):
+    """As that of Hydra, with one answer for all tests that ask the same."""
+    made, refused = answer(name, tuple(overrides))
+    if refused:
+        raise refused
+    return made
+
+
 @pytest.fixture
 def project(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(config, "compose", compose)
     return Folder(tmp_path, monkeypatch, capfd)
 
 
 @pytest.fixture
 def configured(project):
-    run("config", import_module("pipeline.config").stage)
+    run("config", config.stage)
     return project
 
 
@@ -194,7 +215,7 @@ def test_a_stage_before_its_turn_names_what_is_missing(configured, stage):
 
 def test_hardware_without_recorded_logs(project):
     project.override([*SHORT, "robot=can"])
-    run("config", import_module("pipeline.config").stage)
+    run("config", config.stage)
     assert "train_left.mcap is missing" in project.refused("collect")
 
 
@@ -241,10 +262,10 @@ def exchanged(trace: Trace) -> Trace:
 def test_two_motors_exchanged(project, role, stage):
     """Though all numbers that are fitted together explain half of exchanged currents."""
     project.override(SHORT)
-    run("config", import_module("pipeline.config").stage)
-    config = public_config(project.root)
-    plant = Plant(Rig.from_mapping(config.rig))
-    for k, plain in enumerate(config.recordings.trials):
+    run("config", config.stage)
+    told = public_config(project.root)
+    plant = Plant(Rig.from_mapping(told.rig))
+    for k, plain in enumerate(told.recordings.trials):
         log = simulate(plant, Trial.from_plain(plain), {}, 0.005, seed=k)
         log = exchanged(log) if log.meta["role"] == role else log
         write_parquet(log, project.root / f"data/traces/{log.name}.parquet")
