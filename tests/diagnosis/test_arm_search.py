@@ -1,6 +1,7 @@
 """The search names the effect that made an arm's data, and nothing where nothing is missing."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -28,11 +29,11 @@ def trials(true, candidates=CANDIDATES):
     return {role: residual(plant, {**OTHERS, **true}, role) for role in ROLES}
 
 
-def diagnosed(residuals, candidates=CANDIDATES, measure=None, start=None, **told):
+def diagnosed(residuals, candidates=CANDIDATES, measure=None, start=None, settings=SETTINGS):
     """A search that starts at nominal numbers, or at a fit from there."""
-    start = start or begun(residuals["train"], NAMES, {}, SETTINGS)
-    models = Simulated(residuals, NAMES, SETTINGS, start, measure)
-    return searched(models, find_effects(candidates), SETTINGS, **told)
+    start = start or begun(residuals["train"], NAMES, {}, settings)
+    models = Simulated(residuals, NAMES, settings, start, measure)
+    return searched(models, find_effects(candidates), settings)
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +130,8 @@ def test_an_effect_has_to_beat_the_lower_of_both_floors(alone, with_it, said, of
         there = any(n.split(".")[0] in CANDIDATES for n in found.estimates)
         return Floor(with_it if there else alone, "so it was measured.")
 
-    ended, verdict = diagnosed(offset[0], start=offset[1], measure=measure)
+    brief = replace(SETTINGS, intervals=False)
+    ended, verdict = diagnosed(offset[0], start=offset[1], measure=measure, settings=brief)
     assert verdict.kind == said
     share = min(alone, with_it) if said == "named" else alone
     told = written(ended, verdict)
@@ -150,26 +152,34 @@ def test_a_typical_build_lacks_nothing_and_gets_no_name():
 
 
 FEW = ["winch.efficiency", "arm.base_stiffness"]
+TWO = find_effects(["capstan_friction", "current_offset"])
 
 
-def astray(true, most):
-    """A search that begins in a poor valley: the stiffness is four times what fits best."""
-    effects = find_effects(["capstan_friction", "current_offset"])
-    plant = spirob(effects)
+@cache
+def valley(friction):
+    """Data with friction at the holes, and a poor valley: four times the stiffness that fits."""
+    plant, true = spirob(TWO), {"capstan_friction.friction": friction}
     residuals = {role: residual(plant, true, role) for role in ROLES}
     found = fit(residuals["train"], FEW, {}, 0.05, 3, exact=False)
     far = found.changes | {"arm.base_stiffness": 4.0 * found.changes["arm.base_stiffness"]}
-    poor = replace(found, changes=far, residual=residuals["train"](far), cost=100.0 * found.cost)
+    return residuals, replace(
+        found, changes=far, residual=residuals["train"](far), cost=100.0 * found.cost
+    )
+
+
+def astray(friction, most):
+    """A search that begins in a poor valley."""
+    residuals, poor = valley(friction)
     settings = Settings(intervals=False, always=False, most=most)
     models = Simulated(residuals, FEW, settings, Begun(poor))
     before, told = models.fitted((), {}), []
-    ended, verdict = searched(models, effects, settings, told.append)
+    ended, verdict = searched(models, TWO, settings, told.append)
     return before, ended, verdict, told
 
 
 @pytest.mark.parametrize("most", [1, 2])
 def test_what_was_ranked_in_a_poor_valley_is_ranked_again(most):
-    before, ended, _, told = astray({"capstan_friction.friction": 0.04}, most)
+    before, ended, _, told = astray(0.04, most)
     chosen, bare = ended.found.chosen, ended.found.rungs[0]
     assert [e.name() for e in chosen.effects] == ["capstan_friction"]
     assert bare.mean_square < 0.25 * before.mean_square
@@ -182,7 +192,7 @@ def test_what_was_ranked_in_a_poor_valley_is_ranked_again(most):
 
 @pytest.mark.parametrize("most", [1, 2])
 def test_what_only_led_the_numbers_out_of_a_poor_valley_is_no_effect(most):
-    before, ended, verdict, _ = astray({}, most)
+    before, ended, verdict, _ = astray(0.0, most)
     assert ended.found.chosen.effects == ()
     assert ended.found.chosen.mean_square < 0.25 * before.mean_square
     assert verdict.kind == "nothing_missing"
@@ -201,14 +211,20 @@ def test_a_second_search_without_some_names_is_as_if_they_had_never_been(offset,
     assert judge(first, weigh(first)) == verdict
 
 
+@pytest.fixture(scope="module")
+def few():
+    """Data with an offset, and the fit of two numbers to them, at nominal numbers for the rest."""
+    plant, true = spirob(find_effects(CANDIDATES)), {"current_offset.offset": 0.06}
+    brief = replace(SETTINGS, intervals=False, patience=3)
+    residuals = {role: residual(plant, true, role) for role in ROLES}
+    return residuals, begun(residuals["train"], NAMES[:2], {}, brief)
+
+
 @pytest.mark.parametrize("floor", [0.003, 0.02])
-def test_what_the_screening_promises_little_of_is_fitted_all_the_same(floor):
+def test_what_the_screening_promises_little_of_is_fitted_all_the_same(few, floor):
     """The offset makes 4.6 % of the effort once it is fitted, of which the screening sees 0.6 %."""
-    names, effects = NAMES[:2], find_effects(CANDIDATES)
-    plant = spirob(effects)
-    residuals = {role: residual(plant, {"current_offset.offset": 0.06}, role) for role in ROLES}
+    (residuals, start), names, effects = few, NAMES[:2], find_effects(CANDIDATES)
     settings = replace(SETTINGS, finalists=3, intervals=False)
-    start = begun(residuals["train"], names, {}, replace(settings, patience=3))
     models = Simulated(residuals, names, settings, start, lambda found: Floor(floor, ""))
     verdict = searched(models, effects, settings)[1]
     assert (verdict.kind, verdict.named) == ("named", ["current_offset"])
