@@ -8,6 +8,7 @@ import pytest
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.simulated import ROLES
 from spirob.effects import find_effects
+from spirob.identify import builds
 from spirob.identify.builds import RESOLUTION
 from spirob.identify.fit import fit
 from spirob.identify.residual import Residual, near
@@ -62,6 +63,7 @@ def test_holes_that_lie_elsewhere_are_found_and_said():
 
 def test_beside_an_effect_every_row_weighs_by_what_builds_with_it_leave_open(monkeypatch):
     """And the shape is searched for from the fit with the effect, among what is free."""
+    monkeypatch.setattr(builds, "DRAWS", 9)
     begun = []
     monkeypatch.setattr(
         preparation, "searched_shape", lambda train, found, *given: begun.append(found) or {}
