@@ -28,6 +28,7 @@ QUICK = [
     "passive.on_robot=1",
     "passive.free=0",
     "perceive.repeats=1",
+    "+perceive.wrap={speed: 0.08, duration: 2.6}",
 ]
 STAGES = {  # in the order in which they run: about how long each takes [s]
     "config": 3,
@@ -229,7 +230,7 @@ def test_of_rivals_the_one_that_holds_is_left(finished, tmp_path):
     assert found["verdict"] != "undecided"
 
 
-KILLED = 6  # stages of a run, others in each run: as many as there are would double the tests
+KILLED = 4  # stages of a run, others in each run: as many as there are would double the tests
 
 
 def test_a_run_that_is_killed_in_some_stages_ends_with_the_same_metrics(finished, tmp_path):
