@@ -23,10 +23,10 @@ EFFECTS = {
 
 
 def play(name):
-    """Half a second of winding in; the arm meets nothing."""
+    """A third of a second of winding in; the arm meets nothing."""
     effects = find_effects(EFFECTS[name])
     nominal = {f"{e.name()}.{f}": a.nominal for e in effects for f, a in e.parameters().items()}
-    response = Plant(GEARED, effects).simulate(winding(0.05, 0.2, 0.5), Scene(), nominal)
+    response = Plant(GEARED, effects).simulate(winding(0.05, 0.2, 0.33), Scene(), nominal)
     return {f.name: getattr(response, f.name) for f in fields(Response)}
 
 
