@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.benchmark import MEASURES, identification
+from spirob.benchmark import MEASURES, diagnosis, identification
 from spirob.cli.main import main
 from spirob.errors import ConfigError
 
@@ -27,7 +27,10 @@ KEYS = {
 
 
 @pytest.mark.parametrize("name", MEASURES)
-def test_a_tiny_run_writes_its_figures(name, tmp_path):
+def test_a_tiny_run_writes_its_figures(name, tmp_path, monkeypatch):
+    """Of fewer rows than a tiny run has for its longest logs, and of two trials for eight."""
+    monkeypatch.setattr(diagnosis, "ROWS", dict.fromkeys(diagnosis.ROWS, diagnosis.LEAST))
+    monkeypatch.setattr(diagnosis, "DEPTHS", diagnosis.DEPTHS[:1])
     if name == "identification":
         pytest.importorskip("mujoco.sysid", exc_type=ImportError)
     if name == "feedforward" and not any(map(shutil.which, ("cc", "gcc", "clang"))):
