@@ -37,6 +37,9 @@ PLAY = 0.005  # of the stroke: less of it cannot be told from the counts of an e
 BRISTLE = 0.05  # of the stroke: what takes longer to turn round is a spring
 OFF_CENTRE = 0.1  # of its radius, that an encoder's disc is off at most
 WIDER = 0.8  # of the order of a disc's turn: where its fit may go
+HEAT = {"current": -2, "time": -1}  # dimension of what warms by the square of an effort
+HOTTEST = 9.0  # by the end of a trial: a tenth of the torque is left, and no machine moves on
+FASTEST = 0.1  # of a trial: what warms within less follows the effort, as full iron does
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 TOKEN = re.compile(r"([A-Za-zΩµ]+)([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
 RAISED = {2: "²", 3: "³"}
@@ -49,7 +52,7 @@ class Sizes:
     torque    RMS of the effort at the axis, in `torque_unit` (N for a linear drive)
     speed     usual speed;  angle  what stands for one radian;  both in `axis_unit`, m or rad
     current   RMS of the effort as read, in `effort_unit`
-    mass      that the axis carries [kg]
+    mass      that the axis carries [kg];  seconds  of the longest trial
     """
 
     torque: float
@@ -61,6 +64,7 @@ class Sizes:
     torque_unit: str
     effort_unit: str
     axis_unit: str
+    seconds: float = 60.0
 
     def ratio(self, unit: str) -> float:
         """This rig's size over the small rotor's, in the dimension of `unit`."""
@@ -133,6 +137,8 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
     found = {name: sizes.parameter(about) for name, about in effect.parameters().items()}
     if reads_a_disc(effect):
         return _of_a_disc(effect, found, sizes)
+    if any(dimensions(about.unit) == HEAT for about in effect.parameters().values()):
+        return _of_heat(effect, found, sizes)
     for name, about in found.items():
         if effect.state and dimensions(effect.parameters()[name].unit) == {"angle": 1}:
             if shares_inertia(effect):
@@ -147,6 +153,25 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
             least = min(PERIODS * 2 * math.pi * sizes.angle / sizes.stroke, about.high)
             low = max(about.low, least)
             found[name] = replace(about, low=low, nominal=max(about.nominal, low))
+    return found
+
+
+def _of_heat(
+    effect: type[Effect], found: dict[str, Parameter], sizes: Sizes
+) -> dict[str, Parameter]:
+    """The numbers of what warms while it works: at most `HOTTEST` by the end of the longest trial.
+
+    How fast heat goes again is told by trials that are neither much longer nor much shorter.
+    """
+    for name, about in found.items():
+        if dimensions(effect.parameters()[name].unit) == HEAT:
+            most = HOTTEST / (sizes.current**2 * sizes.seconds)
+            found[name] = replace(about, nominal=about.nominal * most / about.high, high=most)
+        elif about.unit == "s":
+            low = min(about.low, FASTEST * sizes.seconds)
+            found[name] = replace(
+                about, low=low, nominal=max(low, min(about.nominal, sizes.seconds))
+            )
     return found
 
 
@@ -233,6 +258,7 @@ def sizes_of(
         torque_unit=("N·m" if angular else "N") if scale else unit,
         effort_unit=unit,
         axis_unit=rig.axis,
+        seconds=max(sum(float(len(p.q)) * r.period for p in r.pieces) for r in train),
     )
     fast = float(np.quantile(np.abs(v), 0.95))
     if rig.rest_speed is None:
