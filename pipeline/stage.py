@@ -1,6 +1,7 @@
 """What all stages share: the public configuration, plain files, and errors as sentences."""
 
 import argparse
+import gc
 import json
 import sys
 from collections.abc import Callable, Mapping
@@ -22,6 +23,7 @@ FAILED, INTERRUPTED = 2, 130
 
 def entry(name: str, stage: Callable[[Path], None], about: str | None) -> None:
     """What `python -m pipeline.NAME` does: run the stage, or say with --help what it is about."""
+    gc.freeze()  # what is imported stays to the end: to look through it again takes half a second
     raw = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(
         prog=f"python -m pipeline.{name}", description=about, formatter_class=raw
