@@ -15,24 +15,24 @@ settings.register_profile("drawn", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 COSTLY = (  # the costliest first; where one moves, the order is worth a little less, no test is
-    "machine/test_verdicts.py",
     "pipeline/test_whole_way.py",
-    "machine/test_what_logs_hold.py",
+    "machine/test_verdicts.py",
     "diagnosis/test_arm_search.py",
-    "pipeline/test_bad_input.py",
+    "machine/test_what_logs_hold.py",
+    "emulator/test_hidden.py",
+    "machine/arm/test_preparation.py",
+    "campaign/test_cases.py",
+    "diagnosis/test_fitting.py",
+    "cli/test_interruption.py",
     "benchmark/test_benchmark.py",
     "docs/test_docs.py",
-    "emulator/test_hidden.py",
+    "pipeline/test_bad_input.py",
     "machine/composed/test_arm.py",
     "machine/test_diagnosis.py",
-    "machine/arm/test_preparation.py",
     "campaign/arm/test_running.py",
-    "campaign/test_cases.py",
+    "pipeline/test_recorded.py",
+    "diagnosis/test_contest.py",
     "machine/test_damaged_logs.py",
-    "machine/arm/test_another_arm.py",
-    "diagnosis/test_fitting.py",
-    "logs/test_recovery.py",
-    "physics/test_compiled.py",
 )
 
 
