@@ -1,6 +1,7 @@
 """An effect that a motion is too small to show is no candidate, and says why."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -104,3 +105,16 @@ def test_a_wave_that_is_left_out_is_not_repeated():
     told = {n: None for n in changes if "second" not in n and n != "cogging.ratio"}
     fit = SimpleNamespace(changes=changes, estimates=told)
     assert repeated_waves(SimpleNamespace(effects=(cogging,), fit=fit), about) == []
+
+
+@pytest.mark.parametrize("seconds", [0.5, 9.0, 600.0])
+@pytest.mark.parametrize("effort", [0.01, 1.0, 300.0])
+def test_how_much_a_motor_warms_is_bounded_by_the_length_of_its_trials(seconds, effort):
+    """Of one effort all along the warmth reaches ρ·i²·T(1 - exp(-t/T)), 9 at most."""
+    about = replace(sizes(1.0), current=effort, seconds=seconds)
+    told = parameters(all_effects()["winding_heating"], about)
+    heating, time = told["heating"], told["time"]
+    assert heating.high * effort**2 * seconds == pytest.approx(9.0)
+    assert heating.low == 0.0 < heating.nominal < heating.high
+    assert time.low <= 0.1 * seconds
+    assert time.low <= time.nominal <= time.high
