@@ -27,7 +27,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine import pipes
-from spirob.machine.kept import Kept
+from spirob.machine.cache import Cache
 from spirob.machine.kernel_loop import Kernels
 from spirob.machine.motion import Motion, late
 from spirob.machine.numbers import cells_of
@@ -70,9 +70,9 @@ class AskedEffort(Kernels):
         self._described, self._carries = described, bool(np.any(motion.body["payload"]))
         self._of_logs = cells_of(table, motion.logs)
         self._carried = self._load_cells()
-        self._torques: Kept[np.ndarray] = Kept(int(KEPT / (motion.q.nbytes + 1)))
-        self._corrections: Kept[tuple[Motion, dict[str, np.ndarray]]] = Kept(MOTIONS)
-        self._tangents: Kept[pipes.Tangent] = Kept(TANGENTS)
+        self._torques: Cache[np.ndarray] = Cache(int(KEPT / (motion.q.nbytes + 1)))
+        self._corrections: Cache[tuple[Motion, dict[str, np.ndarray]]] = Cache(MOTIONS)
+        self._tangents: Cache[pipes.Tangent] = Cache(TANGENTS)
         self._correcting, self._piping = self._correcting_cells(), self._piping_cells()
         self._fixed = self._moving(motion)
         self._read: tuple[float, np.ndarray] = (0.0, motion.effort)

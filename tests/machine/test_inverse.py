@@ -8,10 +8,10 @@ import pytest
 from spirob.diagnosis.orders import peaks
 from spirob.effects import all_effects
 from spirob.machine.body import RigidBody
+from spirob.machine.cache import Cache
 from spirob.machine.candidates import applicable
 from spirob.machine.filtering import rates
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.kept import Kept
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.laws import for_axis, load_side
 from spirob.machine.motion import late
@@ -132,7 +132,7 @@ def test_what_is_kept_of_other_numbers_changes_nothing():
 
 def test_what_was_asked_for_longest_ago_is_made_again():
     made = []
-    kept = Kept(2)
+    kept = Cache(2)
     for key in "abacab":
         assert kept(key, lambda key=key: made.append(key) or key.upper()) == key.upper()
     assert made == ["a", "b", "c", "b"]

@@ -1,4 +1,4 @@
-"""What is made once for a key and kept as long as there is room."""
+"""A cache: what is made once for a key is held as long as there is room."""
 
 from collections.abc import Callable, Hashable
 from typing import Generic, TypeVar
@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 
-class Kept(Generic[T]):
+class Cache(Generic[T]):
     """Holds so many things at most; what was asked for longest ago goes first."""
 
     def __init__(self, most: int):
