@@ -1,1 +1,11 @@
-"""The test of the diagnosis of rigs: simulated axes that nothing here was tuned for."""
+"""The test of the diagnosis of rigs: simulated axes that nothing here was tuned for.
+
+case.py, recorder.py      a machine of `simulators/` with something hidden, and what its logs hold
+running.py                cases diagnosed blind, in parallel
+scoring.py                the answer key, what became of each case, rates
+strength.py, true_law.py  how much is hidden, and what knowing its law would leave
+tracking.py               what the feed-forward of the found model is worth
+calibration.py            how sure a name may be, from cases whose truth is known
+other_laws.py             composed laws beside those of other programs
+arm/                      the same of arms
+"""

@@ -1,4 +1,10 @@
-"""The command `spirob`: a file in `commands/` is a subcommand; these are its exit codes."""
+"""The command `spirob`: a file in `commands/` is a subcommand; these are its exit codes.
+
+main.py        the entry: finds the subcommands, turns errors into sentences
+project.py     the folder of the pipeline's commands, and the choices in params.yaml
+reproduce.py   runs the pipeline;  progress.py  shows how far it is
+doc_tables.py  tables of the docs that are made from the program
+"""
 
 DONE = 0  # whatever the verdict is
 BUG = 1  # of ours: a traceback is shown

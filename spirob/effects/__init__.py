@@ -1,6 +1,9 @@
 """One file per physical effect; see `effects.effect` for what such a file declares.
 
 The library is found by walking this package, a user's own file by its path; `table` lists it.
+
+effect.py  what an effect is;  generated.py  its kernel as text in a generated loop
+check.py   the laws that every effect is held to;  replay.py  the signals they are run on
 """
 
 import importlib

@@ -1,4 +1,36 @@
 """Any motor rig: from its description and its logs to what its model misses.
 
 `spirob.diagnose` goes from a description and logs to the result.
+
+What a rig is:
+    rig.py, columns.py             its description, and the columns of its logs
+    loading.py                     both from disk
+    body.py, model_file.py         the body behind the motor, of a model in MuJoCo's format
+    arm/                           our arm, logged by somebody else
+Its logs, made even, filtered, alike:
+    selection.py, checks.py        which logs take part, and which of their rows
+    recording.py                   one trial in SI
+    grids.py, clock.py             even grids of a log's columns, and when each row was
+    filtering.py, positions.py, unwrapping.py
+                                   its filters; a position as the axis moved
+    motion.py                      the motion of all trials in a row
+The inverse model, which tells the effort that a motion asks for:
+    inverse.py, inverse_equations.py
+                                   the model on the trials, and its equations
+    numbers.py                     what of it is fitted
+    delays.py, pipes.py            the delay of the effort; what lies between it and the torque
+    scaling.py, shapes.py          the library's numbers at this size, and where they start
+    kernel_loop.py, cache.py       effects along whole recordings, and what is held of them
+The search, by the rules of `spirob.diagnosis`:
+    diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on
+    axis.py, models.py             fit, search, judge; sets of effects, each fitted in full
+    candidates.py, laws/           which effects can act; laws that a plain axis has instead
+    screening.py                   which absent effects explain what is left
+What is left, doubted and shown:
+    flexible.py, leftovers.py      what could still be explained, and from what
+    composed/                      by which law
+    plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
+    forward/                       the model run forward
+    result.py, document.py, page_tables.py
+                                   what was found, as plain data and for the page
 """

@@ -8,6 +8,8 @@ import pytest
 
 SOURCE = Path(__file__).parents[2]
 FILE = re.compile(r"\b(\w+)\.py\b")
+FEW = 3  # files that are found without a map
+WALK = re.compile(r"(iter_modules|walk_packages)\((?:(\w+)\.)?__path__")
 
 
 def text_of(package):
@@ -20,18 +22,43 @@ def named(package):
     return FILE.findall(ast.get_docstring(ast.parse(text_of(package))) or "")
 
 
+def files(package):
+    """The files of a package besides its own, by their names."""
+    return {file.stem for file in (SOURCE / package).glob("*.py")} - {"__init__", "__main__"}
+
+
+def walked(text):
+    """The folders whose files this source finds by walking them; "" is its own, "*" all below."""
+    return {"*" if how == "walk_packages" else name.lstrip("_") for how, name in WALK.findall(text)}
+
+
+def of_plugins(package):
+    """Whether each file of a package is found because it is there, and no list names it."""
+    here = SOURCE / package
+    above = [walked(file.read_text(encoding="utf-8")) for file in here.parent.glob("*.py")]
+    return "" in walked(text_of(package)) or any({here.name, "*"} & found for found in above)
+
+
 PACKAGES = [str(p.parent.relative_to(SOURCE)) for p in (SOURCE / "spirob").rglob("__init__.py")]
 MAPPED = sorted(package for package in PACKAGES if len(named(package)) > 1)
 
 
-def test_rooms_of_many_files_have_a_map():
-    rooms = ("emulator", "experiments", "export", "identify", "logs", "perceive", "plant", "report")
-    assert {f"spirob/{room}" for room in rooms} <= set(MAPPED)
+def test_what_is_walked_is_seen():
+    assert walked("pkgutil.iter_modules(__path__)") == {""}
+    assert walked("iter_modules(_targets.__path__)") == {"targets"}
+    assert walked("walk_packages(__path__, name)") == {"*"}
+    plugins = {package for package in PACKAGES if of_plugins(package)}
+    assert {"spirob/export/targets", "spirob/effects/motor", "spirob/cli/commands"} <= plugins
+    assert not {"spirob/export/players", "spirob/effects", "spirob/machine/laws"} & plugins
+
+
+@pytest.mark.parametrize("package", sorted(set(PACKAGES) - set(filter(of_plugins, PACKAGES))))
+def test_a_room_of_many_files_has_a_map(package):
+    assert len(files(package)) <= FEW or package in MAPPED
 
 
 @pytest.mark.parametrize("package", MAPPED)
 def test_a_map_shows_the_files_that_there_are(package):
-    there = {file.stem for file in (SOURCE / package).glob("*.py")} - {"__init__", "__main__"}
-    assert set(named(package)) - there == set()
-    if "iter_modules(__path__" not in text_of(package):  # such are found by their files
-        assert there - set(named(package)) == set()
+    assert set(named(package)) - files(package) == set()
+    if not of_plugins(package):
+        assert files(package) - set(named(package)) == set()

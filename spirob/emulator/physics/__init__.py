@@ -1,4 +1,10 @@
-"""The compiled step of the emulated machine, a file for arm, contact, tendon, motor, drive.
+"""The compiled step of the emulated machine.
+
+step.py                the step, and one bus cycle made of such steps
+arm.py, contact.py     the arm as a planar chain; what it touches, itself included
+tendon.py, motor.py    tendons and guides; from a current to the tendon
+drive.py               from a voltage to a current, and what is reported
+layout.py              the records of numbers, state and working room
 
 Every file declares the numbers it reads (`NUMBERS`), the state it keeps (`STATE`) and the room it
 works in (`SCRATCH`), as name -> shape; `layout.py` makes one record of each kind of them.  In

@@ -2,6 +2,10 @@
 
 Effects are named in the effort, where a controller cannot hide them; this shows what they are worth
 in the motion.
+
+axis.py    a rig's axis, ready to be run by the effort that acted
+torque.py  its torque, compiled, and its steps in time
+errors.py  how far a predicted motion is from the measured one
 """
 
 from collections.abc import Mapping

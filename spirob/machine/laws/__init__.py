@@ -3,6 +3,10 @@
 The library's laws of these effects act on a tendon's length, or on a body that somebody
 described; here they are the torque that the motor feels.  Their names are the library's: it is the
 same effect.
+
+backlash.py, gear_compliance.py  between motor and load; `load_side/` for a sensor at the load
+load_dependent_friction.py       of an axis whose motor's own inertia no gear carries
+tip_payload.py                   weight on a lever that no model file describes
 """
 
 from collections.abc import Iterable
