@@ -1,5 +1,8 @@
 """Model, measure and diagnose tendon-driven robots through their motor currents.
 
+`spirob.diagnose(rig, train, test)` goes from a machine's description and logs to what its model
+misses; all else is imported from its own module.
+
 The rooms are named in README.md.  Files that stand beside them, from the lowest:
 errors.py                      every mistake of a user has a class and a sentence
 files.py, plain_yaml.py        what is read, and what is written whole or not at all
@@ -30,3 +33,8 @@ def __getattr__(name: str) -> Any:
     if name == "diagnose":
         return import_module("spirob.machine.diagnosis").diagnose
     raise AttributeError("module 'spirob' has no attribute " + repr(name))
+
+
+def __dir__() -> list[str]:
+    """What is there, with what is loaded when it is first asked for."""
+    return sorted({*globals(), *__all__})

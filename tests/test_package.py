@@ -2,6 +2,7 @@
 
 import ast
 import runpy
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -25,3 +26,9 @@ def test_it_says_what_the_package_requires():
     required = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]["requires-python"]
     assert required == ">=3.11"
     assert "(3, 11)" in FIRST.read_text()
+
+
+def test_what_it_offers_is_listed_before_it_is_loaded():
+    asked = "import spirob, sys; print('diagnose' in dir(spirob), 'spirob.machine' in sys.modules)"
+    said = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert said.stdout.split() == ["True", "False"]
