@@ -12,7 +12,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -56,7 +56,11 @@ def advance(arguments: argparse.Namespace, target: str | None) -> tuple[int, Pat
     read_overrides(project)  # and so are choices that cannot be read
     with alone(project), Kept(project, chosen(arguments)) as kept:
         if chosen(arguments) is not None:
+            gone = [] if arguments.defaults else forgotten(project, arguments.choices)
             write_overrides(project, arguments.choices)
+            if gone:
+                listed = ", ".join(gone)
+                print(f"earlier choices are replaced: {listed}; {AGAIN}", file=sys.stderr)
         code = reproduce(project, target, arguments.verbose).code
         kept.done = code == DONE
     return code, project
@@ -74,6 +78,17 @@ def chosen(arguments: argparse.Namespace) -> list[str] | None:
     return list(arguments.choices) if arguments.choices or arguments.defaults else None
 
 
+def forgotten(project: Path, choices: Sequence[str]) -> list[str]:
+    """Earlier choices that these would replace without a word about their keys."""
+    named = {_key(choice) for choice in choices}
+    return [earlier for earlier in read_overrides(project) if _key(earlier) not in named]
+
+
+def _key(choice: str) -> str:
+    return choice.split("=", 1)[0].lstrip("~+")
+
+
+AGAIN = "to keep one, give it again on the same line"
 TIMES = Path(".dvc/tmp/stage_seconds.json")
 
 

@@ -40,6 +40,22 @@ def test_a_run_says_the_verdict_and_every_stage_and_a_second_has_nothing_to_do(p
     assert capfd.readouterr().err.count("unchanged") == 3
 
 
+def test_earlier_choices_that_new_ones_replace_are_named(project, capfd):
+    def said(*choices):
+        assert run(project, *choices, "--until", "config") == 0
+        told = [line for line in capfd.readouterr().err.splitlines() if "earlier" in line]
+        return told[0].split("; ")[0] if told else ""
+
+    said("--defaults")
+    assert said("speed=3", "other=1") == ""
+    assert said("speed=4") == "earlier choices are replaced: other=1"
+    assert said("speed=5") == "", "its own key is named"
+    assert said("--defaults", "other=2") == "", "asked for"
+    assert said() == "", "none is made"
+    assert said("speed=6") == "earlier choices are replaced: other=2"
+    assert run(project, "speed=3", "--until", "report") == 0
+
+
 def test_a_refused_choice_is_one_sentence_and_is_taken_back(project, capfd):
     before = read_overrides(project)
     assert run(project, "config.bad=1", "--until", "report") == 2
