@@ -101,6 +101,27 @@ def test_files_that_a_page_names_exist(page):
     assert [name for name in sorted(named - made_up) if not (ROOT / name).exists()] == []
 
 
+def torn(text):
+    """First lines of what a blank line cuts off from its table or list, and where two are one."""
+    prose = re.sub(r"^```.*?^```$", "code", text, flags=re.MULTILINE | re.DOTALL)
+    rows = re.findall(r"(?<=\n\n)\|.*(?=\n(?!\|---))", prose)
+    items = re.findall(r"^- .*\n(?:  .*\n)*\n+(- .*)$", prose, re.MULTILINE)
+    return rows + items + re.findall(r"\n{3,}(.*)", prose)
+
+
+def test_what_is_torn_is_found():
+    whole = "a\n\n| a | b |\n|---|---|\n| 1 | 2 |\n\n- one\n  more\n- two\n\n```py\na\n\n\nb\n```\n"
+    assert torn(whole) == []
+    assert torn(whole + "\n| 3 | 4 |\n") == ["| 3 | 4 |"]
+    assert torn(whole.replace("- two", "\n- two")) == ["- two"]
+    assert torn(whole + "\n\nb\n") == ["b"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_no_table_or_list_of_a_page_is_torn(page):
+    assert torn(page.read_text(encoding="utf-8")) == []
+
+
 @pytest.mark.parametrize("page", SHORT)
 def test_a_page_that_is_read_whole_is_short(page):
     assert len((DOCS / f"{page}.md").read_text(encoding="utf-8").split()) <= SHORT[page]
