@@ -2,11 +2,10 @@
 
     p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
 
-x are six figures of what a search shows of one chosen effect (`figures`); w, m, s
-stand in `certainty.json` beside this file, with the cases that they were learned from
-(`spirob.campaign.calibration`).  There are two of these: of the name itself, and of its kin, which
-is right where the name or one that says a part of the same is.  Logarithms are natural, errors
-squared:
+x are figures of what a search shows of one chosen effect (`figures`), seven in all and six in each
+of two regressions: of the name itself, and of its kin, which is right where the name or one that
+says a part of the same is.  w, m, s stand in `certainty.json` beside this file, with the cases that
+they were learned from (`spirob.campaign.calibration`).  Logarithms are natural, errors squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the
