@@ -6,21 +6,37 @@ The players run in this process here; `test_exporting` lets them run apart.
 import ctypes
 import math
 import shutil
+from pathlib import Path
 
 import pytest
 
-from spirob.effects import all_effects
+from spirob.effects import all_effects, find_effects
+from spirob.effects.motor import quadratic_drag
 from spirob.export import targets
 from spirob.export.exporting import LOSS, about_of
 from spirob.export.heldout import Heldout
 from spirob.export.players import c, mujoco
 from spirob.files import write_text
-from tests.export.machines import exported_model
+from spirob.machine.candidates import applicable
+from spirob.machine.laws import for_axis
+from tests.export.machines import exported_model, rig_of
 
-HINGED = {"joint_viscoelasticity", "mount_tilt", "rest_curvature", "stiffness_hardening"}
-OF_THE_ARM = {  # act on a tendon or a drum: `test_arm` and `test_kernels`
-    "capstan_friction", "creep", "drum_build_up", "eccentric_winch", "stretch", "supply_sag",
-}  # fmt: skip
+
+def shown(effects, hung):
+    """Names of those that a plain axis can show, of a commanded effort or a measured one."""
+    body = {"body": {"mjcf": "pendulum.xml", "joint": "elbow", "tip": "tip"}} if hung else {}
+    known = {"column": "i", "unit": "A", "kind": "current"}
+    found = set()
+    for origin in ("command", "measured"):
+        rig = rig_of(hung, effort={**known, "origin": origin}, **body)
+        laws = list(for_axis(effects, 0.0 if hung else 2.0, "motor", not hung))
+        found |= {law.name() for law in applicable(laws, rig, hung, 0.4, True)[0]}
+    return found
+
+
+PLAIN = shown(all_effects().values(), hung=False)
+HINGED = shown(all_effects().values(), hung=True) - PLAIN
+OF_THE_ARM = set(all_effects()) - PLAIN - HINGED  # `test_arm` and `test_kernels`
 NATIVE = {  # what plain MJCF holds, within this share of its size
     "cogging", "constant_force", "coulomb_friction", "current_gain", "current_lag",
     "current_offset", "feedback_latency", "gear_compliance", "joint_viscoelasticity",
@@ -33,12 +49,28 @@ COMPILER = pytest.mark.skipif(
 )
 
 
-@pytest.fixture(scope="module", params=sorted(set(all_effects()) - OF_THE_ARM))
+@pytest.fixture(scope="module", params=sorted(PLAIN | HINGED))
 def machine(request, tmp_path_factory):
     """The effect's name, its model, and a folder."""
     folder = tmp_path_factory.mktemp(request.param)
     body = request.param in HINGED
     return request.param, exported_model(folder, [request.param], body, seconds=1.5), folder
+
+
+def test_what_reads_a_signal_that_a_plain_axis_lacks_is_left_to_the_arm(tmp_path):
+    source = Path(quadratic_drag.__file__).read_text()
+    for name, signal in (("drum_drag", "winch.angle"), ("turn_drag", "motor.angle")):
+        changed = source.replace('"motor.speed"', f'"{signal}"')
+        assert changed != source
+        (tmp_path / f"{name}.py").write_text(changed)
+    effects = find_effects([str(tmp_path / "drum_drag.py"), str(tmp_path / "turn_drag.py")])
+    assert shown(effects, hung=False) == {"turn_drag"}
+    assert shown(effects, hung=True) == {"turn_drag"}
+    acts = {part for name in OF_THE_ARM for part in all_effects()[name].port.split(".")[:1]}
+    assert acts <= {"tendon", "winch", "motor"}
+    assert {"capstan_friction", "creep", "drum_build_up", "eccentric_winch"} <= OF_THE_ARM
+    assert OF_THE_ARM.isdisjoint(NATIVE)
+    assert {"joint_viscoelasticity", "mount_tilt", "rest_curvature"} <= HINGED
 
 
 def lost(model, target, folder):
