@@ -249,7 +249,11 @@ def _rate_independent(effect: type[Effect], rng: np.random.Generator) -> str:
     faster = {a: v * 4.0 if effect.reads.get(a) in replay.RATES else v for a, v in inputs.items()}
     slow, fast = run(effect, numbers, inputs, 1e-3)[0], run(effect, numbers, faster, 2.5e-4)[0]
     gap = np.abs(fast - slow).max()
-    return f"four times faster it differs by {gap:.3g}" if gap > EXACT * np.abs(slow).max() else ""
+    size = np.abs(slow).max() + 1e-300
+    if gap <= EXACT * size:
+        return ""
+    share = f"{gap / size:.2g} of its size"
+    return f"four times faster it differs by {gap:.3g} {PORTS[effect.port].unit}, {share}"
 
 
 def _constant(effect: type[Effect], rng: np.random.Generator) -> str:

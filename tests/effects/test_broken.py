@@ -1,6 +1,7 @@
 """Each law catches the effect that breaks it: a battery that cannot fail would prove nothing."""
 
 import math
+import re
 
 import pytest
 
@@ -134,6 +135,15 @@ def test_a_law_catches_what_breaks_it(law, effect):
 @pytest.mark.parametrize("trait", ["even_in_speed", "rate_independent", "constant"])
 def test_a_false_claim_is_caught(trait):
     assert "traits" in laws(with_kernel(friction, traits={trait}))
+
+
+def test_what_depends_on_the_rate_is_told_with_its_size():
+    claimed = with_kernel(friction, traits={"rate_independent"})
+    (said,) = [finding.sentence for finding in check(claimed) if finding.law == "traits"]
+    told = re.search(r"differs by (\S+) N·m, (\S+) of its size$", said)
+    gap, share = map(float, told.groups())
+    assert 0.0 < gap / share < 1.0, "N·m of a friction"
+    assert 1e-9 < share < 2.0
 
 
 def test_what_drives_the_motion_is_not_dissipative():
