@@ -14,7 +14,7 @@ from pipeline.model import fitted_names
 from pipeline.robots import build, drive_of
 from pipeline.schema import Config
 from pipeline.sides import merged
-from pipeline.trials import experiment_trials, paper_wraps, robot_wraps, unseen_wraps
+from pipeline.trials import paper_wraps, recorded_trials, robot_wraps, unseen_wraps
 from spirob.campaign.arm.strength import strength_of
 from spirob.can_protocol import require_known
 from spirob.effects import Effect, find_effects
@@ -89,7 +89,7 @@ def _model(config: Config, rig: Rig) -> None:
 
 def _recordings(config: Config) -> None:
     with about("recordings"):
-        trials = [Trial.from_plain(t) for t in experiment_trials(config)]
+        trials = [Trial.from_plain(t) for t in recorded_trials(config)]
         require_once([t.name for t in trials] + [t["name"] for t in robot_wraps(config)])
         for role in ROLES:
             if role not in {t.role for t in trials}:

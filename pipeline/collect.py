@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeline.robots import POSTURE, record_all
 from pipeline.stage import HIDDEN, entry, public_config, read_yaml, write_json
-from pipeline.trials import experiment_trials, robot_wraps
+from pipeline.trials import recorded_trials, robot_wraps
 from spirob.errors import MissingLog
 from spirob.files import replacing
 
@@ -19,7 +19,7 @@ RECORDED = Path("data/recorded/logs")
 def stage(root: Path, with_wraps: bool = True) -> None:
     """Record the experiment and, for object size, the wraps."""
     config = public_config(root)
-    trials = experiment_trials(config) + (robot_wraps(config) if with_wraps else [])
+    trials = recorded_trials(config) + (robot_wraps(config) if with_wraps else [])
     truth = {}
     (root / POSTURE).mkdir(parents=True, exist_ok=True)  # stays empty where nothing can be seen
     if config.robot.kind == "can":

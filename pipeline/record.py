@@ -6,7 +6,7 @@ from pathlib import Path
 from pipeline.collect import RECORDED
 from pipeline.robots import record_all
 from pipeline.stage import entry, public_config, tell
-from pipeline.trials import experiment_trials, robot_wraps
+from pipeline.trials import recorded_trials, robot_wraps
 from spirob.errors import ConfigError
 
 
@@ -20,7 +20,7 @@ def stage(root: Path) -> None:
     if config.robot.kind != "can":
         raise ConfigError("recording is for hardware: set overrides: ['robot=can'] in params.yaml")
     (root / RECORDED).mkdir(parents=True, exist_ok=True)
-    for trial in experiment_trials(config) + robot_wraps(config):
+    for trial in recorded_trials(config) + robot_wraps(config):
         kept = root / RECORDED / f"{trial['name']}.mcap"
         if kept.exists():
             tell(f"{kept.name} is recorded and kept; remove it to play its trial again")

@@ -1,4 +1,4 @@
-"""The trials of a configuration: the experiment's own, and the wraps for object size."""
+"""The trials of a configuration: those of `recordings`, and the wraps for object size."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +16,7 @@ PAPER_WRAPS, TRAIN_DRAWN = 2, 5
 ROBOT_WRAPS, UNSEEN_WRAPS, UNSEEN_DRAWN = 10, 11, 12
 
 
-def experiment_trials(config: Config) -> list[dict[str, Any]]:
+def recorded_trials(config: Config) -> list[dict[str, Any]]:
     """The trials that identification and diagnosis see."""
     return config.recordings.trials
 

@@ -8,7 +8,7 @@ import pytest
 from pipeline import record
 from pipeline.schema import validated
 from pipeline.stage import read_yaml
-from pipeline.trials import experiment_trials, robot_wraps
+from pipeline.trials import recorded_trials, robot_wraps
 from spirob.errors import HardwareError
 from tests.pipeline.project import Project
 from tests.trials.fake_robot import FakeRobot
@@ -26,7 +26,7 @@ def recorded(tmp_path_factory):
     project = Project(folder / "lab", OVERRIDES)
     project.stage("config")
     config = validated(read_yaml(project.root / "data/config/config.yaml", "config"), "config")
-    names = [t["name"] for t in experiment_trials(config) + robot_wraps(config)]
+    names = [t["name"] for t in recorded_trials(config) + robot_wraps(config)]
     (project.root / LOGS).mkdir()
     for k, name in enumerate(names):
         record_on(FakeRobot(), project.root / LOGS, 0.2 + 0.01 * k, f"{name}.mcap")
@@ -91,7 +91,7 @@ def test_a_stop_keeps_every_log_and_none_is_played_twice(tmp_path, monkeypatch):
     config = SimpleNamespace(robot=SimpleNamespace(kind="can"))
     monkeypatch.setattr(record, "public_config", lambda root: config)
     names = ("first", "second", "third")
-    monkeypatch.setattr(record, "experiment_trials", lambda c: [{"name": n} for n in names])
+    monkeypatch.setattr(record, "recorded_trials", lambda c: [{"name": n} for n in names])
     monkeypatch.setattr(record, "robot_wraps", lambda c: [])
     with pytest.raises(HardwareError, match="motor left"):
         record.stage(tmp_path)
