@@ -5,6 +5,7 @@ sixties (`100:00`), no date, no `yes`, no octal `010`.  A key given twice, a tag
 anything else, and what is larger than a person writes are mistakes with their line.
 """
 
+import codecs
 import re
 from typing import Any
 
@@ -68,6 +69,12 @@ def read(text: str | bytes, where: str) -> Any:
         raise ConfigError(f"{where}: {error}") from None
     except (yaml.YAMLError, ValueError) as error:  # what cannot be decoded is a ValueError
         raise ConfigError(f"{where}: is not YAML: {' '.join(str(error).split())[:200]}") from None
+
+
+def text(content: bytes) -> str:
+    """Of what `read` can read, in UTF-8 or, by its first bytes, UTF-16."""
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if wide else "utf-8-sig")
 
 
 def _look_through(root: yaml.Node) -> None:

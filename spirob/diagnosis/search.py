@@ -147,7 +147,7 @@ class Search(Generic[M]):
         of it: as long as more is left than it took, it stands for something else.  The first effect
         stays; what is left beside it, the verdict has to weigh.
 
-        share  of the squared residual of the chosen model that still follows from the motion
+        share  of the squared residual of the chosen model that is no noise
         """
         chosen = found.chosen
         if len(chosen.effects) < 2:

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
-from spirob.errors import DataError
+from spirob.errors import DataError, NothingLeft
 
 COUNTERS = (2.0**16, 2.0**24, 2.0**32)  # counts after which a counter begins again
 SCALES = tuple(10.0**k for k in (-9, -6, -3, 0, 3, 6, 9))  # of a counter in another unit
@@ -42,11 +42,11 @@ class Ordered:
 def ordered(where: str, stamps: np.ndarray, unit: float, said: list[str]) -> Ordered:
     """The rows in order of time; `unit` is seconds a unit of the stamps.
 
-    Raises DataError where fewer than two rows have a time, and where the column is no time.
+    Raises NothingLeft where fewer than two rows have a time, DataError where the column is no time.
     """
     rows = np.flatnonzero(np.isfinite(stamps))
     if len(rows) < 2:
-        raise DataError(f"{where}: fewer than two rows have a time")
+        raise NothingLeft(f"{where}: fewer than two rows have a time")
     if len(rows) < len(stamps):
         said.append(f"{where}: {len(stamps) - len(rows)} rows without a time left out.")
     values = _continued(where, stamps[rows], unit, said)

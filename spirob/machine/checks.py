@@ -51,7 +51,7 @@ def moving(where: str, name: str, values: np.ndarray) -> None:
     """Raise NothingLeft where a channel never changes, DataError where it holds no sizes."""
     known = values[np.isfinite(values)]
     if not len(known):
-        raise DataError(f"{where}: column '{name}' has no number in any row")
+        raise NothingLeft(f"{where}: column '{name}' has no number in any row")
     size = float(np.max(np.abs(known)))
     if size > LARGEST or 0.0 < size < SMALLEST:
         raise DataError(f"{where}: column '{name}' reaches {size:.3g}; is its factor right?")
@@ -79,7 +79,7 @@ def a_motion(
     slow = [smooth(values, edge, period) for values in pieces]
     fast = sum(float(np.sum((a - b) ** 2)) for a, b in zip(pieces, slow, strict=True))
     whole = sum(float(np.sum((values - values.mean()) ** 2)) for values in pieces)
-    if fast > NOISE * whole:
+    if fast > NOISE * whole > 0.0:
         raise DataError(
             f"{where}: '{name}' is no motion that can be followed: {fast / whole:.0%} of its "
             f"variance lies above {edge:.3g} Hz; is it another column, or an angle that turns "
@@ -96,7 +96,7 @@ STILL = 1e-3  # of a log's stroke: a piece that moves by less stands
 
 
 def usable(
-    effort: np.ndarray,
+    full: np.ndarray,
     v: np.ndarray,
     filled: np.ndarray,
     rig: RigFile,
@@ -106,7 +106,8 @@ def usable(
 ) -> np.ndarray:
     """Rows of a piece that are compared, (n,).
 
-    effort  unfiltered, v filtered, both in SI;  filled  rows that the log does not hold
+    full    rows in which the drive saturates;  filled  that the log does not hold
+    v       filtered, in SI
     lost    gets how many rows are left out for which reason
     """
     use = np.ones(len(v), bool)
@@ -119,7 +120,7 @@ def usable(
     unit = rig.speed_scale
     out = {
         ", where samples are lost": widened(filled, reach),
-        ", where the drive saturates": widened(_saturated(effort, rig), reach),
+        ", where the drive saturates": widened(full, reach),
     }
     if rig.rows.minimum_speed is not None:
         out[" as too slow"] = np.abs(v) < unit * rig.rows.minimum_speed
@@ -136,12 +137,19 @@ def stands(q: np.ndarray, stroke: float) -> bool:
     return float(np.ptp(q)) <= STILL * stroke
 
 
-def _saturated(effort: np.ndarray, rig: RigFile) -> np.ndarray:
+def saturated(efforts: Sequence[np.ndarray], rig: RigFile) -> list[np.ndarray]:
+    """Rows of each piece of a log in which the drive saturates, by its limit or the log's ends."""
     if rig.effort.limit is not None:
         limit = rig.effort.limit * rig.effort.scale
-        return np.asarray(np.abs(effort) >= FULL * limit)
+        return [np.abs(effort) >= FULL * limit for effort in efforts]
+    ends = max(e.max() for e in efforts), min(e.min() for e in efforts)
+    return [_stuck(effort, ends) for effort in efforts]
+
+
+def _stuck(effort: np.ndarray, ends: Sequence[float]) -> np.ndarray:
+    """Rows (n,) that stay at one of these ends for a while."""
     full = np.zeros(len(effort), bool)
-    for extreme in (effort.max(), effort.min()):
+    for extreme in ends:
         at = np.concatenate([[0], (effort == extreme).astype(int), [0]])
         edges = np.flatnonzero(np.diff(at))
         for start, stop in zip(edges[::2], edges[1::2], strict=True):

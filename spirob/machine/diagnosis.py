@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from spirob import plain_yaml
 from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
@@ -142,7 +143,7 @@ def _read(
 def _sources(rig: Path | str | Mapping[str, Any], logs: Sequence[Path], command: str) -> Sources:
     if isinstance(rig, Mapping):
         return Sources(yaml.safe_dump(plain(dict(rig)), allow_unicode=True), tuple(logs), command)
-    return Sources(Path(rig).read_text(encoding="utf-8"), (Path(rig), *logs), command)
+    return Sources(plain_yaml.text(Path(rig).read_bytes()), (Path(rig), *logs), command)
 
 
 def _arm(

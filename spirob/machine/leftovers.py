@@ -27,7 +27,22 @@ def left_of(models: "Models", model: Model, rest: Ceiling) -> Left:
     period = max(r.period for r in models.train.recordings)
     late = float(np.log1p(abs(delay.value) / usual(period))) if delay else 0.0
     follows = max(rest.share, share(model.heldout, rest.heldout))
-    return Left(rest.share, late, _said(follows, rest), _unknown(models, model, follows, rest))
+    told = _said(follows, rest), _unknown(models, model, follows, rest)
+    return Left(max(rest.share, _beyond_noise(models, model)), late, *told)
+
+
+def _beyond_noise(models: "Models", model: Model) -> float:
+    """Share of the squared error that is no noise, where far more than noise is left; else 0.
+
+    What trees do not find there (a memory, blows, a fit that ends at its bounds) is left, too.
+    """
+    if not unexplained(models, model):
+        return 0.0
+    return 1.0 - _noise(models) ** 2 / model.heldout_square
+
+
+def _noise(models: "Models") -> float:
+    return max(float(noise_floor(models.train)), models.least)
 
 
 def _said(follows: float, rest: Ceiling) -> str:
@@ -46,8 +61,8 @@ def drifting(
 ) -> list[str]:
     """That an effort which changes with the time of a log, at one rate in all, is much of the rest.
 
-    measured = (c0 + c1·t)·modelled, with c from the training logs, has to take its share of the
-    held-out ones' squared error, too, and more than the least error that counts.
+    measured = (c0 + c1·t)·modelled, with c from the training logs, has to take its share of what
+    c0 alone leaves, of the held-out ones' squared error, too, and more than the least that counts.
     """
     left = model.fit.residual, model.heldout
     measured = [p.measured() for p in (train, heldout)]
@@ -55,16 +70,18 @@ def drifting(
     seconds = (p.signals()["time"] for p in (train, heldout))
     grown = [np.column_stack([m, t * m]) for m, t in zip(modelled, seconds, strict=True)]
     whole, rate = np.linalg.lstsq(grown[0], measured[0], rcond=None)[0]
+    scale = float(modelled[0] @ measured[0] / max(float(modelled[0] @ modelled[0]), 1e-300))
+    scaled = [m - scale * own for m, own in zip(measured, modelled, strict=True)]
     taken = [
         share(rest, m - design @ (whole, rate))
-        for rest, m, design in zip(left, measured, grown, strict=True)
+        for rest, m, design in zip(scaled, measured, grown, strict=True)
     ]
-    if min(taken) < SOME or taken[0] * float(np.mean(left[0] ** 2)) < least**2:
+    if min(taken) < SOME or taken[0] * float(np.mean(scaled[0] ** 2)) < least**2:
         return []
     return [
         f"A modelled effort that changes by {rate / whole:+.1%} a second in all logs takes "
-        f"{taken[0]:.0%} of the squared error that is left, and {taken[1]:.0%} held out: does the "
-        "effort's sensor drift, or is it heat? Names may come of it."
+        f"{taken[0]:.0%} of the squared error that a constant scale leaves, and {taken[1]:.0%} "
+        "held out: does the effort's sensor drift, or is it heat? Names may come of it."
     ]
 
 
@@ -109,6 +126,5 @@ def unexplained(models: "Models", model: Model) -> bool:
 
     Blows, chatter and memories do not follow from the motion of this moment.
     """
-    noise = max(float(noise_floor(models.train)), models.least)
     left = np.sqrt(model.heldout_square)
-    return bool(left > max(MUCH * models.size, NOISY * noise))
+    return bool(left > max(MUCH * models.size, NOISY * _noise(models)))

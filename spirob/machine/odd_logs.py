@@ -21,6 +21,7 @@ ALIKE = 0.1  # by which a factor between two logs counts as none
 HALF = 0.5  # of the squared error that another unit takes: of any other log it takes nothing
 FAR = 20.0  # between a stroke and that of all other logs
 UNITS_APART = tuple(f for u in (np.pi / 180, 2 * np.pi, 1e3) for f in (u, 1 / u))
+EFFORTS_APART = (1e3, 1e-3)  # amperes among milliamperes
 RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
 
 
@@ -103,7 +104,7 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
 
 
 def another_unit(problems: Sequence[InverseProblem]) -> str:
-    """The one log whose position has another unit than all others', empty where there is none.
+    """The one log with another unit of position or effort than all others, empty for none.
 
     No model has to be fitted to see it.
     """
@@ -133,7 +134,7 @@ class _Odd:
         return explained(self.measured, self.design(1.0) @ self.found)
 
     def of_another_unit(self) -> str:
-        """That its position has another unit; empty where it has not."""
+        """That its position or effort has another unit; empty where neither has."""
         mended = _of_another_unit(self.measured, self.design, self.found, self.share)
         if mended and self.logs == PAIR:
             mended += " of one of the two logs"
@@ -187,16 +188,19 @@ def _design(problem: InverseProblem, rows: slice, times: float) -> np.ndarray:
 def _of_another_unit(
     measured: np.ndarray, design: Callable[[float], np.ndarray], found: np.ndarray, share: float
 ) -> str:
-    """Which unit of its motion makes a log fit the numbers of the others; empty where none does.
+    """Which unit of its position or effort makes a log fit the others' numbers; empty for none.
 
     share  that they explain as it is logged
     """
-    by_unit = {times: explained(measured, design(times) @ found) for times in UNITS_APART}
-    times = max(by_unit, key=lambda one: by_unit[one])
-    if by_unit[times] < FAMILIAR or 1.0 - by_unit[times] > HALF * (1.0 - share):
+    own = design(1.0) @ found
+    by_unit = {("position", t): explained(measured, design(t) @ found) for t in UNITS_APART}
+    by_unit |= {("effort", t): explained(t * measured, own) for t in EFFORTS_APART}
+    signal, times = max(by_unit, key=lambda one: by_unit[one])
+    most = by_unit[signal, times]
+    if most < FAMILIAR or 1.0 - most > HALF * (1.0 - share):
         return ""
-    told = f"{by_unit[times]:.0%} of the variance is explained, as by another unit"
-    return f"with its position times {times:.4g} {told}"
+    told = f"{most:.0%} of the variance is explained, as by another unit"
+    return f"with its {signal} times {times:.4g} {told}"
 
 
 def explained(measured: np.ndarray, modelled: np.ndarray) -> float:

@@ -145,7 +145,8 @@ def prepare(
     period, grids = _as_fine(period, grids, GRID * cutoff)
     every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
     lost: Counter[str] = Counter()
-    pieces = [_piece(grid, rig, period, cutoff, lost) for grid in grids]
+    full = checks.saturated([_commanded(grid) for grid in grids], rig)
+    pieces = [_piece(*one, rig, period, cutoff, lost) for one in zip(grids, full, strict=True)]
     made = Recording(name, period, cutoff, every, pieces, said, name)
     return replace(made, pieces=_kept(made, rig, lost))
 
@@ -221,8 +222,18 @@ def _computed(name: str, rig: RigFile) -> list[str]:
     return said
 
 
+def _commanded(grid: Mapping[str, np.ndarray]) -> np.ndarray:
+    """The effort, of a duty cycle its share of the supply."""
+    return grid["effort"] / grid["supply"] if "supply" in grid else grid["effort"]
+
+
 def _piece(
-    grid: dict[str, np.ndarray], rig: RigFile, period: float, cutoff: float, lost: Counter[str]
+    grid: dict[str, np.ndarray],
+    full: np.ndarray,
+    rig: RigFile,
+    period: float,
+    cutoff: float,
+    lost: Counter[str],
 ) -> Piece:
     q = smooth(grid["position"], cutoff, period)
     v, a = rates(q, period)
@@ -235,8 +246,7 @@ def _piece(
         if key.startswith("joint "):
             angle = smooth(values, cutoff, period)
             others[key.removeprefix("joint ")] = np.column_stack([angle, *rates(angle, period)])
-    share = grid["effort"] / grid["supply"] if "supply" in grid else grid["effort"]
-    use = usable(share, v, grid[FILLED] > 0, rig, period, cutoff, lost)
+    use = usable(full, v, grid[FILLED] > 0, rig, period, cutoff, lost)
     noise = acceleration_noise(*_differentiated(grid), cutoff, period)
     return Piece(
         grid["time"], q, v, a, effort, grid["effort"], use, noise, others, grid.get("reference")

@@ -1,5 +1,7 @@
 """From files to a verdict: what is given is looked at before it is used."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,6 +11,8 @@ from spirob.cli.main import main
 from spirob.diagnosis.criteria import Criteria
 from spirob.errors import ConfigError, DataError, EffectError, MissingLog
 from spirob.machine.diagnosis import diagnose
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
 from tests.effects.test_declaration import GOOD
 from tests.machine.rigs import description
 
@@ -161,3 +165,43 @@ def test_a_wave_that_was_named_can_be_told(tmp_path, rig, wave):
     logs = [log(tmp_path, f"{k}.csv", k, size=2.0) for k in range(3)]
     found = diagnose(rig(effects=[wave, "coulomb_friction"]), logs[:2], logs[2:], settings=NONE)
     assert "coulomb_friction.coulomb_torque" in found.document["model"]["fitted"]["names"]
+
+
+def other(kind):
+    """A log in which nothing is left, of one kind or another."""
+    t = np.arange(0, 6, 5e-3)
+    nothing = np.full(len(t), np.nan)
+    columns = {
+        "no effort": {"t": t, "q": np.sin(t), "u": nothing},
+        "no position": {"t": t, "q": nothing, "u": np.sin(t)},
+        "one step": {"t": t, "q": np.where(t < 3, 0.0, 1.0), "u": np.sin(9.1 * t)},
+        "no rows": {"t": [], "q": [], "u": []},
+    }
+    return pd.DataFrame(columns[kind])
+
+
+@pytest.mark.parametrize("kind", ["no effort", "no position", "one step", "no rows"])
+def test_a_log_in_which_nothing_is_left_is_left_out_beside_good_ones(tmp_path, rig, kind):
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    found = diagnose(rig(), [*logs[:2], other(kind)], logs[2:], NONE)
+    assert found.verdict == diagnose(rig(), logs[:2], logs[2:], NONE).verdict
+    assert any("the log is left out" in note for note in found.notes)
+
+
+def test_a_description_in_utf_16_is_read_and_kept(tmp_path, rig):
+    logs = [log(tmp_path, f"{k}.csv", k) for k in range(3)]
+    text = Path(rig()).read_text()
+    wide = tmp_path / "wide.yaml"
+    wide.write_bytes(text.encode("utf-16"))
+    assert diagnose(wide, logs[:2], logs[2:], NONE).sources.config == text
+
+
+def test_a_piece_that_stands_at_one_effort_saturates_nothing():
+    t = np.arange(0, 12, 5e-3)
+    stands = t > 6
+    q = np.where(stands, np.sin(6.0), np.sin(t))
+    u = np.where(stands, 0.1, np.cos(3.0 * t))
+    t = np.where(stands, t + 3.0, t)
+    found = prepare("log", {"t": t, "q": q, "u": u}, RigFile.model_validate(description()))
+    assert not any("saturates" in text for text in found.said)
+    assert any("stand" in text for text in found.said)

@@ -8,6 +8,7 @@ import pytest
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.odd_logs import (
+    EFFORTS_APART,
     UNITS_APART,
     _mended,
     odd_one_out,
@@ -65,15 +66,15 @@ def test_the_log_without_which_all_others_fit_is_named(factors, odd):
     assert odd_one_out([made], [0.1 * made.measured()]) == ""  # the model fits all of them
 
 
-def rubbing(*units):
-    """Logs of an axis that is hardly more than dry friction, the position of each in a unit."""
+def rubbing(*units, efforts=(1.0, 1.0, 1.0)):
+    """Logs of an axis that is hardly more than dry friction, each position in a unit of its own."""
     rig, logs = RigFile.model_validate(description()), []
     for k, unit in enumerate(units):
         t = np.arange(0, 6, 2e-3)
         q = np.sin((4.0 + k) * t) + 0.3 * np.sin(9.0 * t)
         v = np.gradient(q, t)
         effort = 0.01 * np.gradient(v, t) + 0.1 * v + 0.5 * np.tanh(v / 0.02)
-        logs.append(prepare(f"log{k}", {"t": t, "q": unit * q, "u": effort}, rig))
+        logs.append(prepare(f"log{k}", {"t": t, "q": unit * q, "u": efforts[k] * effort}, rig))
     return InverseProblem(rig, None, logs, [], SIZES, 0.02)
 
 
@@ -83,6 +84,14 @@ def test_the_log_whose_position_has_another_unit_is_named_with_it(unit, left):
     made = rubbing(1.0, unit, 1.0)
     said = odd_one_out([made], [-left * made.measured()])
     assert re.match(rf"log1: .* position times {1 / unit:.4g} (99|100)% of the variance", said)
+
+
+@pytest.mark.parametrize("left", [0.9, 0.1])
+@pytest.mark.parametrize("unit", EFFORTS_APART)
+def test_the_log_whose_effort_has_another_unit_is_named_with_it(unit, left):
+    made = rubbing(1.0, 1.0, 1.0, efforts=(1.0, unit, 1.0))
+    said = odd_one_out([made], [-left * made.measured()])
+    assert re.match(rf"log1: .* effort times {1 / unit:.4g} (99|100)% of the variance", said)
 
 
 def test_where_a_log_has_another_unit_no_law_is_looked_for(tmp_path):

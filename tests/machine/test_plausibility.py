@@ -1,5 +1,7 @@
 """A sign, or a drift, is blamed only where it makes the model fit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,15 @@ def test_an_effort_that_changes_with_time_is_told(rate, said):
     train = search.models.train
     assert said in drifting(train, train, model, 0.001)[0]
     assert drifting(train, train, model, 1.0) == []  # less than counts
+
+
+def test_a_constant_scale_is_no_drift():
+    """What is left of a model that is three times too large is so at any time."""
+    search = search_of(lambda q, v, a: 0.01 * a + 0.05 * v)
+    train, model = search.models.train, search.models.fitted((), {})
+    measured = train.measured()
+    off = replace(model, fit=replace(model.fit, residual=2.0 * measured), heldout=2.0 * measured)
+    assert drifting(train, train, off, 0.001) == []
 
 
 def test_friction_that_a_model_lacks_is_no_drift():
