@@ -1,10 +1,11 @@
 """A rigid axis under a digital controller: semi-implicit Euler, friction of bristles (LuGre).
 
-    J·v' = τ(u) - (b + σ₁)·v - F·z + further torques,   z' = v - |v|·z/w
+    J·v' = τ(u) - b·v - F·z - σ₁(v)·z'·w + further torques,   z' = (v - |v|·z)/w
 
 τ is the motor's torque, F the level of dry friction, z the share of it that is mobilised after
-Canudas de Wit and others (1995), w the way over which it turns round, and σ₁ damps the bristles
-near rest.  Speed and bristles are taken at the end of a step, torques at its beginning.
+Canudas de Wit and others (1995), w the way over which it turns round, and σ₁(v) damps the bristles
+near rest, critically by half.  Speed and bristles are taken at the end of a step, torques at its
+beginning.
 """
 
 import math
@@ -112,6 +113,7 @@ def _played(wanted, ahead, p, h, cells, warming, period):
             settle = abs(v) * dt / way
             z = (z + v * dt / way) / (1.0 + settle)
             damping = math.sqrt(most * p.inertia / way) * math.exp(-((v / way / 20.0) ** 2))
+            damping *= 1.0 - math.copysign(z, v * z)
             free = motor - most * z + passive(q, v, cells, h)
             before = v
             v = (v + dt * free / p.inertia) / (1.0 + dt * (viscous + damping) / p.inertia)
