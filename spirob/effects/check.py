@@ -20,6 +20,7 @@ from spirob.units import BASE, rescaled
 
 STEPS = (2.5e-4, 5e-4, 1e-3)  # s, of the physics and of the bus
 EXACT = 1e-9
+ROUNDING = 1e-9  # change of a state below which its last bits count
 SAMPLES = 400
 
 
@@ -112,7 +113,7 @@ def _halving(effect, numbers, last, now) -> float:
     whole = run(effect, numbers, last, dt, now)[1]
     twice = run(effect, numbers, half, dt / 2, now)[1]
     change = max(abs(whole[s][-1] - now[s]) for s in effect.state)
-    return float(max(abs(whole[s][-1] - twice[s][-1]) for s in effect.state) / (change + 1e-12))
+    return float(max(abs(whole[s][-1] - twice[s][-1]) for s in effect.state) / (change + ROUNDING))
 
 
 def neutral(effect: type[Effect]) -> Iterator[str]:

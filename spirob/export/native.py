@@ -69,23 +69,30 @@ def _moved_inertia(machine: Machine) -> float:
 
 
 def _stribeck(machine: Machine, one: Held, model: Corrected) -> None:
-    """The level by the constraint, the peak by bristles that turn round at once."""
-    turn = one.values["softness"] * model.rest_speed
-    _ramp(machine, one.values["coulomb_torque"], turn)
-    speed = one.values["stribeck_ratio"] * model.rest_speed
-    _bristles(machine, 0.0, one.values["breakaway_excess"], speed, 0.1 * turn * STEP)
+    """By bristles; where they turn round at once the level is the constraint's, the peak theirs."""
+    v = one.values
+    level, excess = v["coulomb_torque"], v["breakaway_excess"]
+    turn, speed = (v[n] * model.rest_speed for n in ("softness", "stribeck_ratio"))
+    if v.get("presliding", 0.0) > turn * STEP:
+        _bristles(machine, level, level + excess, speed, v["presliding"])
+        return
+    _ramp(machine, level, turn)
+    _bristles(machine, 0.0, excess, speed, 0.1 * turn * STEP)
 
 
 def _dahl(machine: Machine, one: Held, model: Corrected) -> None:
     level = one.values["sliding_torque"]
-    _bristles(machine, level, level, 1.0, one.values["presliding"])
+    damping = one.values.get("damping", 0.0)
+    _bristles(machine, level, level, 1.0, one.values["presliding"], damping)
 
 
-def _bristles(machine: Machine, low: float, high: float, speed: float, way: float) -> None:
-    """LuGre's friction without damping of the bristles, which turn round within `way`."""
+def _bristles(
+    machine: Machine, low: float, high: float, speed: float, way: float, damping: float = 0.0
+) -> None:
+    """LuGre's bristles, which turn round within `way`; their damping over their stiffness [s]."""
     if high > 0.0:
-        low = max(low, 1e-3 * high)
-        _passive(machine, "bristles", lugre=[high / way, 0.0, low, high, speed])
+        low, stiff = max(low, 1e-3 * high), high / way
+        _passive(machine, "bristles", lugre=[stiff, damping * stiff, low, high, speed])
 
 
 def _cogging(machine: Machine, one: Held, model: Corrected) -> None:

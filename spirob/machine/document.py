@@ -26,7 +26,7 @@ from spirob.identify.intervals import covariance_of
 from spirob.machine.body import RigidBody
 from spirob.machine.flexible import Ceiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
+from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE
 from spirob.machine.models import ROBUST, RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.odd_logs import way_of
@@ -231,7 +231,13 @@ def heldout(search: RigSearch, model: Model) -> pd.DataFrame:
 
 def source(effect: type[Effect]) -> str:
     """Where an effect's law is stated: its module where the program knows it, else its file."""
-    known = [*all_effects().values(), *AXIS.values(), *LOAD_SIDE.values(), *LEVER.values()]
+    known = [
+        *all_effects().values(),
+        *AXIS.values(),
+        *LOAD_SIDE.values(),
+        *LEVER.values(),
+        *FRICTION.values(),
+    ]
     if effect in known:
         return effect.__module__
     return inspect.getfile(effect.kernel)

@@ -14,9 +14,15 @@ from spirob.errors import ExportError
 from spirob.export.corrected import Held
 from spirob.export.law import kernel_functions, kernel_name, law_of
 from spirob.export.translate import HELP, Function
-from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE
+from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE
 
-LAWS = [*all_effects().values(), *AXIS.values(), *LOAD_SIDE.values(), *LEVER.values()]
+LAWS = [
+    *all_effects().values(),
+    *AXIS.values(),
+    *LOAD_SIDE.values(),
+    *LEVER.values(),
+    *FRICTION.values(),
+]
 COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
 STRICT = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", "-shared", "-fPIC"]
 SAMPLES, STEP = 400, 1e-3

@@ -6,6 +6,8 @@ same effect.
 
 backlash.py, gear_compliance.py  between motor and load; `load_side/` for a sensor at the load
 load_dependent_friction.py       of an axis whose motor's own inertia no gear carries
+presliding_friction.py, stribeck_friction.py  bristles that are damped, or carry a Stribeck curve:
+                                 in a loop of a millisecond they would be too stiff for the arm
 tip_payload.py                   weight on a lever that no model file describes
 """
 
@@ -16,11 +18,16 @@ from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.laws.load_dependent_friction import LoadDependentFriction
+from spirob.machine.laws.presliding_friction import PreslidingFriction
+from spirob.machine.laws.stribeck_friction import StribeckFriction
 from spirob.machine.laws.tip_payload import TipPayload
 
 AXIS: dict[str, type[Effect]] = {law.name(): law for law in (Backlash, GearCompliance)}
 LOAD_SIDE: dict[str, type[Effect]] = {
     law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
+}
+FRICTION: dict[str, type[Effect]] = {
+    law.name(): law for law in (PreslidingFriction, StribeckFriction)
 }
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
 LOSSES: dict[str, type[Effect]] = {LoadDependentFriction.name(): LoadDependentFriction}
@@ -41,7 +48,7 @@ def for_axis(
     shared  whether a part of the load may be the motor's own inertia: not where a body is
             described, which carries the rest, or where no inertia is moved
     """
-    own = (LOAD_SIDE if side == "load" else AXIS) | (LOSSES if shared else _CARRIED)
+    own = (LOAD_SIDE if side == "load" else AXIS) | FRICTION | (LOSSES if shared else _CARRIED)
     if turned >= TURNED:
         own = own | LEVER
     return [own.get(e.name(), e) if e.__module__.startswith("spirob.") else e for e in effects]

@@ -7,7 +7,7 @@ from spirob.effects import all_effects
 from spirob.effects.check import check
 from spirob.effects.replay import run
 from spirob.machine.candidates import applicable
-from spirob.machine.laws import AXIS, LEVER, LOAD_SIDE, LOSSES, TURNED, for_axis
+from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE, LOSSES, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.rig import RigFile
@@ -16,7 +16,7 @@ from tests.machine.rigs import description
 DT = 1e-3
 
 
-LAWS = [*AXIS.values(), *LEVER.values(), *LOAD_SIDE.values(), *LOSSES.values()]
+LAWS = [*AXIS.values(), *LEVER.values(), *FRICTION.values(), *LOAD_SIDE.values(), *LOSSES.values()]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=[law.__module__ for law in LAWS])
