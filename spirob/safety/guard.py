@@ -159,7 +159,7 @@ class GuardedRobot:
             by_voltage = self._loop is not None
             self._watched = [Watched(state, now, by_voltage) for state in self.states]
         for m, motor in enumerate(self._watched):
-            motor.command(self._limiter.value(m))
+            motor.command(self._limiter.value(m), self._volts.value(m))
         heard = set()
         for frame in self.interpret(frames):
             m = frame.arbitration_id - FEEDBACK_ID - 1

@@ -147,6 +147,30 @@ def _error(number: int) -> BaseException:
 PATIENCE = 3  # frames in a row
 ASTRAY = COUNTS_PER_TURN // 8  # in trials of the emulated robot at most 22 counts
 MOVED = 0.2  # A: a command that changed by this much must show in the feedback
+PUSHED = 0.1  # V: the same of a voltage, 4 counts of current through the 20 Ω that a rig may have
+
+
+@dataclass
+class Span:
+    """The latest of what goes out, and its range since the feedback last changed."""
+
+    latest: float = 0.0
+    lowest: float = 0.0
+    highest: float = 0.0
+
+    def take(self, value: float) -> None:
+        """The next one."""
+        self.latest = value
+        self.lowest, self.highest = min(self.lowest, value), max(self.highest, value)
+
+    def begin(self) -> None:
+        """The feedback has changed."""
+        self.lowest = self.highest = self.latest
+
+    @property
+    def width(self) -> float:
+        """How far they moved."""
+        return self.highest - self.lowest
 
 
 @dataclass
@@ -154,8 +178,9 @@ class Watched:
     """One motor as the reasons see it.
 
     by_voltage   whether the drive is told a voltage, so that nothing but the host holds its current
-    sent     latest command [A];  lowest, highest  of the commands since the feedback last changed
+    asked    currents [A];  driven  voltages [V], zero of drives that take none
     unlike   since when command and reported current have been apart [ns], or None
+    unmoved  since when the feedback has not shown a voltage that moved [ns], or None
     flicker  noise of its current reading at rest
     counts   frames in a row for which a reason has held
     """
@@ -163,21 +188,27 @@ class Watched:
     state: MotorState
     since_ns: int
     by_voltage: bool = False
-    sent: float = 0.0
-    lowest: float = 0.0
-    highest: float = 0.0
+    asked: Span = field(default_factory=Span)
+    driven: Span = field(default_factory=Span)
     unlike_ns: int | None = None
+    unmoved_ns: int | None = None
     flicker: Flicker = field(default_factory=Flicker)
     counts: dict[str, int] = field(default_factory=dict)
 
-    def command(self, amperes: float) -> None:
+    @property
+    def sent(self) -> float:
+        """Latest current that was asked for [A]."""
+        return self.asked.latest
+
+    def command(self, amperes: float, volts: float) -> None:
         """What goes out in this cycle."""
-        self.sent = amperes
-        self.lowest, self.highest = min(self.lowest, amperes), max(self.highest, amperes)
+        self.asked.take(amperes)
+        self.driven.take(volts)
 
     def changed(self) -> None:
         """The feedback has said something new."""
-        self.lowest = self.highest = self.sent
+        self.asked.begin()
+        self.driven.begin()
 
 
 Reason = Callable[[Watched, Limits, int], str | None]
@@ -252,10 +283,24 @@ def overcurrent(motor: Watched, limits: Limits, now_ns: int) -> str | None:
 def frozen(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     """Feedback comes, but always the same, although the command changes."""
     lasted = (now_ns - motor.state.changed_ns) * 1e-9
-    moved = motor.highest - motor.lowest
+    moved = motor.asked.width
     if lasted <= limits.frozen or moved < MOVED:
         return None
     return f"the same feedback for {1e3 * lasted:.0f} ms while the command moved {moved:.2f} A"
+
+
+def stale(motor: Watched, limits: Limits, now_ns: int) -> str | None:
+    """Feedback comes, but does not show a voltage that moved: a current may run away unseen."""
+    if motor.driven.width < PUSHED:
+        motor.unmoved_ns = None
+        return None
+    if motor.unmoved_ns is None:
+        motor.unmoved_ns = now_ns
+    lasted = now_ns - motor.unmoved_ns
+    if lasted < limits.silence * 1e9:
+        return None
+    moved = motor.driven.width
+    return f"the same feedback for {lasted / 1e6:.0f} ms after the voltage moved {moved:.2f} V"
 
 
 def lifeless(motor: Watched, limits: Limits, now_ns: int) -> str | None:
@@ -267,7 +312,7 @@ def lifeless(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     return f"the same feedback for {lasted / 1e6:.0f} ms from a drive whose reading flickers"
 
 
-AT_ONCE: tuple[Reason, ...] = (silence,)
+AT_ONCE: tuple[Reason, ...] = (silence, stale)
 LASTING: tuple[Reason, ...] = (
     travel,
     speed,

@@ -10,6 +10,7 @@ from spirob.drives import find_drive
 from spirob.drives.codec import decode_volts
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
+from spirob.experiments.host_loop import GainSet
 from spirob.logs import Transmission, read_log
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
@@ -27,9 +28,9 @@ OPEN = {"travel": 10.0, "speed": 100.0, "temperature": 150.0, "following": 40.0,
 class Seen:
     """An emulated robot in voltage mode that keeps what reached it, and may fall silent."""
 
-    def __init__(self, seed=3, **rig):
+    def __init__(self, seed=3, faults=(), **rig):
         self.robot = EmulatedRobot(
-            EmulatedRig(by_voltage=True, **rig), HiddenSettings("none"), seed
+            EmulatedRig(by_voltage=True, **rig), HiddenSettings("none"), seed, faults
         )
         self.volts, self.mute = [], False
 
@@ -162,6 +163,23 @@ def test_a_current_beyond_what_may_be_asked_for_is_a_stop():
         for _ in range(200):
             made.exchange(encode_command((0.9, 0.0)))
     assert robot.volts[-1] == (0.0, 0.0)
+    robot.close()
+
+
+@pytest.mark.parametrize("noise", [0.005, 0.0])
+def test_a_current_that_is_read_no_more_does_not_run_away(noise):
+    # frozen before the guard has seen a standing motor's noise, or of a drive that shows none
+    frozen = {"kind": "feedback_frozen", "motor": "left", "start": 0.4}
+    robot = Seen(seed=1, faults=[frozen], gear_ratio=1.0, current_noise=noise)
+    made = guarded(robot, Rig.from_mapping(GainSet(20.0, 0.0, 1e-3).rig()))
+    made.arm()
+    true = []
+    with pytest.raises(Stopped, match=r"motor left: .*10 ms after the voltage moved 0\.10 V"):
+        for _ in range(20_000):
+            made.exchange(encode_command((0.8, 0.8)))
+            true.append(robot.robot.machine.state["current"][0, 0])
+    assert robot.volts[-1] == (0.0, 0.0)
+    assert np.abs(np.array(true) - 0.8)[400:].max() < 1.1 * 0.1 / RIG.motor.resistance
     robot.close()
 
 
