@@ -14,6 +14,7 @@ import numpy as np
 from spirob.experiments import Sides, curve, row
 from spirob.experiments.host_loop import GainSet, OnHost, or_none
 from spirob.experiments.single_contact import (
+    FIGURES,
     READ,
     SingleContact,
     in_time,
@@ -26,7 +27,10 @@ ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
 SMALL = 5.0  # counts; smaller peaks are not compared in size
 MODELS = ("base", "named", "single")
-FIGURES = (("peak", "current peak"), ("arm peak", "reconstructed current peak"))
+SENSITIVITIES = {
+    "peak": "sensitivity along the arm",
+    "arm peak": "reconstructed sensitivity along the arm",
+}
 Found = dict[str, list[dict[str, float]]]
 
 
@@ -137,10 +141,10 @@ class HostContact(OnHost, SingleContact):
                         out.append(curve(one.words, quantity, "counts", s, at, peaks, 1))
         slowest = self.slowest
         for s, found in self._found(sides, slowest).items():
-            if "peak" in found[0]:  # of the ball's momentum
-                each = np.array([r["peak"] for r in found]) / (1e3 * self.mass * self.speed)
-                about = (slowest.words, "sensitivity along the arm", "counts/(mN·s)")
-                out.append(curve(*about, s, at, each, 1))
+            for key, quantity in SENSITIVITIES.items():
+                if key in found[0]:  # of the ball's momentum
+                    each = np.array([r[key] for r in found]) / (1e3 * self.mass * self.speed)
+                    out.append(curve(slowest.words, quantity, "counts/(mN·s)", s, at, each, 1))
         for place in self.places[:: max(1, len(self.places) // 3)]:
             play = f"{slowest.words}, at {place:.0%}"
             hit, free = (self.at(sides, slowest, p) for p in (place, None))

@@ -6,6 +6,7 @@ contact.  The arm does not come back alike from hit to hit, so that a few second
 each time: the spectrum is Welch's mean over `SEGMENT`, half of each shared with the next.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -13,7 +14,7 @@ import numpy as np
 import scipy
 
 from spirob.experiments import Side, Sides, curve, row, within
-from spirob.experiments.direct_drive import per_unit
+from spirob.experiments.direct_drive import per_unit, reconstructed
 from spirob.experiments.host_loop import GainSet, OnHost, or_none
 from spirob.experiments.periodic_contact import (
     BAND,
@@ -36,6 +37,10 @@ SIGNALS = {
     "filtered": "filtered",
     "arm_current": "reconstructed current",
     "displacement": "angle",
+}
+SPECTRA = {
+    "amplitude of the current": "current",
+    "amplitude of the reconstructed current": "arm_current",
 }
 AS_PAPER = ("filtered", "arm_current")
 
@@ -70,6 +75,17 @@ def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[floa
     band = (frequency >= 1 / longest) & (frequency <= 1 / shortest)
     k = int(np.argmax(size[band]))
     return float(1 / frequency[band][k]), float(size[band][k])
+
+
+def alike(told: Mapping[str, float]) -> dict[str, Any]:
+    """Whether the named model has the robot's period; nothing where one of them has none."""
+    met = within(told.get("named"), told.get("robot"), ALIKE)
+    return {} if met is None else {"aim": f"within {ALIKE:.0%}", "met": met}
+
+
+def by_parts(periods: list[float]) -> str:
+    """What the parts of a robot's own trial tell, each for itself."""
+    return f"robot, third by third: {min(periods):.2f} to {max(periods):.2f} s"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,21 +123,24 @@ class HostPeriodic(OnHost, PeriodicContact):
     ) -> list[dict[str, Any]]:
         periods, sizes, lines = self._lines(own, place, signal)
         hits, free = own[self._name(place)], own[self._name(None)]
-        gaps = {s: self._gap(hits[s], free[s], signal) for s in periods}
+        gaps = {s: self._gaps(hits[s], free[s], signal)[0] for s in periods}
         shown = or_none(periods)
         hidden = [s for s, period in shown.items() if period != "none" and np.isnan(period)]
         notes = [f"not visible, no line of one count: {', '.join(hidden)}"] if hidden else []
+        apart = ""
         if signal == "current" and "robot" in hits and "robot" not in hidden:
-            notes.append(self._repeats(seen(hits["robot"], free["robot"], signal, self.begins)))
+            robot = hits["robot"], free["robot"], signal
+            parts = np.array_split(seen(*robot, self.begins), PARTS)
+            notes.append(by_parts([mean_line(part, *BAND)[0] for part in parts]))
+            apart = by_parts(self._gaps(*robot, PARTS))
         at = f"{SIGNALS[signal]}, {one.words}, at {place:.0%}"
         as_paper = signal in AS_PAPER and len(self.places) == len(PAPER)
         paper, note = PAPER[k] if as_paper else None, "; ".join(notes)
         tip = k == len(self.places) - 1 and signal == "current"
-        met = within(periods.get("named"), periods.get("robot"), ALIKE) if tip else None
-        aim = f"within {ALIKE:.0%}" if tip and met is not None else None
+        aims = [alike(told) if tip else {} for told in (periods, gaps)]
         return [
-            row(f"apparent period of {at}", "s", shown, paper=paper, aim=aim, met=met, note=note),
-            row(f"interval between peaks of {at}", "s", or_none(gaps)),
+            row(f"apparent period of {at}", "s", shown, paper=paper, note=note, **aims[0]),
+            row(f"interval between peaks of {at}", "s", or_none(gaps), note=apart, **aims[1]),
             row(f"swing of {at}", "counts", sizes),
             row(f"line at 1/T of {at}", "counts", lines),
         ]
@@ -130,16 +149,12 @@ class HostPeriodic(OnHost, PeriodicContact):
         """Whether a side has an i**."""
         return any(side.arm_current is not None for side in own[self._name(place)].values())
 
-    def _repeats(self, values: np.ndarray) -> str:
-        """What the parts of a robot's own trial tell, each for itself."""
-        periods = [mean_line(part, *BAND)[0] for part in np.array_split(values, PARTS)]
-        return f"robot, third by third: {min(periods):.2f} to {max(periods):.2f} s"
-
-    def _gap(self, hit: Side, free: Side, signal: str) -> float:
+    def _gaps(self, hit: Side, free: Side, signal: str, parts: int = 1) -> list[float]:
+        """The interval between peaks in each part of a trial [s]."""
         values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
         alone = smooth(per_unit(signal) * free.driven(signal, self.motor), SMOOTHING)
         noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
-        return peak_interval(values, max(1.0, noise))
+        return [peak_interval(p, max(1.0, noise)) for p in np.array_split(values, parts)]
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
@@ -152,9 +167,10 @@ class HostPeriodic(OnHost, PeriodicContact):
                 time = np.arange(len(angle)) * PERIOD
                 out.append(curve(play, "angle", "counts", s, time, angle, 10))
                 out += in_time(play, s, hit, free[s], self.begins)
-                values = seen(hit, free[s], "current", self.begins)
-                frequency, size = mean_spectrum(values)
-                low = (frequency > 0.0) & (frequency <= HIGHEST)
-                lines = frequency[low], size[low]
-                out.append(curve(play, "amplitude of the current", "counts", s, *lines, 2))
+                for quantity, signal in SPECTRA.items():
+                    name = reconstructed(hit) if signal == "arm_current" else signal
+                    frequency, size = mean_spectrum(seen(hit, free[s], name, self.begins))
+                    low = (frequency > 0.0) & (frequency <= HIGHEST)
+                    lines = frequency[low], size[low]
+                    out.append(curve(play, quantity, "counts", s, *lines, 2))
         return out

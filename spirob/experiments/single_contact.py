@@ -31,6 +31,7 @@ READ = (  # key of a response -> what it is called
     ("filtered", "filtered current peak"),
     ("shift", "shift"),
 )
+FIGURES = (("peak", "current peak"), ("arm peak", "reconstructed current peak"))
 PROFILE = (("stiffness", "N·m/rad"), ("inertia", "kg·m²"), ("give", "m/N"))
 
 
@@ -217,7 +218,7 @@ class SingleContact(Experiment):
         out = []
         fastest, at = self.bandwidths[-1], 100 * np.array(self.places)
         for s, found in self._responses(sides, fastest).items():
-            for key, quantity in (("angle", "angle response"), ("peak", "current peak")):
+            for key, quantity in (("angle", "angle response"), *FIGURES):
                 if key not in found[0]:
                     continue
                 values = np.array([r[key] for r in found])

@@ -114,7 +114,12 @@ def test_the_wheel_has_a_row_for_every_rule_and_set():
         at = f"current, {bandwidth} Hz without back-EMF, at 85%"
         assert rows[f"apparent period of {at}"]["robot"] == pytest.approx(0.4, rel=0.01)
         assert rows[f"apparent period of {at}"]["met"]
-        assert rows[f"interval between peaks of {at}"]["named"] == pytest.approx(0.4, rel=0.01)
+        gap = rows[f"interval between peaks of {at}"]
+        assert gap["named"] == pytest.approx(0.4, rel=0.01)
+        assert gap["met"]
+        assert gap["note"] == "robot, third by third: 0.40 to 0.40 s"
+        inner = at.replace("85%", "25%")
+        assert rows[f"interval between peaks of {inner}"]["met"] is None
     assert rows["apparent period of filtered, 5 Hz without back-EMF, at 25%"]["paper"] == 0.4
 
 

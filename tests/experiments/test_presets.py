@@ -1,5 +1,6 @@
 """Every preset is an experiment whose trials can be played, and a mistake in one is a sentence."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,9 @@ from spirob.trials import Trial
 ROOT = Path(__file__).parents[2]
 CONF = ROOT / "conf" / "paper" / "settings"
 COLUMNS = {"what", "unit", "robot", "base", "named", "single", "paper", "aim", "met", "note"}
+
+
+PASSIVE = ("single_contact", "periodic_contact", "host_contact", "host_periodic")
 
 
 def preset(name):
@@ -62,6 +66,25 @@ def test_sides_that_answer_alike_score_alike(name):
     drawn = experiment.curves(sides)
     assert {c["side"] for c in drawn} >= {"robot", "base", "named"}
     assert all(len(c["x"]) == len(c["y"]) > 1 for c in drawn)
+
+
+@pytest.mark.parametrize("name", PASSIVE)
+def test_every_figure_of_a_current_has_the_reconstructed_one_beside_it(name):
+    experiment = experiment_from(name, {})
+    sides = {play.name: played(play, experiment) for play in experiment.plays()}
+    for answers in sides.values():
+        for model in {"base", "named"} & set(answers):
+            current = answers[model].current + 50.0 * answers[model].displacement
+            answers[model] = replace(answers[model], current=current, arm_current=2.0 * current)
+    counts = [c for c in experiment.curves(sides) if c["unit"].startswith("counts")]
+    named = [c for c in counts if c["side"] == "named" and "angle" not in c["quantity"]]
+    measured = [c for c in named if "reconstructed" not in c["quantity"]]
+    assert measured
+    for one in measured:
+        beside = [c for c in named if c["play"] == one["play"] and c not in measured]
+        twice = [2.0 * y for y in one["y"]]
+        assert np.ptp(twice) > 0.01
+        assert any(c["y"] == pytest.approx(twice, abs=1e-5) for c in beside), one["quantity"]
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -77,9 +77,11 @@ AXES = {
     "current peak": "place of the hit [% of length]",
     "reconstructed current peak": "place of the hit [% of length]",
     "sensitivity along the arm": "place of the hit [% of length]",
+    "reconstructed sensitivity along the arm": "place of the hit [% of length]",
     "current after a hit": "time since the hit [s]",
     "reconstructed current": "time since the hit [s]",
     "amplitude of the current": "frequency [Hz]",
+    "amplitude of the reconstructed current": "frequency [Hz]",
     "stiffness along the arm": "place [% of length]",
     "inertia along the arm": "place [% of length]",
     "give along the arm": "place [% of length]",
@@ -91,12 +93,20 @@ UPRIGHT = {
     "filtered": "filtered current",
     "reconstructed": "reconstructed current",
     "sensitivity along the arm": "sensitivity",
+    "reconstructed sensitivity along the arm": "sensitivity, reconstructed",
     "amplitude of the current": "amplitude",
+    "amplitude of the reconstructed current": "amplitude, reconstructed",
     "stiffness along the arm": "stiffness of the hinge",
     "inertia along the arm": "inertia beyond",
     "give along the arm": "give of the arm",
 }
-RECONSTRUCTED = ("reconstructed", "reconstructed current", "reconstructed current peak")
+RECONSTRUCTED = (
+    "reconstructed",
+    "reconstructed current",
+    "reconstructed current peak",
+    "reconstructed sensitivity along the arm",
+    "amplitude of the reconstructed current",
+)
 NOTES = dict.fromkeys(RECONSTRUCTED, "; i** of the models, the measured current of the robot")
 POINTS = 12  # a line of fewer points shows them
 COLUMNS = 2
