@@ -30,6 +30,9 @@ class Effect(Numbers):
     port        name in `ports.PORTS`
     reads       kernel argument -> name in `ports.SIGNALS`
     state       kernel argument -> initial value; the kernel returns (contribution, next states...)
+    free        states that may begin with any value, of which the motion tells nothing: a swing.
+                Where a log of a plain axis begins, or goes on after a gap, it is fitted; what the
+                kernel returns is linear in them
     neutral     numbers at which the effect vanishes; setting them makes the models nested
     held        numbers that no fit moves: they only say in which sizes the others count
     taught      argument -> lowest and highest value in the motion that taught the law; its numbers
@@ -55,6 +58,7 @@ class Effect(Numbers):
     port: ClassVar[str] = ""
     reads: ClassVar[Mapping[str, str]] = {}
     state: ClassVar[Mapping[str, float]] = {}
+    free: ClassVar[tuple[str, ...]] = ()
     neutral: ClassVar[Mapping[str, float]] = {}
     held: ClassVar[frozenset[str] | set[str]] = frozenset()
     taught: ClassVar[Mapping[str, tuple[float, float]]] = {}
@@ -98,8 +102,9 @@ def _check_declaration(cls: type[Effect]) -> None:
     _check_numbers(cls, who)
     if unknown := set(cls.traits) - TRAITS:
         raise EffectError(f"{who}: unknown traits {sorted(unknown)}; known: {sorted(TRAITS)}")
-    if unknown := set(cls.evolution) - set(cls.state):
-        raise EffectError(f"{who}: evolution of {sorted(unknown)}; states: {sorted(cls.state)}")
+    for what, named in {"evolution": cls.evolution, "free": cls.free}.items():
+        if unknown := {*named} - set(cls.state):
+            raise EffectError(f"{who}: {what} of {sorted(unknown)}; states: {sorted(cls.state)}")
     for text in ("title", "signature", "explanation"):
         if not getattr(cls, text):
             raise EffectError(f"{who}: '{text}' is empty")

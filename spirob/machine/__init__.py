@@ -21,6 +21,7 @@ The inverse model, which tells the effort that a motion asks for:
     delays.py, pipes.py            the delay of the effort; what lies between it and the torque
     scaling.py, shapes.py          the library's numbers at this size, and where they start
     kernel_loop.py, cache.py       effects along whole recordings, and what is held of them
+    memory.py, swings.py           what they remember through gaps, and begin with
 The search, by the rules of `spirob.diagnosis`:
     diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on
     axis.py, models.py             fit, search, judge; sets of effects, each fitted in full

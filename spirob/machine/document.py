@@ -190,7 +190,7 @@ def heldout(search: RigSearch, model: Model) -> pd.DataFrame:
     carried, payload, offset, along, across  what the axis carries, N·m or N, and its own numbers
     """
     problem = search.models.heldout
-    asked, table = problem.asked, problem.table
+    asked, table = problem.asked.anew(), problem.table
     p = table.vector(problem.completed(model.fit.changes))
     motion, bare = asked.motion, p.copy()
     for effect in _present(problem, p):

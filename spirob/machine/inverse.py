@@ -16,6 +16,7 @@ from spirob.machine.numbers import NONE, LogNumbers, profiled, table_of
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
+from spirob.machine.swings import Swings
 from spirob.parameter import Table
 
 BLOCK = 0.5  # s, over which a residual is correlated at most
@@ -56,6 +57,8 @@ class InverseProblem:
         )
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))
+        ends = np.cumsum([0, *(len(kept.along) for kept in kept_rows(self.recordings))])
+        self._swings = Swings(self.asked, lambda effort: self._thin(self._smooth(effort)), ends)
         counts = {id(r): 0 for r in self.recordings}
         for kept in kept_rows(self.recordings):
             counts[id(kept.recording)] += len(kept.along)
@@ -122,8 +125,9 @@ class InverseProblem:
 
     def _residual(self, changes: Mapping[str, float]) -> np.ndarray:
         self.played += len(self.asked.motion.q)
-        effort = self.asked.effort(self._table.vector(changes), near=True)
-        return self._thin(self._smooth(effort)) - self._measured
+        p = self._table.vector(changes)
+        residual = self._thin(self._smooth(self.asked.effort(p, near=True))) - self._measured
+        return self._swings.taken(residual, p)
 
     def _model(self, changes: Mapping[str, float]) -> np.ndarray:
         return self._smooth(self.asked.effort(self._table.vector(changes)))

@@ -77,6 +77,11 @@ class AskedEffort(Kernels):
         self._fixed = self._moving(motion)
         self._read: tuple[float, np.ndarray] = (0.0, motion.effort)
 
+    def anew(self) -> "AskedEffort":
+        """The same where what effects remember begins anew with each piece."""
+        motion, about = replace(self.motion, follows=()), (self._stiffness, self._described)
+        return AskedEffort(motion, self.effects, self.table, self.sizes, self.rest_speed, *about)
+
     def effort(self, p: np.ndarray, near: bool = False) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table.
 
@@ -94,7 +99,7 @@ class AskedEffort(Kernels):
         signals = self.signals(motion, load, p)
         for port in ADDED:
             for effect in self.present(port, p):
-                needed = needed - self._torque(effect, p, motion, signals)
+                needed = needed - self.torque(effect, p, motion, signals)
         effort = needed / own["scale"]
         if any(self.present(port, p) for port in (*BEFORE, "winch.efficiency")):
             passed = self._nearby if near else self.through
@@ -127,7 +132,7 @@ class AskedEffort(Kernels):
             load = load + tip * self._payload(motion, own)
         signals = self.signals(motion, load, p)
         for effect in self.present(HINGE, p):
-            load = load - self._torque(effect, p, motion, signals)
+            load = load - self.torque(effect, p, motion, signals)
         return load
 
     def _payload(self, motion: Motion, own: Mapping[str, float]) -> np.ndarray:
@@ -152,7 +157,7 @@ class AskedEffort(Kernels):
             return None
         signals = self.signals(self.motion, self.load(self.motion, p), p)
         own = self.own(p)
-        torque = self._torque(effect, p, self.motion, signals)
+        torque = self.torque(effect, p, self.motion, signals)
         return late(-torque / own["scale"], own["delay"], self.motion)
 
     def tip_mass(self, p: np.ndarray) -> float:
@@ -243,7 +248,7 @@ class AskedEffort(Kernels):
             share = self.run(effect, p, motion, seen, share)
         return share * passed
 
-    def _torque(
+    def torque(
         self,
         effect: type[Effect],
         p: np.ndarray,

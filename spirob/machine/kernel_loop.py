@@ -10,6 +10,7 @@ import numpy as np
 from spirob.effects import Effect
 from spirob.effects.generated import call, kernels, load
 from spirob.errors import EffectError
+from spirob.machine.memory import Way
 from spirob.machine.motion import Motion
 from spirob.parameter import Table
 from spirob.ports import PORTS
@@ -26,20 +27,23 @@ from numba import njit
 {kernel}
 
 @njit(cache=True, nogil=True)
-def run(out, starts, steps, upstream, reads, p):
+def run(out, starts, steps, anew, begin, upstream, reads, p):
+{begin}
     for piece in range(len(starts) - 1):
         dt = steps[piece]
-{begin}
+        if anew[piece]:
+{again}
         for k in range(starts[piece], starts[piece + 1]):
             out[k]{following} = {call}
 '''
 
 
 def loop_of(effect: type[Effect]) -> Callable[..., None]:
-    """run(out, starts, steps, upstream, reads, p): the kernel for every sample.
+    """run(out, starts, steps, anew, begin, upstream, reads, p): the kernel for every sample.
 
     out, upstream  (n,);  reads (r, n) in the order of `effect.reads`;  p (numbers,) in order
-    starts  (pieces + 1,) where memory begins anew;  steps  (pieces,) sample periods [s]
+    starts  (pieces + 1,) where pieces begin and end;  steps  (pieces,) sample periods [s]
+    anew    (pieces,) whether memory begins anew there;  begin  (states,) with what
 
     It raises EffectError where the kernel of a user's own file cannot be compiled or fails.
     """
@@ -64,10 +68,11 @@ def _source(effect: type[Effect]) -> str:
     reads = {signal: f"reads[{k}, k]" for k, signal in enumerate(effect.reads.values())}
     states = {name: f"state_{name}" for name in effect.state}
     numbers = {field: f"p[{k}]" for k, field in enumerate(effect.parameters())}
-    begin = [f"        state_{name} = {float(value)!r}" for name, value in effect.state.items()]
+    begin = [f"    {place} = begin[{k}]" for k, place in enumerate(states.values())]
     return TEMPLATE.format(
         kernel=kernels([effect])[0],
-        begin="\n".join(begin) or "        pass",
+        begin="\n".join(begin),
+        again="\n".join(f"        {line}" for line in begin) or "            pass",
         following="".join(f", {place}" for place in states.values()),
         call=call(effect, "upstream[k]", "dt", reads, states, numbers),
     )
@@ -111,14 +116,28 @@ class Kernels:
         signals: Mapping[str, np.ndarray],
         upstream: np.ndarray | None,
     ) -> np.ndarray:
-        """An effect's kernel at every sample, (n,)."""
-        reads = np.array([signals[name] for name in effect.reads.values()])
+        """An effect's kernel at every sample, (n,); what it remembers goes on through gaps."""
         n = len(motion.q)
-        out = np.empty(n)
-        values = np.array(list(self.values(effect, p).values()))
-        above = np.zeros(n) if upstream is None else np.ascontiguousarray(upstream)
-        shaped = reads.reshape(len(effect.reads), n)
-        self._runs[effect.name()](out, motion.starts, motion.steps, above, shaped, values)
+        above = np.zeros(n) if upstream is None else upstream
+        seen = np.array([above, *(signals[name] for name in effect.reads.values())])
+        way = motion.bridged if effect.state else motion.apart
+        begin = np.array(list(effect.state.values()), float)
+        return self._along(effect, p, way, np.ascontiguousarray(way.over(seen)), begin)[way.rows]
+
+    def swung(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
+        """What 1 of each free state at the start of a piece adds in it, (free states, n)."""
+        still = np.zeros((1 + len(effect.reads), len(motion.q)))
+        begins = [[float(name == one) for name in effect.state] for one in effect.free]
+        made = [self._along(effect, p, motion.apart, still, np.array(b)) for b in begins]
+        return np.array(made).reshape(len(begins), len(motion.q))
+
+    def _along(
+        self, effect: type[Effect], p: np.ndarray, way: Way, seen: np.ndarray, begin: np.ndarray
+    ) -> np.ndarray:
+        """The kernel along a way, (m,); seen (1 + reads, m): from upstream and what it reads."""
+        out, values = np.empty(seen.shape[1]), np.array(list(self.values(effect, p).values()))
+        run = self._runs[effect.name()]
+        run(out, way.starts, way.steps, way.anew, begin, seen[0], seen[1:], values)
         return out
 
     def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
@@ -127,7 +146,9 @@ class Kernels:
         values = np.array(list(self.values(effect, p).values()))
         dealt, out = np.empty(len(order)), np.empty(len(order))
         nothing = np.empty((0, len(order)))
-        self._runs[effect.name()](dealt, starts, steps, motion.effort[order], nothing, values)
+        begin = np.array(list(effect.state.values()), float)
+        seen, anew = motion.effort[order], np.ones(len(steps), bool)
+        self._runs[effect.name()](dealt, starts, steps, anew, begin, seen, nothing, values)
         out[order] = dealt
         return out
 

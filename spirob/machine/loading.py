@@ -132,10 +132,11 @@ def _run(effect: type[Effect]) -> None:
     rng = np.random.default_rng(0)
     loop = loop_of(effect)
     whole, step, out = np.array([0, SAMPLES]), np.array([STEP]), np.zeros(SAMPLES)
+    anew, begin = np.ones(1, bool), np.array(list(effect.state.values()), float)
 
     def over(inputs: replay.Inputs, values: np.ndarray) -> None:
         reads = np.array([inputs[name] for name in effect.reads]).reshape(-1, SAMPLES)
-        loop(out, whole, step, inputs.get("upstream", out), reads, values)
+        loop(out, whole, step, anew, begin, inputs.get("upstream", out), reads, values)
 
     for numbers in replay.corners(effect, rng):
         values = np.array([numbers[name] for name in effect.parameters()])

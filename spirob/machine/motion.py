@@ -14,6 +14,7 @@ from scipy.ndimage import uniform_filter1d
 
 from spirob.machine.body import RigidBody
 from spirob.machine.filtering import rates
+from spirob.machine.memory import Way, apart, bridged
 from spirob.machine.recording import Piece, Recording
 
 CYCLE = 1e-3  # s, of the bus for which effects on its frames are written
@@ -27,6 +28,7 @@ class Motion:
 
     starts  (pieces + 1,) where each piece begins and ends;  steps  (pieces,) sample periods [s]
     logs    (pieces,) names of the logs that they are of
+    follows (pieces,) whether a piece goes on after a gap in the one before; empty where none does
     """
 
     starts: np.ndarray
@@ -38,6 +40,19 @@ class Motion:
     effort: np.ndarray
     body: dict[str, np.ndarray]
     logs: tuple[str, ...] = ()
+    follows: tuple[bool, ...] = ()
+
+    @cached_property
+    def apart(self) -> Way:
+        """The way of a memory that begins anew with every piece."""
+        return apart(self.starts, self.steps)
+
+    @cached_property
+    def bridged(self) -> Way:
+        """The way of a memory that goes on through the gaps of a log."""
+        if not any(self.follows):
+            return self.apart
+        return bridged(self.starts, self.steps, self.seconds, self.follows)
 
     @cached_property
     def turned(self) -> tuple[np.ndarray, np.ndarray]:
@@ -94,6 +109,7 @@ def motion_of(recordings: Sequence[Recording], body: RigidBody | None, mass: flo
         along("effort"),
         {name: np.concatenate([n[name] for n in needs]) for name in NEEDS},
         tuple(r.log or r.name for r, _ in pieces),
+        tuple(piece is not r.pieces[0] for r, piece in pieces),
     )
 
 

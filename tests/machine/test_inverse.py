@@ -205,7 +205,8 @@ def test_the_compiled_loop_is_the_kernel(name):
     numbers = [p.nominal for p in effect.parameters().values()]
     out = np.empty(n)
     starts, steps = np.array([0, 20, n]), np.array([dt, dt])
-    loop_of(effect)(out, starts, steps, upstream, reads, np.array(numbers))
+    begin, anew = np.array(list(effect.state.values())), np.ones(2, bool)
+    loop_of(effect)(out, starts, steps, anew, begin, upstream, reads, np.array(numbers))
     expected = []
     for k in range(n):
         if k in (0, 20):

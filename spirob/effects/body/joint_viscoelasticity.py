@@ -15,6 +15,7 @@ class JointViscoelasticity(Effect):
     port = "body.hinge_torque"
     reads = {"angle": "hinge.angle", "speed": "hinge.speed", "stiffness": "hinge.stiffness"}
     state = {"relaxed": 0.0}
+    free = ("relaxed",)
     neutral = {"share": 0.0}
     traits = {"dissipative"}
     equation = "-κ*stiffness*(angle - relaxed)"

@@ -11,6 +11,7 @@ class CurrentLag(Effect):
 
     port = "sensing.report"
     state = {"filtered": 0.0}
+    free = ("filtered",)
     neutral = {"time": 0.0}
     equation = "filtered"
     evolution = {"filtered": "(upstream - filtered)/T"}

@@ -249,7 +249,7 @@ def reported(asked: AskedEffort, p: np.ndarray, effort: np.ndarray) -> np.ndarra
         rows.append(np.concatenate([np.full(round(SETTLE / step), own[0]), own]))
         starts.append(starts[-1] + len(rows[-1]))
     index = np.concatenate(rows)
-    longer = replace(motion, starts=np.array(starts), q=motion.q[index])
+    longer = replace(motion, starts=np.array(starts), q=motion.q[index], follows=())
     seen = {name: x[index] for name, x in asked.signals(motion, np.zeros_like(effort), p).items()}
     found = effort[index]
     for effect in asked.present("sensing.report", p):

@@ -11,11 +11,13 @@ class GearCompliance(Effect):
 
     A rigid shaft would have the motor move J·ω'; of that the part J_l follows the load's own
     acceleration, ω' - φ'', instead.  Each step is exact for a speed that is linear in time; the
-    acceleration at its end is the slope of the parabola through the last three speeds.
+    acceleration at its end is the slope of the parabola through the last three speeds.  It begins
+    with the twist of its first acceleration, and what it swings about that.
     """
 
     port = "motor.torque"
     reads = {"speed": "motor.speed"}
+    free = ("twist", "rate")
     state = {"twist": 0.0, "rate": 0.0, "last": 0.0, "before": 0.0, "seen": 0.0}
     neutral = {"load_inertia": 0.0}
     title = "elastic shaft or gear between motor and load"
@@ -41,12 +43,14 @@ class GearCompliance(Effect):
     @staticmethod
     def kernel(speed, twist, rate, last, before, seen, load_inertia, frequency, damping, dt):
         """Torque on the motor [N·m]; next twist [rad], its rate, and two speeds [rad/s]."""
-        if seen == 0.0:
-            return 0.0, 0.0, 0.0, speed, speed, 1.0
-        mean = (speed - last) / dt
         own = 2.0 * math.pi * frequency
         beat, decay = own * math.sqrt(1.0 - damping * damping), damping * own
+        if seen == 0.0:
+            swung = -load_inertia * (2.0 * decay * rate + own * own * twist)
+            return swung, twist, rate, speed, speed, 1.0
+        mean = (speed - last) / dt
         level = mean / (own * own)
+        twist = twist + level if seen == 1.0 else twist
         x = twist - level
         fall = math.exp(-decay * dt)
         c, s = fall * math.cos(beat * dt), fall * math.sin(beat * dt) / beat
