@@ -21,6 +21,7 @@ from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.law import beyond
 from spirob.machine.composed.rival import OUTDONE, may_outdo, outdone
 from spirob.machine.delays import DELAY, as_usual, place, widened
+from spirob.machine.differing import differing
 from spirob.machine.document import document, heldout, plain, standing
 from spirob.machine.flexible import Ceiling
 from spirob.machine.leftovers import structured
@@ -29,11 +30,9 @@ from spirob.machine.odd_logs import another_unit
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import (
     AT_LOAD,
-    KINDS,
     beyond_bounds,
     doubts,
     fits_at_load,
-    may_differ,
     may_sit_at_load,
     oddities,
     released,
@@ -165,15 +164,9 @@ def base_model(
 
 
 def _with_numbers_of_logs(done: _Searched) -> _Searched:
-    """With a payload or force of each log, where the logs differ by it."""
-    for kind in KINDS:
-        if may_differ(kind, done.ready.rig, done.search, done.chosen):
-            told = done.ready.told(per_log=(*(done.ready.rig.per_log or ()), kind))
-            if not _fits_better(done, told):
-                continue
-            said = f"The logs differ by a number of their own, {kind}: fitted for each."
-            done = _better(done, _searched(told), said)
-    return done
+    """With a payload, force or zero of each log, where the logs differ by it; by what fits best."""
+    found = differing(done.ready, done.search, done.chosen)
+    return _better(done, _searched(found[0]), found[1]) if found else done
 
 
 def _with_sensor_at_load(done: _Searched) -> _Searched:

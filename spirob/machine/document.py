@@ -209,7 +209,7 @@ def heldout(search: RigSearch, model: Model) -> pd.DataFrame:
         "piece": np.repeat([j for _, j in pieces], counts),
         "used": used,
         "time": motion.seconds,
-        "position": motion.q + asked.of_log("zero", p),
+        "position": motion.q - asked.of_log("zero", p),
         "speed": motion.v,
         "acceleration": motion.a,
         "effort": motion.effort,

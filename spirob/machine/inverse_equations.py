@@ -288,10 +288,10 @@ class AskedEffort(Kernels):
         return self._corrections(p[self._correcting].tobytes(), corrected)[0]
 
     def _rightly_read(self, wrong: Sequence[type[Effect]], p: np.ndarray) -> Motion:
-        """The motion from each log's own zero, without these errors of its sensor."""
+        """The motion counted from each log's own zero, without these errors of its sensor."""
         zero, found = self.of_log("zero", p), self.motion
         if np.any(zero):
-            found = replace(found, q=found.q + zero)
+            found = replace(found, q=found.q - zero)
         error = still = np.zeros_like(found.q)
         for _ in range(READINGS if wrong else 0):  # it depends on the place itself, not as read
             error = self._misread(wrong, p, replace(found, q=found.q - error), still)

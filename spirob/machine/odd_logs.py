@@ -20,6 +20,7 @@ PAIR, FEWEST = 2, 3  # logs that may differ by a unit, and of which one can be t
 ALIKE = 0.1  # by which a factor between two logs counts as none
 HALF = 0.5  # of the squared error that another unit takes: of any other log it takes nothing
 FAR = 20.0  # between a stroke and that of all other logs
+RESISTING = 3  # plain columns that only resist: inertia, viscous and dry friction
 UNITS_APART = tuple(f for u in (np.pi / 180, 2 * np.pi, 1e3) for f in (u, 1 / u))
 EFFORTS_APART = (1e3, 1e-3)  # amperes among milliamperes
 RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
@@ -104,7 +105,7 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
 
 
 def another_unit(problems: Sequence[InverseProblem]) -> str:
-    """The one log with another unit of position or effort than all others, empty for none.
+    """The one log whose position or effort has another unit or sign than in all others, or empty.
 
     No model has to be fitted to see it.
     """
@@ -134,8 +135,9 @@ class _Odd:
         return explained(self.measured, self.design(1.0) @ self.found)
 
     def of_another_unit(self) -> str:
-        """That its position or effort has another unit; empty where neither has."""
+        """That its position or effort has another unit or sign; empty where neither has."""
         mended = _of_another_unit(self.measured, self.design, self.found, self.share)
+        mended = mended or _of_another_sign(self.measured, self.design, self.found, self.share)
         if mended and self.logs == PAIR:
             mended += " of one of the two logs"
         return self.said(mended) if mended else ""
@@ -201,6 +203,27 @@ def _of_another_unit(
         return ""
     told = f"{most:.0%} of the variance is explained, as by another unit"
     return f"with its {signal} times {times:.4g} {told}"
+
+
+def _of_another_sign(
+    measured: np.ndarray, design: Callable[[float], np.ndarray], found: np.ndarray, share: float
+) -> str:
+    """Which of its signals, turned, makes a log fit the others' numbers; empty for none.
+
+    Not where another force, payload or zero explains as much: these turn nothing that resists.
+    """
+    own = design(1.0)
+    turned = {"effort": explained(-measured, own @ found)}
+    turned["position"] = explained(measured, design(-1.0) @ found)
+    most = max(turned.values())
+    resists, rest = own[:, :RESISTING] @ found[:RESISTING], own[:, RESISTING:]
+    carried = rest @ np.linalg.lstsq(rest, measured - resists, rcond=None)[0]
+    other = max(share, explained(measured, resists + carried))
+    if most < FAMILIAR or 1.0 - most > HALF * (1.0 - other):
+        return ""
+    either = [name for name, one in turned.items() if HALF * (1.0 - one) <= 1.0 - most]
+    signals = " or ".join(f"its {name}'s" for name in either)
+    return f"with {signals} sign turned {most:.0%} of the variance is explained"
 
 
 def explained(measured: np.ndarray, modelled: np.ndarray) -> float:

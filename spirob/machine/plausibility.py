@@ -3,15 +3,11 @@
 A cause (a sign, a unit) is said only where mending it makes the model fit, with both figures;
 otherwise what was found.
 
-What is left of the chosen model may be another force, or another payload, in each log.  Such a
-number of every log has to pass what an effect has to pass.
-
 A sensor at the motor and one at the load, behind an elastic gear or one with play, see different
 motions.  What is left of the model chosen for the one may be what the laws of the other take.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -27,6 +23,7 @@ from spirob.machine.leftovers import drifting
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (
     FAMILIAR,
+    RESISTING,
     explained,
     far_movers,
     odd_one_out,
@@ -39,7 +36,6 @@ from spirob.machine.rig import Bounded, RigFile
 
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
-RESISTING = 3  # plain columns that only resist: inertia, viscous and dry friction
 SCALE = 10.0  # between the effort and what a model file asks for
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
@@ -49,7 +45,6 @@ UNUSUAL = (
     " That is more than cycles and clocks explain: a filter or a bus on the way to the log, or a "
     "lag or latency of the machine itself, which only `known: {delay: ...}` can tell apart."
 )
-KINDS = ("offset", "payload")  # of numbers that logs may have each for itself
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
 AT_LOAD = (
     "The logs fit a position sensor at the load, behind gear and shaft, better than one at the "
@@ -79,7 +74,7 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
         )
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
-    said += _outside(search, chosen, rig)
+    said += [*_outside(search, chosen, rig), *_without_zeros(chosen)]
     about = search.models.train.table.about
     for name in search.models.names:
         found, nominal = chosen.fit.estimates[name], about[name].nominal
@@ -100,6 +95,14 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
     if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
         said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
     return said
+
+
+def _without_zeros(chosen: Model) -> list[str]:
+    """That logs tell no zero of their own, where nothing of a model depends on the position."""
+    own = [k for k, name in enumerate(chosen.fit.estimates) if name.startswith("zero.")]
+    if not own or np.any(chosen.fit.jacobian[:, own]):
+        return []
+    return ["per_log: nothing in the model depends on the position, so no zero of a log is told."]
 
 
 def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
@@ -209,43 +212,6 @@ def _outside(search: RigSearch, chosen: Model, rig: RigFile) -> list[str]:
             f"given; {why}"
         )
     return said
-
-
-def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> bool:
-    """Whether a kind of number may differ between the training logs, by what is left of a model.
-
-    It may where its columns, one set for each log, take more of the squared residual than the least
-    share of an effect beyond what the same columns take for all logs together.
-    """
-    logs = {r.log for r in search.models.train.recordings}
-    if rig.per_log is not None or rig.logs or len(logs) < 2:
-        return False
-    columns = _columns(kind, rig, search)
-    if columns is None:
-        return False
-    residual, edges = chosen.fit.residual, search.models.train.edges
-    together = _left(columns, residual)
-    apart = sum(_left(columns[a:b], residual[a:b]) for a, b in pairwise(edges))
-    return together - apart > search.criteria.share * float(np.dot(residual, residual))
-
-
-def _columns(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | None:
-    """What a number of this kind does to the effort, to first order, (N, k); None where nothing."""
-    signals = search.models.train.signals()
-    ones = np.ones_like(signals["speed"])
-    if kind == "offset":
-        return ones[:, None]
-    if not isinstance(rig.body, str) or rig.position is None:
-        return None  # a body's payload hangs at its tip, which its model may not have
-    if not rig.angular:
-        return np.column_stack([signals["acceleration"], ones])
-    turned = signals["position"]
-    return np.column_stack([signals["acceleration"], np.sin(turned), np.cos(turned)])
-
-
-def _left(columns: np.ndarray, residual: np.ndarray) -> float:
-    found = np.linalg.lstsq(columns, residual, rcond=None)[0]
-    return float(np.sum((residual - columns @ found) ** 2))
 
 
 def may_sit_at_load(rig: RigFile, search: RigSearch, chosen: Model) -> bool:

@@ -142,7 +142,8 @@ def search_of(ready: Ready) -> tuple[Search, Identifiability]:
     if names in ([], ["rig.delay"]):
         raise ConfigError("fit: name at least one number to fit, such as viscous")
     table = train.table
-    asked = [n for n in names if n != "rig.delay"]  # by a sample or two: it cannot be silent
+    # a delay of a sample or two cannot be silent; a zero shows by laws that the search may choose
+    asked = [n for n in names if n != "rig.delay" and not n.startswith("zero.")]
     gate = probe(train, asked, {n: table.about[n].nominal for n in asked})
     shapes = {f"{e.name()}.{f}" for e in ready.own for f in e.fitted() if f not in e.neutral}
     if set(gate.silent) - shapes:  # a shape may say nothing until its amplitude is another

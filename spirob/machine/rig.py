@@ -147,7 +147,7 @@ class OwnNumbers(Entry):
     offset   effort that this log needs more than others, in SI
     payload  mass or moment that the axis carries in it, in any unit that all logs share; with a
              body that has a tip in kg
-    zero     position, in SI, that this log counts as 0
+    zero     position, as this log reads it, in SI, that counts as 0, like that of a column
     """
 
     offset: float | None = None
@@ -169,7 +169,7 @@ NUMBERS = {
 PER_LOG = {
     "offset": "effort that this log needs more than others",
     "payload": "what the axis carries in this log",
-    "zero": "position that this log counts as 0",
+    "zero": "position, as this log reads it, that counts as 0",
 }
 
 

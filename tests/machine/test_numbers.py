@@ -1,5 +1,7 @@
 """Numbers that a log has for itself: recovered, fixed where only differences count, refused."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -16,13 +18,13 @@ SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 INERTIA, VISCOUS, WEIGHT, ADDED = 0.02, 0.1, 0.8, 0.01
 
 
-def log(k, offset=0.0, payload=0.0, coulomb=0.0, load=0.0, length=12.0):
+def log(k, offset=0.0, payload=0.0, coulomb=0.0, load=0.0, length=12.0, zero=0.3):
     """An axis that swings a payload on a lever; dry friction, also in proportion to the load."""
     t = np.arange(0, length, 4e-3)
     w = 1.3 + 0.4 * k
     q = 1.1 * np.sin(w * t) + 0.4 * np.sin(2.7 * w * t + k)
     v, a = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
-    carried = (INERTIA + payload * ADDED) * a + payload * WEIGHT * np.sin(q - 0.3)
+    carried = (INERTIA + payload * ADDED) * a + payload * WEIGHT * np.sin(q - zero)
     dry = (coulomb + load * np.abs(carried)) * np.tanh(v / 0.02)
     noise = np.random.default_rng(k).normal(0, 2e-3, len(t))
     return {"t": t, "q": q, "u": carried + VISCOUS * v + dry + offset + noise}
@@ -78,7 +80,7 @@ def test_a_zero_that_moved_is_recovered_where_a_spring_tells_it():
     t = np.arange(0, 12, 4e-3)
     q = np.sin(1.7 * t) + 0.4 * np.sin(4.1 * t)
     v, a = np.gradient(q, t), np.gradient(np.gradient(q, t), t)
-    made = [{"t": t, "q": q, "u": INERTIA * a + VISCOUS * v + 0.5 * (q + z)} for z in (0.0, 0.3)]
+    made = [{"t": t, "q": q, "u": INERTIA * a + VISCOUS * v + 0.5 * (q - z)} for z in (0.0, 0.3)]
     logs = recordings(made, described)
     numbers = log_numbers(described, logs, SIZES)
     problem = InverseProblem(described, None, logs[1:], [], SIZES, 0.02, numbers, ["zero.1.csv"])
@@ -86,11 +88,41 @@ def test_a_zero_that_moved_is_recovered_where_a_spring_tells_it():
     assert found["zero.1.csv"] == pytest.approx(0.3, abs=1e-3)
 
 
+def test_a_zero_of_a_log_is_that_of_a_column():
+    zero, made = 0.3, log(0)
+    by_column = rig(position={"column": "q", "unit": "rad", "zero": zero}, known={"stiffness": 0.5})
+    by_log = rig(logs={"0.csv": {"zero": zero}}, known={"stiffness": 0.5})
+    found = []
+    for described in (by_column, by_log):
+        logs = recordings([made], described)
+        numbers = log_numbers(described, logs, SIZES)
+        problem = InverseProblem(described, None, logs, [], SIZES, 0.02, numbers)
+        found.append(problem({"rig.inertia": INERTIA}))
+    assert found[0] == pytest.approx(found[1], abs=1e-9)
+
+
 def test_logs_under_another_force_each_are_found_to_differ():
     made = [log(0, offset=0.3), log(1, offset=0.9), log(2, offset=-0.4)]
     found = diagnosed(rig(), made, [log(3, offset=0.1)])
     assert found.verdict == "nothing_missing"
     assert any("a number of their own, offset" in said for said in found.notes)
+
+
+def test_a_mount_that_was_moved_is_no_payload():
+    made = [log(k, payload=1.0, zero=z) for k, z in enumerate((0.0, 0.6, -0.5))]
+    found = diagnosed(rig(), made, [log(3, payload=1.0, zero=0.3)])
+    assert [f.name for f in found.findings] == ["tip_payload"], found.sentence
+    told = next(said for said in found.notes if "a number of their own, zero" in said)
+    assert re.search(r"held-out logs leave 0\.\d+% of the effort, with offset \d+\.", told)
+    numbers = found.findings[0].numbers
+    assert numbers["sine"]["value"] == pytest.approx(WEIGHT, rel=0.01)
+
+
+def test_zeros_of_logs_that_nothing_tells_are_told():
+    made = [log(0, coulomb=0.1), log(1, coulomb=0.1)]
+    found = diagnosed(rig(per_log=["zero"]), made, [log(2, coulomb=0.1)])
+    assert [f.name for f in found.findings] == ["coulomb_friction"], found.sentence
+    assert any("nothing in the model depends on the position" in said for said in found.notes)
 
 
 def test_three_payloads_tell_friction_that_grows_with_load():
