@@ -26,6 +26,7 @@ NEEDS = ("can", "cantools")
 
 LARGEST = 2**22  # bytes of a DBC file
 LATEST = 2**63 - 1  # ns
+AGAIN = 10**9  # ns, by which a clock that starts again falls back, as no order of messages does
 FRAME = re.compile(  # candump -L, or candump -t a as it is seen
     r"\s*\((\d+)\.(\d+)\)\s+(\S+)\s+([0-9A-Fa-f]{3,8})"
     r"(?:#([0-9A-Fa-f]*)|##[0-9A-Fa-f]([0-9A-Fa-f]*)|\s+\[\d+\]((?:\s+[0-9A-Fa-f]{2})*))"
@@ -54,7 +55,7 @@ def read(asked: Asked) -> Table:
     names = {k: [f"{m.name}.{s.name}" for s in m.signals] for k, m in messages.items()}
     chosen = [k for w in asked.wanted for k in names if any(_is(w, n) for n in names[k])]
     chosen = list(dict.fromkeys(chosen)) or list(names)
-    kept, met = _kept(_frames(asked.path, table), set(chosen), table)
+    kept, met = _kept(_one_clock(_frames(asked.path, table), table), set(chosen), table)
     known = [key for key in names if key in met]
     if not known:
         ids = ", ".join(f"{number:X}" for number, _ in sorted(met)[:20]) or "none"
@@ -103,6 +104,20 @@ def _frames(path: Path, table: Table) -> Iterator[Frame]:
         yield from _of_text(path, table)
     else:
         yield from _of_library(path)
+
+
+def _one_clock(frames: Iterator[Frame], table: Table) -> Iterator[Frame]:
+    """The frames, a stretch whose clock starts again behind the one before it."""
+    latest, later, again = 0, 0, 0
+    for frame in frames:
+        if frame.stamp + later < latest - AGAIN:
+            later, again = latest + AGAIN - frame.stamp, again + 1
+        stamp = frame.stamp + later
+        if stamp <= LATEST:
+            latest = max(latest, stamp)
+            yield frame._replace(stamp=stamp)
+    if again:
+        table.say(f"its clock starts again {again} times; put one behind the other.")
 
 
 def _of_text(path: Path, table: Table) -> Iterator[Frame]:

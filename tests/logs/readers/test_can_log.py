@@ -148,3 +148,17 @@ def test_a_log_that_is_none_is_refused(tmp_path, dbc):
         (tmp_path / name).write_text("nothing of the kind\n" * 20)
         with pytest.raises(DataError, match=name):
             read_table(tmp_path / name, (), dbc)
+
+
+def test_a_clock_that_starts_again_does_not_mix_its_stretches(tmp_path, dbc):
+    """Two logs one behind the other in a file, the second of which may be the older one."""
+    frames = lines()
+    older = [(stamp - 3600.0, *rest) for stamp, *rest in frames]
+    table = read_table(written(tmp_path, frames=[*frames, *older]), ["time", "position"], dbc)
+    once = read_table(written(tmp_path, "b.log", frames=frames), ["time", "position"], dbc)
+    count = len(once.column("time"))
+    np.testing.assert_allclose(table.column("position")[:count], once.column("position"))
+    np.testing.assert_allclose(table.column("position")[count:], once.column("position"))
+    assert np.all(np.diff(table.column("time")) > 0)
+    assert np.diff(table.column("time")).max() > 0.9
+    assert any("its clock starts again 1 times" in said for said in table.said)
