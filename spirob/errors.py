@@ -41,6 +41,7 @@ class MissingChannel(DataError):
     LISTED, LONGEST = 40, 80  # names, and characters of one, that a sentence can hold
 
     def __init__(self, where: str, channel: str, present: list[str]):
+        present = list(dict.fromkeys(present))
         nearest = sorted(present, key=lambda name: -_alike(name, channel))[: self.LISTED]
         listed = ", ".join(name[: self.LONGEST] for name in sorted(nearest)) or "none"
         more = len(present) - len(nearest)

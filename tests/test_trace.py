@@ -57,6 +57,7 @@ def test_channels_have_the_length_of_time():
 
 
 def test_a_missing_channel_lists_what_is_there():
+    assert str(MissingChannel("log", "b", ["a", "a"])).endswith("present: a")
     with pytest.raises(MissingChannel, match="'b' is missing; present: a"):
         trace([0, 1], a=np.zeros(2))["b"]
 
