@@ -75,6 +75,26 @@ def partnered(rig: RigFile, recordings: Sequence[Recording]) -> list[Recording]:
     return cut if all(r.pieces for r in cut) else list(recordings)
 
 
+def strange(rig: RigFile, recordings: Sequence[Recording]) -> list[str]:
+    """What is said of a delay in the description by which the motion turns into another.
+
+    After a quarter of its period inertia looks like friction, and friction like a spring.
+    """
+    fitted, known = rig.fit.get("delay"), rig.known.get("delay", 0.0)
+    told = known if fitted is None else max(fitted.low, fitted.high, key=abs)
+    speeds, rates = (
+        np.concatenate([getattr(p, name)[p.use] for r in recordings for p in r.pieces])
+        for name in "va"
+    )
+    quarter = 0.5 * np.pi * float(np.std(speeds) / max(float(np.std(rates)), 1e-300))
+    if abs(told) < quarter:
+        return []
+    return [
+        f"A delay of {told:.3g} s is allowed, and the motion turns in {quarter:.2g} s, by which "
+        "inertia and friction are no longer told apart: is it in seconds?"
+    ]
+
+
 def inside(recording: Recording, delay: float) -> Recording:
     """The trial without the rows that a delay of this size, either way, leaves no partner."""
     ends = round(delay / recording.period)

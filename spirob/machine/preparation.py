@@ -14,7 +14,7 @@ from spirob.errors import ConfigError
 from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
-from spirob.machine.delays import is_told, partnered
+from spirob.machine.delays import is_told, partnered, strange
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import chosen, files
@@ -88,7 +88,7 @@ def ready_of(
     held = chosen(files(rig.effects, folder)) if held is None else held
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
-    repairs += said
+    repairs += [*said, *strange(rig, train)]
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
     own, possible, excluded = library(rig, body, train, held, sizes, without)

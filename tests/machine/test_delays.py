@@ -126,3 +126,21 @@ def test_bounds_hold_what_is_usual_or_all_that_leave_hardly_more(monkeypatch, wh
     monkeypatch.setattr(delays, "valley", lambda left, usual: where)
     found, step = placed(0.0, [none], 2e-3), usual(2e-3) / 3
     assert (found.low / step, found.high / step) == pytest.approx(bounds, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("told", "odd"),
+    [
+        ({}, False),
+        ({"known": {"delay": 0.05}}, False),
+        ({"known": {"delay": -12.0}}, True),
+        ({"fit": {"delay": {"nominal": 0.0, "low": -0.02, "high": 3.0}}}, True),
+    ],
+)
+def test_a_delay_by_which_the_motion_turns_is_told(told, odd):
+    t = np.arange(0.0, 8.0, 5e-3)
+    described = RigFile.model_validate(description(**told))
+    made = prepare("log", {"t": t, "q": motion(t), "u": speed(t)}, described)
+    said = delays.strange(described, [made])
+    assert len(said) == odd
+    assert all("is it in seconds?" in sentence for sentence in said)
