@@ -41,6 +41,7 @@ __all__ = [
     "Rows",
 ]
 
+STEP = 1.5e-8  # of a range, that a fit takes at least: the root of a number's last digit
 MOST_EFFECTS = 100  # named in a description
 
 
@@ -223,9 +224,14 @@ class RigFile(Entry):
     @field_validator("known", "fit")
     @classmethod
     def _known_names(cls, value: dict[str, Any]) -> dict[str, Any]:
-        for name in value:
+        for name, one in value.items():
             if name not in NUMBERS:
                 raise ValueError(f"no number '{name}'; a rig has: {', '.join(NUMBERS)}")
+            if isinstance(one, Bounded) and 0.0 < abs(one.nominal) < STEP * (one.high - one.low):
+                raise ValueError(
+                    f"{name}: bounds {1 / STEP:.1g} times as wide as its nominal value of "
+                    f"{one.nominal:g} hide it; give narrower ones"
+                )
         return value
 
     def channels(self) -> dict[str, Column]:

@@ -168,3 +168,10 @@ def test_a_duty_of_one_is_a_unit_as_text_and_as_a_number():
     for unit in (1, "1"):
         duty = {"column": "u", "unit": unit, "kind": "duty", "supply": 12.0}
         assert RigFile.model_validate(description(effort=duty)).effort.scale == 12.0
+
+
+def test_bounds_so_wide_that_no_fit_resolves_the_nominal_value_are_refused():
+    wide = {"inertia": {"nominal": 0.05, "low": 0.001, "high": 1e15}}
+    with pytest.raises(ValueError, match=r"inertia: bounds .* hide it; give narrower ones"):
+        RigFile.model_validate(description(fit=wide))
+    RigFile.model_validate(description(fit={"inertia": {**wide["inertia"], "high": 1e6}}))
