@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 
 from spirob.errors import DataError, NothingLeft
 from spirob.machine.clock import SHORTEST
@@ -17,6 +18,8 @@ from spirob.machine.rig import RigFile
 REGISTERS = (16, 32)  # bits
 COUNTS = 50  # different whole numbers without a fraction: counts, not radians or metres
 LARGEST, SMALLEST = 1e100, 1e-100  # sizes whose squares are still numbers
+FEW = 100  # rows beside which a single one is judged
+SINGLE = 0.05  # share of a log that may be single broken values
 NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
 
 
@@ -61,6 +64,44 @@ def moving(where: str, name: str, values: np.ndarray) -> None:
         )
 
 
+def without_outliers(
+    where: str, name: str, values: np.ndarray, period: float, said: list[str]
+) -> np.ndarray:
+    """Values (n,), NaN in single rows that each outweigh all others of the second around them.
+
+    They are larger, too, than whatever lasts two rows of the log.  No motion asks for that: such a
+    row is a broken message.  A second has at least `FEW` rows: a blow may last one of a slow log.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) < FEW:
+        return values
+    told = np.clip(values[known], -LARGEST, LARGEST)
+    lasting = scipy.ndimage.median_filter(told, 3, mode="nearest")
+    alone, weights = (told - lasting) ** 2, (told - np.median(told)) ** 2
+    alone[alone <= np.max((lasting - np.median(told)) ** 2)] = 0.0
+    seconds = max(1, int(len(told) / max(FEW, 1.0 / period)))
+    blocks = np.array_split(np.arange(len(told)), seconds)
+    broken = known[np.concatenate([b[_outweighing(alone[b], weights[b])] for b in blocks])]
+    if not len(broken):
+        return values
+    said.append(
+        f"{where}: {len(broken)} single values of '{name}', up to "
+        f"{np.abs(values[broken]).max():.3g}, outweigh all beside them and were bridged."
+    )
+    cleaned = values.copy()
+    cleaned[broken] = np.nan
+    return cleaned
+
+
+def _outweighing(alone: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The few rows, (k,), that each stand out, squared, by more than the rest together weighs."""
+    order = np.argsort(-alone)
+    count = round(SINGLE * len(order))
+    rest = np.cumsum(weights[order][::-1])[::-1]
+    outweigh = np.flatnonzero(alone[order[:count]] > rest[1 : count + 1])
+    return order[: outweigh[-1] + 1] if len(outweigh) else order[:0]
+
+
 def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> None:
     """Raise where a position holds whole numbers that no factor scales; raw is as logged."""
     raw, values = raw[np.isfinite(raw)], values[np.isfinite(raw)]
@@ -75,13 +116,14 @@ def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> No
 def a_motion(
     where: str, name: str, pieces: Sequence[np.ndarray], edge: float, period: float
 ) -> None:
-    """Raise where most of a position is faster than what is compared, up to `edge` [Hz]."""
+    """Raise NothingLeft where most of a position is faster than what is compared, `edge` [Hz]."""
     slow = [smooth(values, edge, period) for values in pieces]
     fast = sum(float(np.sum((a - b) ** 2)) for a, b in zip(pieces, slow, strict=True))
     whole = sum(float(np.sum((values - values.mean()) ** 2)) for values in pieces)
     if fast > NOISE * whole > 0.0:
-        raise DataError(
-            f"{where}: '{name}' is no motion that can be followed: {fast / whole:.0%} of its "
+        share = min(fast / whole, 1.0)
+        raise NothingLeft(
+            f"{where}: '{name}' is no motion that can be followed: {share:.0%} of its "
             f"variance lies above {edge:.3g} Hz; is it another column, or an angle that turns "
             "too fast for these rows?"
         )

@@ -149,6 +149,20 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     return slowest
 
 
+def thinned(
+    name: str, asked: int, effort: np.ndarray, cutoff: float, period: float, said: list[str]
+) -> int:
+    """Of how many rows one is compared: as asked, as far as the effort's band (n,) allows."""
+    edge = BELOW * min(cutoff, SLOWEST * _band(effort, period))
+    most = max(1, int(min(ALIAS / (edge * period), len(effort)))) if edge > 0.0 else asked
+    if asked > most:
+        said.append(
+            f"{name}: a filter.decimate of {asked} leaves {ALIAS / (asked * period):.2g} Hz of an "
+            f"effort that needs {edge:.2g} Hz; {most} is used."
+        )
+    return min(asked, most)
+
+
 def noise_in_effort(noise: float, effort: np.ndarray, a: np.ndarray) -> float:
     """What noise of the acceleration is in a modelled effort; effort and acceleration are (N,)."""
     columns = np.column_stack([a, np.ones_like(a)])

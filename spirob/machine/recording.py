@@ -24,6 +24,7 @@ from spirob.machine.filtering import (
     derivative,
     rates,
     smooth,
+    thinned,
     usual_cutoff,
 )
 from spirob.machine.grids import FILLED, Logged, even_grids
@@ -139,11 +140,15 @@ def prepare(
     grids = [_completed(grid, rig, period) for grid in grids]
     said += _computed(name, rig)
     _agreed(name, grids, rig, period, cutoff, said)
+    grids = [_controlled(grid, rig, period) for grid in grids]  # by the speed that is right
     cutoff = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, said)
     positions = [grid["position"] for grid in grids]
     checks.a_motion(name, rig.motion.column, positions, BELOW * cutoff, period)
     period, grids = _as_fine(period, grids, GRID * cutoff)
-    every = rig.filter.decimate or max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
+    every = max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
+    if rig.filter.decimate is not None:
+        effort = max((grid["effort"] for grid in grids), key=len)
+        every = thinned(name, rig.filter.decimate, effort, cutoff, period, said)
     lost: Counter[str] = Counter()
     full = checks.saturated([_commanded(grid) for grid in grids], rig)
     pieces = [_piece(*one, rig, period, cutoff, lost) for one in zip(grids, full, strict=True)]
@@ -197,17 +202,25 @@ def _completed(grid: dict[str, np.ndarray], rig: RigFile, period: float) -> dict
     if "position" not in grid:
         path = cumulative_trapezoid(grid["velocity"], dx=period, initial=0.0)
         grid = {**grid, "position": np.asarray(path)}
-    if rig.control is not None and "effort" not in grid:
-        p, d, i, a, b = rig.control.gains
-        wrong = grid["reference"] - grid["position"]
-        v = grid["velocity"] if "velocity" in grid else derivative(grid["position"], period)
-        wound = cumulative_trapezoid(a * wrong - b * v, dx=period, initial=0.0)
-        asked = p * wrong - d * v + i * np.asarray(wound)
-        most = np.inf if rig.control.limit is None else rig.control.limit
-        grid = {**grid, "effort": rig.effort.scale * np.clip(asked, -most, most)}
+    if rig.effort.source == "control":
+        return _controlled(grid, rig, period)
     if "supply" in grid:
         grid = {**grid, "effort": grid["effort"] * grid["supply"]}
     return grid
+
+
+def _controlled(grid: dict[str, np.ndarray], rig: RigFile, period: float) -> dict[str, np.ndarray]:
+    """A piece with the effort that its controller asks for, where the log has none."""
+    if rig.control is None or rig.effort.source != "control":
+        return grid
+    p, d, i, a, b = rig.control.gains
+    wrong = grid["reference"] - grid["position"]
+    v = grid["velocity"] if "velocity" in grid else derivative(grid["position"], period)
+    wound = cumulative_trapezoid(a * wrong - b * v, dx=period, initial=0.0)
+    asked = p * wrong - d * v + i * np.asarray(wound)
+    most = np.inf if rig.control.limit is None else rig.control.limit
+    size = rig.effort.scale * grid.get("supply", 1.0)
+    return {**grid, "effort": size * np.clip(asked, -most, most)}
 
 
 def _computed(name: str, rig: RigFile) -> list[str]:
@@ -317,7 +330,7 @@ def _agreed(
 def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
     """The pieces that move and of which rows are compared; what is left out is said.
 
-    Raises NothingLeft where that is all, DataError where thinning leaves too few rows.
+    Raises NothingLeft where that is all.
     """
     rows = sum(len(p.q) for p in made.pieces)
     shares = [f"{n / rows:.1%} of the rows left out{why}" for why, n in lost.items() if n]
@@ -328,10 +341,8 @@ def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
     kept = made.worth(moves)
     compared = sum(int(p.use[:: made.every].sum()) for p in kept)
     if compared < FEWEST:
-        asked = " (filter.decimate)" if rig.filter.decimate else ""
-        raise (DataError if asked else NothingLeft)(
-            f"{made.name}: {compared} rows are compared, one of {made.every}; {FEWEST} are "
-            f"needed{asked}"
+        raise NothingLeft(
+            f"{made.name}: {compared} rows are compared, one of {made.every}; {FEWEST} are needed"
         )
     skipped = [(len(made.pieces) - len(moves), "stand"), (len(moves) - len(kept), "hold no rows")]
     made.said.extend(f"{made.name}: {text}." for text in shares)

@@ -53,6 +53,34 @@ def test_a_gap_cuts_the_log_and_is_said():
     assert any("1 gaps, the longest 0.402 s" in said for said in made.said)
 
 
+@pytest.mark.parametrize("size", [20.0, 1e9, 1e200])
+@pytest.mark.parametrize("rows", [[700], [700, 720, 1201]])
+def test_single_efforts_that_outweigh_all_others_are_bridged(rows, size):
+    log = good()
+    log["u"][rows] = -size
+    made, clean = prepare("log", log, RIG), prepare("log", good(), RIG)
+    assert any(
+        f"{len(rows)} single values of 'u', up to {size:.3g}, outweigh" in s for s in made.said
+    )
+    use = clean.pieces[0].use & made.pieces[0].use
+    np.testing.assert_allclose(made.pieces[0].effort[use], clean.pieces[0].effort[use], atol=1e-3)
+
+
+def test_efforts_that_a_machine_asks_for_are_left_alone():
+    """Blows of a row among noise, an effort of two levels, two that are mostly nothing."""
+    rng = np.random.default_rng(0)
+    blows = rng.standard_normal(2000)
+    blows[::100] *= 10.0
+    few = np.zeros(2000)
+    few[500:510] = 1.0
+    rough = few.copy()
+    rough[::150] += 0.1
+    for effort in (blows, np.sign(blows), few, rough):
+        said: list[str] = []
+        assert np.all(checks.without_outliers("log", "u", effort, 2e-3, said) == effort)
+        assert said == []
+
+
 def changed(**columns):
     return {**good(), **columns}
 

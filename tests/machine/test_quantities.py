@@ -64,6 +64,24 @@ def test_a_velocity_alone_is_the_same_speed_and_says_what_it_cannot(unit, size, 
     assert any("what depends on position cannot be told" in said for said in made.said)
 
 
+def test_the_effort_of_a_controller_is_that_of_the_speed_in_its_scale():
+    """The log's speed is in another unit than described; the controller's own was not."""
+    found = [
+        read(
+            {"r": Q + 0.05 * np.sin(3 * T), "v": scale * V},
+            effort={"from": "control", "unit": "N·m", "kind": "torque", "origin": "command"},
+            control={"kp": 4.0, "kd": 0.3},
+            reference={"column": "r", "unit": "rad"},
+            velocity={"column": "v", "unit": "rad/s"},
+        )
+        for scale in (1.0, 57.3, -1.0)
+    ]
+    for made in found[1:]:
+        np.testing.assert_allclose(
+            made.pieces[0].effort[100:-100], found[0].pieces[0].effort[100:-100], atol=3e-3
+        )
+
+
 def test_a_duty_with_its_supply_is_a_voltage():
     volts = 24.0 + 2.0 * np.sin(0.3 * T)
     effort = {"column": "d", "unit": "%", "kind": "duty"}
