@@ -33,6 +33,7 @@ COSTLY = (  # the costliest first; where one moves, the order is worth a little 
     "pipeline/test_recorded.py",
     "diagnosis/test_contest.py",
     "machine/test_damaged_logs.py",
+    "machine/test_damaged_diagnoses.py",
 )
 
 

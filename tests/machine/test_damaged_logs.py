@@ -5,7 +5,6 @@ do; what `prepare` makes of it is compared with the truth on the rows that it wo
 a stretch began and where its zero lies is not in a damaged log, and is found by fitting.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +18,23 @@ from spirob.machine.filtering import smooth
 from spirob.machine.positions import ANOTHER
 from spirob.machine.recording import Recording, prepare
 from spirob.machine.rig import RigFile
+from tests.machine import damages as damaged
+from tests.machine.damages import (
+    DAMAGES,
+    LENGTH,
+    TURN,
+    coarse,
+    epoch,
+    gap,
+    jump,
+    late,
+    late_speed,
+    lossy,
+    no_speed,
+    scaled_speed,
+)
 from tests.machine.rigs import description
 
-TURN = 2 * np.pi
-LENGTH = 12.0
 TONES = TURN * np.array([0.31, 0.83, 1.37])
 SIZES = np.array([1.5, 0.8, 0.3])
 PHASES = np.array([0.3, 1.1, 2.0])
@@ -38,121 +50,19 @@ def motion(t):
     return np.sin(angles) @ SIZES, np.cos(angles) @ (SIZES * TONES)
 
 
-def effort(t):
+def machine(t):
     q, v = motion(t)
-    return 0.3 * np.sin(q) + 0.05 * v
+    return q, v, 0.3 * np.sin(q) + 0.05 * v
 
 
-RATE, EFFORT = motion(FINE)[1], effort(FINE)
+_, RATE, EFFORT = machine(FINE)
 
 
-class Log:
-    """Columns as they were true, with noise, and what is known of their time."""
+class Log(damaged.Log):
+    """A log of the machine above."""
 
     def __init__(self, rate: float, seed: int):
-        self.rng, self.rate = np.random.default_rng(seed), rate
-        self.true = np.arange(0.0, LENGTH, 1.0 / rate)
-        q, v = motion(self.true)
-        noise = self.rng.standard_normal((3, len(q)))
-        self.columns = {
-            "t": self.true.copy(),
-            "q": q + 1e-4 * noise[0],
-            "v": v + 1e-3 * noise[1],
-            "u": effort(self.true) + 1e-3 * noise[2],
-        }
-        self.unit = "s"
-        self.modulus: float | None = None
-
-    def rows(self, keep):
-        """Only some rows of all columns, in their order."""
-        self.columns = {name: values[keep] for name, values in self.columns.items()}
-
-    def __len__(self) -> int:
-        return len(self.columns["t"])
-
-
-def epoch(log: Log) -> None:
-    log.columns["t"] = 1.7e9 + log.columns["t"]
-
-
-def coarse(log: Log) -> None:
-    tick = log.rng.integers(2, 6) / log.rate
-    log.columns["t"] = tick * np.floor(log.columns["t"] / tick + 1e-9)
-
-
-def late(log: Log) -> None:
-    size = log.rng.uniform(0.1, 0.6) / log.rate
-    log.columns["t"] = np.maximum.accumulate(log.columns["t"] + size * log.rng.random(len(log)))
-
-
-def lossy(log: Log) -> None:
-    log.rows(log.rng.random(len(log)) >= log.rng.uniform(0.0, 0.05))
-
-
-def gap(log: Log) -> None:
-    begin = log.rng.integers(len(log) // 4, len(log) // 2)
-    log.rows(np.delete(np.arange(len(log)), slice(begin, begin + len(log) // 8)))
-
-
-def restarted(log: Log) -> None:
-    at = log.rng.integers(len(log) // 3, len(log) // 2)
-    log.columns["t"][at:] -= log.columns["t"][at] - log.columns["t"][0]
-
-
-def corrupt_stamps(log: Log) -> None:
-    rows = log.rng.integers(5, len(log) - 5, 2)
-    log.columns["t"][rows] = log.rng.choice([0.0, 1e12, np.nan], 2)
-
-
-def repeated(log: Log) -> None:
-    log.rows(np.repeat(np.arange(len(log)), 2))
-
-
-def wrapped(log: Log) -> None:
-    log.modulus = float(log.rng.choice([TURN, TURN / 2, 2.0]))
-    begin = log.rng.uniform(0.0, log.modulus)
-    log.columns["q"] = np.mod(log.columns["q"] + begin, log.modulus)
-
-
-def spikes(log: Log) -> None:
-    rows = 10 * log.rng.choice(len(log) // 10 - 2, 2, replace=False) + 5
-    log.columns["q"][rows] += log.rng.choice([-1.0, 1.0], 2) * log.rng.uniform(50.0, 500.0, 2)
-
-
-def missing(log: Log) -> None:
-    for name in ("q", "u", "v"):
-        log.columns[name][log.rng.random(len(log)) < 0.01] = np.nan
-
-
-def missing_run(log: Log) -> None:
-    name = log.rng.choice(["q", "u"])
-    at = log.rng.integers(len(log) // 4, len(log) // 2)
-    log.columns[name][at : at + len(log) // 10] = np.nan
-
-
-def jump(log: Log) -> None:
-    at = log.rng.integers(len(log) // 4, 3 * len(log) // 4)
-    log.columns["q"][at:] += 27.3
-
-
-def scaled_speed(log: Log) -> None:
-    log.columns["v"] *= log.rng.choice([0.4, 0.5, 2.0, -1.0, 57.3])
-
-
-def late_speed(log: Log) -> None:
-    samples = int(log.rng.integers(1, 4))
-    log.columns["v"] = np.concatenate([np.full(samples, np.nan), log.columns["v"][:-samples]])
-
-
-def no_speed(log: Log) -> None:
-    log.columns["v"] = log.rng.standard_normal(len(log))
-
-
-# in the order in which a log suffers them: of the machine and its sensors, then of the logger
-DAMAGES: list[Callable[[Log], None]] = [
-    *(wrapped, jump, spikes, scaled_speed, late_speed, no_speed, missing, missing_run),
-    *(lossy, gap, late, coarse, repeated, restarted, epoch, corrupt_stamps),
-]
+        super().__init__(machine, rate, seed)
 
 
 SPEEDS = (scaled_speed, late_speed, no_speed)
