@@ -21,8 +21,8 @@ import numpy as np
 from spirob.diagnosis.dry import is_dry
 from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.model import Model
-from spirob.machine.composed.grammar import WAY, Shape, Term
 from spirob.machine.composed.ground import Ground, Side, ground_of
+from spirob.machine.composed.terms import WAY, Shape, Term
 from spirob.machine.flexible import error, left_out_linear, products, step
 from spirob.machine.models import RigSearch
 

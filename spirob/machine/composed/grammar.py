@@ -1,169 +1,23 @@
-"""What a law is made of: terms, each an amplitude times one or two shapes without a unit.
+"""From which terms a law may be composed.
 
-Units hold by construction.  A shape is a text in the names of `track`; the same text is
-evaluated along a motion, stands in the equation of a written law, and in its kernel.
-
-A law is composed among shapes of one signal and products of two.  A place may be a power, a spot, a
-wave or a curve; a speed has its direction, powers, fading and saturation; time drifts, comes again
-or decays; a load counts with sign or without; and what remembers is a bristle, a spring that
-yields, or what follows a signal slowly.  Numbers of a shape start from a grid; those of waves where
-the residual's spectrum has peaks.
+They are shapes of one signal and products of two.  A place may be a power, a spot, a wave or a
+curve; a speed has its direction, powers, fading and saturation; time drifts, comes again or decays;
+a load counts with sign or without; and what remembers is a bristle, a spring that yields, or what
+follows a signal slowly.  Numbers of a shape start from a grid; those of waves where the residual's
+spectrum has peaks.
 """
-
-import re
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.orders import peaks
-from spirob.machine.composed.track import Ranges, Track, evaluated
+from spirob.diagnosis.orders import peaks, spectrum
+from spirob.machine.composed.terms import WAY, Shape, Term
+from spirob.machine.composed.track import Ranges
 
 KNOTS = "k"  # of a curve
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number of a shape: what it is called, its unit, whether it spans decades."""
-
-    field: str
-    symbol: str
-    unit: str
-    meaning: str
-    log: bool = True
-
-
-NUMBERS = {
-    "c": Number("centre", "c", "m", "place of the middle of the spot", log=False),
-    "w": Number("width", "w", "m", "half width of the spot"),
-    "L": Number("pitch", "L", "m", "way after which the wave comes round"),
-    "a": Number("phase", "a", "1", "angle of the wave at place 0", log=False),
-    "p": Number("power", "p", "1", "power of the speed", log=False),
-    "f": Number("fading_speed", "f", "rad/s", "speed at which it has faded"),
-    "s": Number("half_speed", "s", "rad/s", "speed at which half of it is there"),
-    "T": Number("period", "T", "s", "time after which it comes again"),
-    "b": Number("start", "b", "1", "angle of the wave at time 0", log=False),
-    "d": Number("decay", "d", "s", "time in which it decays"),
-    "r": Number("reach", "r", "rad", "way over which it turns round"),
-    "e": Number("delay", "e", "s", "time in which it follows"),
-}
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A function of one signal, without a unit.
-
-    kind    in `words`;  of  the signal: place, speed, time, load or memory
-    parts   texts whose sum, each with a factor of its own, it is; mostly one
-    numbers by their key in `NUMBERS`
-    box     lowest and highest value of each number
-    memory  kind in `memory`, with the text that it follows
-    """
-
-    kind: str
-    of: str
-    parts: tuple[str, ...]
-    numbers: tuple[tuple[str, float], ...] = ()
-    box: tuple[tuple[float, float], ...] = ()
-    memory: str = ""
-    followed: str = ""
-
-    def at(self, values: Mapping[str, float]) -> "Shape":
-        """The same with other numbers, within their box."""
-        kept = [
-            (key, float(np.clip(values.get(key, old), low, high)))
-            for (key, old), (low, high) in zip(self.numbers, self.box, strict=True)
-        ]
-        return replace(self, numbers=tuple(kept))
-
-
-@dataclass(frozen=True)
-class Term:
-    """A product of shapes."""
-
-    shapes: tuple[Shape, ...]
-
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """What its shapes are called."""
-        return tuple(s.kind for s in self.shapes)
-
-    @property
-    def numbers(self) -> dict[str, float]:
-        """Those of its shapes, by key."""
-        return {key: value for s in self.shapes for key, value in s.numbers}
-
-    @property
-    def box(self) -> dict[str, tuple[float, float]]:
-        """Lowest and highest of each."""
-        return {
-            key: box for s in self.shapes for (key, _), box in zip(s.numbers, s.box, strict=True)
-        }
-
-    @property
-    def parts(self) -> list[str]:
-        """Texts of its columns: of a product, one for each part of the shape that has several."""
-        made = ["1.0"]
-        for shape in self.shapes:
-            made = [f"{a}*{closed(b)}" if a != "1.0" else b for a in made for b in shape.parts]
-        return made
-
-    @property
-    def memory(self) -> Shape | None:
-        """Its shape that remembers."""
-        return next((s for s in self.shapes if s.memory), None)
-
-    @property
-    def richness(self) -> int:
-        """Numbers, amplitudes included, and memories."""
-        return len(self.numbers) + len(self.parts) + (self.memory is not None)
-
-    def at(self, values: Mapping[str, float]) -> "Term":
-        """The same with other numbers of its shapes."""
-        return Term(tuple(s.at(values) for s in self.shapes))
-
-    def bristled(self, reach: float, box: tuple[float, float]) -> "Term | None":
-        """The same with a bristle for its direction: it turns round over a way, not at a speed.
-
-        None where it has no direction, or remembers already.
-        """
-        for k, shape in enumerate(self.shapes):
-            parts = tuple(re.sub(r"\bway\b", "bend", part) for part in shape.parts)
-            if self.memory is None and parts != shape.parts:
-                turned = replace(
-                    shape,
-                    kind="bristle" if shape.kind == "way" else shape.kind,
-                    parts=parts,
-                    numbers=(*shape.numbers, ("r", reach)),
-                    box=(*shape.box, box),
-                    memory="bristle",
-                    followed="speed",
-                )
-                return Term((*self.shapes[:k], turned, *self.shapes[k + 1 :]))
-        return None
-
-    def along(self, track: Track, ranges: Ranges) -> list[np.ndarray]:
-        """Each of its parts along the motion, (n,)."""
-        known = {**track.values(ranges), **self.numbers}
-        if (shape := self.memory) is not None:
-            followed = _evaluated(shape.followed, known)
-            reach = dict(shape.numbers)["e" if shape.memory == "slow" else "r"]
-            kept = track.remembered(shape.memory, followed, reach)
-            known |= {"slow" if shape.memory == "slow" else "bend": kept}
-        n = len(track.signals["speed"])
-        return [np.broadcast_to(_evaluated(part, known), (n,)) for part in self.parts]
-
-
-def _evaluated(text: str, known: Mapping[str, object]) -> np.ndarray:
-    return np.asarray(evaluated(text, known), dtype=float)
-
-
-def closed(text: str) -> str:
-    return f"({text})" if any(mark in text for mark in " +-*/") else text
-
-
 SPOTS, WIDTHS = 16, (0.06, 0.15, 0.35)  # places of a spot; its half widths over half of the way
 FINEST = 100.0  # waves in the way
+CENTRES = (-1.0, 0.0, 1.0)  # of half the way, from which the pitch of a wave changes
+GROWTHS = (-0.25, 0.25, 0.5, 1.0, 2.0)  # by which it does at half the way from there
 CURVES = (6, 12, 24)  # knots
 SPEEDS = (0.08, 0.2, 0.5)  # of the fastest, at which something fades or is half there
 POWERS = (0.3, 0.6, 1.5)
@@ -172,7 +26,6 @@ DECAYS = (0.1, 0.3, 1.0)  # of the same
 WAYS = (0.01, 0.03, 0.1, 0.3, 0.8)  # of half of the way, in which a bristle turns round
 SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
-WAY = "way"
 
 
 def _one(kind: str, of: str, *parts: str) -> Shape:
@@ -180,6 +33,7 @@ def _one(kind: str, of: str, *parts: str) -> Shape:
 
 
 DIRECTION = _one(WAY, "speed", "way")
+ONE_WAY = {"forward": "Max(0.0, way)", "backward": "Min(0.0, way)"}
 PLAIN = {
     "line": _one("line", "speed", "line"),
     "share": _one("share", "speed", "share"),
@@ -190,6 +44,7 @@ PLAIN = {
     "far2": _one("far2", "place", "away**2"),
     "far3": _one("far3", "place", "away**3"),
     "cubic": _one("cubic", "place", "away", "away**2", "away**3"),
+    "sprung": _one("cubic about any place", "place", "1.0", "away", "away**2", "away**3"),
     "late": _one("late", "time", "late"),
     "late2": _one("late2", "time", "late**2"),
     "weight": _one("weight", "load", "Abs(pull)"),
@@ -209,7 +64,8 @@ def terms(
     places = _places(ranges, residual, signals) if placed else []
     times = _times(ranges)
     found = [Term((s,)) for s in (PLAIN["steady"], *odd, *even)]
-    found += [Term((s,)) for s in (*places, *times)]
+    found += [Term((s,)) for s in (*places, *times, *[PLAIN["sprung"]] * placed)]
+    found += [Term((DIRECTION, s)) for s in _swells(ranges)]
     for speed in (DIRECTION, PLAIN["line"], PLAIN["share"]):
         carried = _carried(speed, ranges, residual, signals)
         own = _places(ranges, carried, signals) if placed else []
@@ -237,6 +93,13 @@ def _speeds(ranges: Ranges, odd: bool) -> list[Shape]:
     found = [DIRECTION, PLAIN["drag"]] if odd else [PLAIN["share"], PLAIN["lift"]]
     found += [made("power", "share**p", "p", p, (0.05, 4.0)) for p in POWERS]
     found += [made("fading", "exp(-(speed/f)**2)", "f", s * fast, wide) for s in SPEEDS]
+    if odd:
+        texts = [(name, f"{way}*exp(-(speed/f)**2)") for name, way in ONE_WAY.items()]
+        found += [
+            Shape(f"{name} fading", "speed", (text,), (("f", s * fast),), (wide,))
+            for name, text in texts
+            for s in SPEEDS
+        ]
     found += [made("settling", "Abs(speed)/(Abs(speed) + s)", "s", s * fast, wide) for s in SPEEDS]
     return found
 
@@ -261,7 +124,29 @@ def _places(ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]
     for order in peaks(residual, signals["place"], 0.5 * low, high):
         parts = "cos(2*pi*place/L)", "sin(2*pi*place/L)"
         found.append(Shape("wave", "place", parts, (("L", 2 * np.pi / order),), box_of))
+    found += [_chirp(ranges, c, residual, signals["place"], (0.5 * low, high)) for c in CENTRES]
     return found + [curve(count) for count in CURVES]
+
+
+def _chirp(
+    ranges: Ranges,
+    centre: float,
+    residual: np.ndarray,
+    place: np.ndarray,
+    ends: tuple[float, float],
+) -> Shape:
+    """A wave whose pitch changes away from a place [of half the way], begun where it shows most."""
+    half, c = ranges.half, ranges.middle + centre * ranges.half
+    away, best = place - c, (-1.0, 0.0, 0.0)
+    for growth in GROWTHS:
+        orders, power = spectrum(residual, away * (1 + growth * np.abs(away) / half), *ends)
+        if len(orders):
+            k = int(np.argmax(power))
+            best = max(best, (float(power[k]), growth, 2 * np.pi / float(orders[k])))
+    inner = "2*pi*(place - c)*(1 + g*Abs(place - c)/half)/L"
+    numbers = ("c", c), ("g", best[1]), ("L", best[2] or half)
+    box = (ranges.middle - half, ranges.middle + half), (-0.25, 4.0), (2 * half / FINEST, 4 * half)
+    return Shape("chirp", "place", (f"cos({inner})", f"sin({inner})"), numbers, box)
 
 
 def curve(count: int) -> Shape:
@@ -280,6 +165,12 @@ def _times(ranges: Ranges) -> list[Shape]:
     box = ((0.01 * long, 3.0 * long),)
     found += [Shape("decay", "time", ("exp(-time/d)",), (("d", d * long),), box) for d in DECAYS]
     return found
+
+
+def _swells(ranges: Ranges) -> list[Shape]:
+    """What comes and goes with time about a level of its own."""
+    swells = [s for s in _times(ranges) if s.kind == "tide"]
+    return [Shape("swell", "time", ("1.0", *s.parts), s.numbers, s.box) for s in swells]
 
 
 def _loads(ranges: Ranges) -> list[Term]:

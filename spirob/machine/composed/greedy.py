@@ -7,8 +7,9 @@ import numpy as np
 import scipy
 
 from spirob.machine.composed.draft import Draft, Drafts, Offers
-from spirob.machine.composed.grammar import Term, bristled, terms
+from spirob.machine.composed.grammar import bristled, terms
 from spirob.machine.composed.ground import Ground
+from spirob.machine.composed.terms import Term
 
 MOST = 4  # terms
 FINALISTS = 6  # of a round, whose numbers are refined

@@ -16,7 +16,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.composed.draft import Draft
-from spirob.machine.composed.grammar import NUMBERS, Shape, Term, closed
+from spirob.machine.composed.terms import NUMBERS, Shape, Term, closed
 from spirob.machine.composed.track import MEMORIES, SHORT, SIGNALS, Ranges
 from spirob.machine.inverse import InverseProblem
 
@@ -31,6 +31,7 @@ HELD = {  # name in the texts -> symbol, unit, meaning
     "turn": ("x_t", "m", "a whole turn"),
 }
 BRAKING = {"way", "line", "drag", "power", "fading", "settling", "bristle", "spring"}
+BRAKING |= {"forward fading", "backward fading"}
 ALONE = (("bristle",), ("spring",))  # memories that take energy out of every closed motion
 NEVER_BELOW = {"steady", "spot", "turning spot", "decay", "weight", "far2", "late", "late2"}
 

@@ -1,0 +1,48 @@
+"""What a law may begin from."""
+
+import numpy as np
+import pytest
+
+from spirob.machine.composed.grammar import terms
+from spirob.machine.composed.track import Ranges, Track
+
+STEP = 0.01
+TIME = STEP * np.arange(3000)
+PLACE = np.sin(0.7 * TIME)
+SPEED = np.gradient(PLACE, STEP)
+SIGNALS = {"place": PLACE, "speed": SPEED, "time": TIME, "load": np.cos(TIME)}
+RANGES = Ranges(0.0, 1.0, 0.7, 1.0, 30.0, 0.01, 0.0)
+TRACK = Track(SIGNALS, np.array([0, len(TIME)]), np.array([STEP]))
+
+
+def left(residual, *kinds):
+    """Share of the square that the best term of these kinds leaves, where it begins."""
+    shares = []
+    for term in terms(RANGES, residual, SIGNALS, placed=True):
+        if term.kinds == kinds:
+            columns = np.column_stack(term.along(TRACK, RANGES))
+            found = np.linalg.lstsq(columns, residual, rcond=None)[0]
+            shares.append(np.sum((residual - columns @ found) ** 2) / np.sum(residual**2))
+    return min(shares)
+
+
+@pytest.mark.parametrize("centre", [0.0, -1.0])
+def test_a_wave_of_a_changing_pitch_is_found_where_no_even_wave_is(centre):
+    away = PLACE - centre
+    residual = np.cos(9.0 * away * (1.0 + 0.6 * np.abs(away)) + 0.4)
+    assert left(residual, "chirp") < 0.2
+    assert left(residual, "wave") > 0.4
+
+
+@pytest.mark.parametrize(
+    ("residual", "kinds", "poorer"),
+    [
+        ((PLACE - 0.9) ** 3, ("cubic about any place",), ("cubic",)),
+        (np.where(SPEED > 0, 1, 0) * np.tanh(SPEED / 0.01) * np.exp(-((SPEED / 0.35) ** 2)),
+         ("forward fading",), ("fading",)),
+        (np.tanh(SPEED / 0.01) * (1.0 + 0.8 * np.sin(2 * np.pi * TIME / 24.0)),
+         ("way", "swell"), ("way", "tide")),
+    ],
+)  # fmt: skip
+def test_one_term_holds_what_comes_from_one_cause(residual, kinds, poorer):
+    assert left(residual, *kinds) < 1e-6 < 1e-2 < left(residual, *poorer)
