@@ -63,25 +63,34 @@ def _moved(drafts: Drafts, draft: Draft) -> tuple[Drafts, Draft]:
 
 
 def _best(drafts: Drafts, offers: Offers, current: Draft) -> Draft | None:
-    """The draft with one more term, None where none matters."""
+    """The draft with one more term, None where none matters.
+
+    Where the held-out trials deny all of a round that matter, the kinds that come next are asked:
+    what reaches beyond the motion of the fit says less there.
+    """
     worth = drafts.ground.worth
     remembers = any(term.memory for term in current.terms)
     errors = offers.errors(current.terms)
     errors[[remembers and term.memory is not None for term in offers.terms]] = np.inf
-    made = []
-    for k in _finalists(offers.terms, errors):
-        term = _refined(drafts, current.terms, offers.terms[k])
-        made.append(drafts.made((*current.terms, term)))
-    passed = [d for d in made if worth.matters(current, d) and not worth.denied(current, d)]
-    passed = [d for d in passed if drafts.balanced(d)]
+    kinds = _ranked(offers.terms, errors)
+    passed: list[Draft] = []
+    while kinds and not passed:
+        made = []
+        for k in kinds[:FINALISTS]:
+            term = _refined(drafts, current.terms, offers.terms[k])
+            made.append(drafts.made((*current.terms, term)))
+        kinds, counting = kinds[FINALISTS:], [d for d in made if worth.matters(current, d)]
+        passed = [d for d in counting if not worth.denied(current, d) and drafts.balanced(d)]
+        if not counting:
+            break
     return _simplest(drafts, passed) if passed else None
 
 
-def _finalists(found: Sequence[Term], errors: np.ndarray) -> list[int]:
+def _ranked(found: Sequence[Term], errors: np.ndarray) -> list[int]:
     """The best term of each kind, the best kinds first."""
     order = sorted(range(len(found)), key=lambda k: (found[k].kinds, errors[k]))
     firsts = [next(group) for _, group in groupby(order, key=lambda k: found[k].kinds)]
-    return sorted(firsts, key=lambda k: errors[k])[:FINALISTS]
+    return sorted(firsts, key=lambda k: errors[k])
 
 
 def _simplest(drafts: Drafts, passed: Sequence[Draft]) -> Draft:

@@ -1,9 +1,14 @@
-"""What a law may begin from."""
+"""What a law may begin from, and which of it is asked."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from spirob.diagnosis.criteria import Criteria, Worth
+from spirob.machine.composed import greedy
 from spirob.machine.composed.grammar import terms
+from spirob.machine.composed.terms import Shape, Term
 from spirob.machine.composed.track import Ranges, Track
 
 STEP = 0.01
@@ -46,3 +51,25 @@ def test_a_wave_of_a_changing_pitch_is_found_where_no_even_wave_is(centre):
 )  # fmt: skip
 def test_one_term_holds_what_comes_from_one_cause(residual, kinds, poorer):
     assert left(residual, *kinds) < 1e-6 < 1e-2 < left(residual, *poorer)
+
+
+def judged(size, heldout):
+    errors = np.full(20, size)
+    return SimpleNamespace(errors=errors, mean_square=size, heldout_square=heldout, richness=1)
+
+
+def test_where_held_out_trials_deny_the_best_the_next_are_asked(monkeypatch):
+    kinds = [Term((Shape(f"{k}", "place", ("1.0",)),)) for k in range(greedy.FINALISTS + 2)]
+    beyond = greedy.FINALISTS  # the first that holds beyond the motion of the fit
+
+    def made(found):
+        k = kinds.index(found[-1])
+        return judged(0.1 + 0.01 * k, 0.1 if k >= beyond else 2.0)
+
+    ground = SimpleNamespace(worth=Worth(Criteria(), 0.01))
+    drafts = SimpleNamespace(ground=ground, made=made, balanced=lambda draft: True)
+    offers = SimpleNamespace(terms=kinds, errors=lambda beside: 0.1 + 0.01 * np.arange(len(kinds)))
+    monkeypatch.setattr(greedy, "_refined", lambda drafts, beside, term: term)
+    nothing = judged(1.0, 1.0)
+    nothing.terms = ()
+    assert greedy._best(drafts, offers, nothing).mean_square == pytest.approx(0.1 + 0.01 * beyond)
