@@ -158,14 +158,17 @@ def _with_kin(one: Weighed, others: Sequence[str]) -> Weighed:
     return replace(one, together=together, rivals=rivals)
 
 
-def judge(ended: Ended, weighed: Mapping[str, Weighed], doubts: Sequence[str] = ()) -> Verdict:
+def judge(
+    ended: Ended, weighed: Mapping[str, Weighed], doubts: Sequence[str] = (), lacking: bool = False
+) -> Verdict:
     """The verdict on a search.
 
-    doubts  reasons not to trust a name, a sentence each
+    doubts   reasons not to trust a name, a sentence each
+    lacking  whether something is known to be missing that no name explains
     """
     found = ended.found
     words = Words(ended, weighed)
-    kind = "unknown" if doubts else _kind(ended, weighed)
+    kind = "unknown" if doubts or lacking else _kind(ended, weighed)
     sentence, explanation = (SENSELESS, " ".join(doubts)) if doubts else words.say(kind)
     if found.vetoed:
         explanation += (

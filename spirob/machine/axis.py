@@ -1,37 +1,29 @@
 """The diagnosis of a plain rig from its recordings: check, fit, search, judge."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 
 from spirob.diagnosis.atlas import atlas
-from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Model, alike
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
-from spirob.diagnosis.verdict import TWICE, Verdict, concluded, judge
+from spirob.diagnosis.verdict import TWICE
 from spirob.effects import Effect
 from spirob.errors import TooShort
-from spirob.identify.identifiability import Identifiability
-from spirob.machine.composed import Composed, composed
-from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.law import beyond
-from spirob.machine.composed.rival import OUTDONE, may_outdo, outdone
 from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.differing import differing
 from spirob.machine.document import document, heldout, plain, standing
-from spirob.machine.flexible import Ceiling
-from spirob.machine.leftovers import structured
+from spirob.machine.judging import Judged, Searched, judged_of
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import another_unit
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import (
     AT_LOAD,
     beyond_bounds,
-    doubts,
     fits_at_load,
     may_sit_at_load,
     oddities,
@@ -47,29 +39,6 @@ from spirob.machine.selection import ASIDE, ends_aside
 SHORTER = "fewer or slower rows make it shorter."
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"
 CUT = f"The search took so long that no more than three effects were tried together: {SHORTER}"
-
-
-@dataclass(frozen=True)
-class _Searched:
-    """What a search over a rig's logs ended with; `gate` is what they can say about its numbers."""
-
-    ready: Ready
-    search: RigSearch
-    gate: Identifiability
-    found: Found
-
-    @property
-    def chosen(self) -> Model:
-        return self.found.chosen
-
-    def noted(self, said: str) -> "_Searched":
-        """The same with a further note."""
-        return replace(self, ready=replace(self.ready, said=[*self.ready.said, said]))
-
-    @property
-    def is_long(self) -> bool:
-        """Whether it took so much that another search, begun otherwise, would take too long."""
-        return self.search.models.is_long
 
 
 def diagnose_recordings(
@@ -94,8 +63,9 @@ def diagnose_recordings(
         return replace(ready, settings=settings or rig.criteria, progress=progress, said=said)
 
     with one_thread():
-        judged = _judged(_found(told(train, test)))
-        said = untaught(judged.search, judged.chosen, judged.verdict)
+        judged = judged_of(_found(told(train, test)))
+        best = judged.law.model if judged.law else judged.chosen
+        said = untaught(judged.search, best, judged.verdict)
         if said and judged.done.is_long:
             judged = judged.noted(f"{said} {UNTRIED}")
         elif said:
@@ -105,52 +75,24 @@ def diagnose_recordings(
         return _written(judged)
 
 
-def _taught_by_all(
-    told: Callable[..., Ready], logs: list[Recording], said: str
-) -> "_Judged | None":
-    """The verdict with the end of every log held out; None where that is *unknown*, too."""
+def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str) -> Judged | None:
+    """The verdict with the end of every log held out; None where that has no name and no law."""
     try:
         kept, held = ends_aside(logs)
     except TooShort:
         return None
-    again = _judged(_found(told(kept, held, [f"{said} {ASIDE}"])))
-    return None if again.verdict.kind == "unknown" else again
+    again = judged_of(_found(told(kept, held, [f"{said} {ASIDE}"])))
+    return None if again.verdict.kind == "unknown" and again.law is None else again
 
 
-def _found(ready: Ready) -> "_Searched":
+def _found(ready: Ready) -> Searched:
     """The whole search: about its delay, within its bounds, with numbers of logs, by the sensor."""
     placed = _placed(ready)
     search, gate = search_of(placed)
     if another_unit((search.models.train, search.models.heldout)):  # no law means anything
-        return _Searched(placed, search, gate, Found([search.models.fitted((), {})]))
-    done = _set_free(_once_more(_Searched(placed, search, gate, search.run())))
+        return Searched(placed, search, gate, Found([search.models.fitted((), {})]))
+    done = _set_free(_once_more(Searched(placed, search, gate, search.run())))
     return _set_free(_with_sensor_at_load(_with_numbers_of_logs(done)))
-
-
-@dataclass(frozen=True)
-class _Judged:
-    """A search, what stands of it, and the verdict.
-
-    rest  what follows from the motion yet;  law  of it, where it was composed for the verdict
-    """
-
-    done: _Searched
-    found: Found
-    verdict: Verdict
-    rest: Ceiling
-    law: Composed | None = None
-
-    @property
-    def search(self) -> RigSearch:
-        return self.done.search
-
-    @property
-    def chosen(self) -> Model:
-        return self.found.chosen
-
-    def noted(self, said: str) -> "_Judged":
-        """The same with a further note."""
-        return replace(self, done=self.done.noted(said))
 
 
 def base_model(
@@ -163,13 +105,13 @@ def base_model(
         return search, search.models.fitted((), {})
 
 
-def _with_numbers_of_logs(done: _Searched) -> _Searched:
+def _with_numbers_of_logs(done: Searched) -> Searched:
     """With a payload, force or zero of each log, where the logs differ by it; by what fits best."""
     found = differing(done.ready, done.search, done.chosen)
     return _better(done, _searched(found[0]), found[1]) if found else done
 
 
-def _with_sensor_at_load(done: _Searched) -> _Searched:
+def _with_sensor_at_load(done: Searched) -> Searched:
     """With the position sensor at the load, where nothing is said of it and the logs fit that."""
     if not may_sit_at_load(done.ready.rig, done.search, done.chosen):
         return done
@@ -180,10 +122,10 @@ def _with_sensor_at_load(done: _Searched) -> _Searched:
     found = search.run()
     if not done.search.worth.halves(done.chosen, found.chosen):
         return done
-    return _Searched(replace(told, said=[*told.said, AT_LOAD]), search, gate, found)
+    return Searched(replace(told, said=[*told.said, AT_LOAD]), search, gate, found)
 
 
-def _set_free(done: _Searched) -> _Searched:
+def _set_free(done: Searched) -> Searched:
     """Searched with wider bounds of the numbers that ended at those that the description gives."""
     given, now = done.ready.given.fit, done.ready.rig.fit
     at_bound = beyond_bounds(done.search, done.chosen)
@@ -195,12 +137,12 @@ def _set_free(done: _Searched) -> _Searched:
     search, gate = search_of(ready)
     again = search.models.fitted(done.chosen.effects, done.chosen.fit.changes)
     more = done.search.worth.matters(done.chosen, again)
-    return _Searched(ready, search, gate, search.run() if more else search.settled(again))
+    return Searched(ready, search, gate, search.run() if more else search.settled(again))
 
 
-def _searched(ready: Ready) -> _Searched:
+def _searched(ready: Ready) -> Searched:
     search, gate = search_of(ready)
-    return _Searched(ready, search, gate, search.run())
+    return Searched(ready, search, gate, search.run())
 
 
 def _placed(ready: Ready) -> Ready:
@@ -225,7 +167,7 @@ def _place(search: RigSearch, model: Model) -> Bounded:
     return place(search.models.train, model, search.models.folds, search.absent(model))
 
 
-def _once_more(done: _Searched) -> _Searched:
+def _once_more(done: Searched) -> Searched:
     """The search about another delay, where something that counts is left and that explains more.
 
     The effects that were found say more of the delay than any one of the library did: where they
@@ -259,14 +201,14 @@ def _once_more(done: _Searched) -> _Searched:
     return done
 
 
-def _fits_better(done: _Searched, told: Ready, delay: Bounded | None = None) -> bool:
+def _fits_better(done: Searched, told: Ready, delay: Bounded | None = None) -> bool:
     """Whether the chosen effects explain more with something else told, such as another delay."""
     search, _ = search_of(told)
     begin = done.chosen.fit.changes | ({DELAY: delay.nominal} if delay else {})
     return done.search.worth.matters(done.chosen, search.models.fitted(done.chosen.effects, begin))
 
 
-def _begins_alike(done: _Searched, delay: Bounded) -> bool:
+def _begins_alike(done: Searched, delay: Bounded) -> bool:
     """Whether a search about another delay begins as one about the fitted one, and may end so."""
     search, _ = search_of(_about(done.ready, delay))
     bare, found = search.models.fitted((), {}), done.chosen.fit.changes[DELAY]
@@ -274,46 +216,19 @@ def _begins_alike(done: _Searched, delay: Bounded) -> bool:
     return inside and alike(bare, done.found.rungs[0], done.search.worth.least)
 
 
-def _better(done: _Searched, wider: _Searched, said: str) -> _Searched:
+def _better(done: Searched, wider: Searched, said: str) -> Searched:
     """What was searched with more told of the rig, where that explains more by what counts."""
     if not done.search.worth.matters(done.chosen, wider.chosen):
         return done
     return wider.noted(said)
 
 
-def _judged(done: _Searched) -> _Judged:
-    search = done.search
-    ended, weighed = concluded(search, done.found, lambda model: is_bent(search, model))
-    rest = search.models.ceiling(ended.found.chosen)
-    verdict = judge(ended, weighed, doubts(search, ended.found, rest))
-    return _beside_laws(_Judged(done, ended.found, verdict, rest))
-
-
-def _beside_laws(judged: _Judged) -> _Judged:
-    """With the law of what a name leaves; without the name where a law alone outdoes both."""
-    search, found, verdict = judged.search, judged.found, judged.verdict
-    left = structured(search.models, found.chosen, judged.rest)
-    if verdict.kind not in ("named", "undecided") or not left:
-        return judged
-    beside = composed(search, found, found.chosen)
-    alone = composed(search, found, found.rungs[0], partial(may_outdo, found.chosen, beside))
-    if not outdone(search.worth, found.chosen, beside, alone):
-        return replace(judged, law=beside)
-    named = {n: replace(one, probability=0.0, together=0.0) for n, one in verdict.weighed.items()}
-    bare = search.narrowed(found, [])
-    verdict = judge(Ended(search, bare, search.models.left(bare.chosen)), named)
-    verdict = replace(verdict, explanation=f"{verdict.explanation} {OUTDONE}")
-    return _Judged(judged.done, bare, verdict, search.models.ceiling(bare.chosen), alone)
-
-
-def _written(judged: _Judged) -> Diagnosis:
+def _written(judged: Judged) -> Diagnosis:
     found, verdict, rest = judged.found, judged.verdict, judged.rest
     ready, search, gate = judged.done.ready, judged.search, judged.done.gate
     problems = search.models.train, search.models.heldout
     bare, chosen = found.rungs[0], found.chosen
     law = judged.law
-    if verdict.kind == "unknown" and not verdict.doubts:
-        law = law or composed(search, found, bare)
     notes = [*ready.said, *[CUT] * search.models.cut]
     notes += oddities(search, chosen, gate, ready.given)
     notes += beyond(problems, ready.own, chosen.fit.changes)

@@ -94,14 +94,21 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
     odd = _apart(problems)
     if odd is None or (said := odd.of_another_unit()):
         return "" if odd is None else said
-    poorest, mended = 1.0, _mended(odd.measured, odd.design(1.0) @ odd.found)
+    mended = _mended(odd.measured, odd.design(1.0) @ odd.found)
+    strange = odd.share < STRANGE or (odd.share < FAMILIAR and mended)
+    left = poorest(problems, residuals) < FAMILIAR
+    return odd.said(mended) if strange and left and odd.logs > PAIR else ""
+
+
+def poorest(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> float:
+    """R² of the log that a model fits least; `residuals` of the model on each problem."""
+    found = 1.0
     for problem, residual in zip(problems, residuals, strict=True):
         measured = problem.measured()
         for start, stop in pairwise(problem.edges):
             own = measured[start:stop]
-            poorest = min(poorest, explained(own, own + residual[start:stop]))
-    strange = odd.share < STRANGE or (odd.share < FAMILIAR and mended)
-    return odd.said(mended) if strange and poorest < FAMILIAR and odd.logs > PAIR else ""
+            found = min(found, explained(own, own + residual[start:stop]))
+    return found
 
 
 def another_unit(problems: Sequence[InverseProblem]) -> str:

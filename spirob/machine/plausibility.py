@@ -54,11 +54,20 @@ AT_LOAD = (
 
 def doubts(search: RigSearch, found: Found, rest: Ceiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    problems = search.models.train, search.models.heldout
-    residuals = found.chosen.fit.residual, found.chosen.heldout
-    other = odd_one_out(problems, residuals) or strangers(problems, residuals)
+    other = _odd_logs(search, found)
     said = [other or _senseless(search, found, rest), _turned(search), _out_of_scale(search)]
     return [text for text in said if text]
+
+
+def only_of_logs(search: RigSearch, found: Found, verdict: Verdict) -> bool:
+    """Whether all doubts of a verdict are that some log does not fit the others."""
+    return verdict.doubts == (_odd_logs(search, found),)
+
+
+def _odd_logs(search: RigSearch, found: Found) -> str:
+    problems = search.models.train, search.models.heldout
+    residuals = found.chosen.fit.residual, found.chosen.heldout
+    return odd_one_out(problems, residuals) or strangers(problems, residuals)
 
 
 def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFile) -> list[str]:

@@ -1,0 +1,121 @@
+"""What stands of a search: the verdict, and where it asks for one a law."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.model import Model
+from spirob.diagnosis.search import Found
+from spirob.diagnosis.verdict import Verdict, concluded, judge
+from spirob.identify.identifiability import Identifiability
+from spirob.machine.composed import Composed, composed
+from spirob.machine.composed.draft import is_bent
+from spirob.machine.composed.rival import OUTDONE, may_outdo, outdone
+from spirob.machine.flexible import Ceiling
+from spirob.machine.leftovers import structured
+from spirob.machine.models import RigSearch
+from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
+from spirob.machine.plausibility import doubts, only_of_logs
+from spirob.machine.preparation import Ready
+
+ALL_FIT = "A law composed without any name fits all logs, which no model of the library does."
+
+
+@dataclass(frozen=True)
+class Searched:
+    """What a search over a rig's logs ended with; `gate` is what they can say about its numbers."""
+
+    ready: Ready
+    search: RigSearch
+    gate: Identifiability
+    found: Found
+
+    @property
+    def chosen(self) -> Model:
+        return self.found.chosen
+
+    def noted(self, said: str) -> "Searched":
+        """The same with a further note."""
+        return replace(self, ready=replace(self.ready, said=[*self.ready.said, said]))
+
+    @property
+    def is_long(self) -> bool:
+        """Whether it took so much that another search, begun otherwise, would take too long."""
+        return self.search.models.is_long
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A search, what stands of it, and the verdict.
+
+    rest  what follows from the motion yet;  law  that takes some of it, where one is composed
+    """
+
+    done: Searched
+    found: Found
+    verdict: Verdict
+    rest: Ceiling
+    law: Composed | None = None
+
+    @property
+    def search(self) -> RigSearch:
+        return self.done.search
+
+    @property
+    def chosen(self) -> Model:
+        return self.found.chosen
+
+    def noted(self, said: str) -> "Judged":
+        """The same with a further note."""
+        return replace(self, done=self.done.noted(said))
+
+
+def judged_of(done: Searched) -> Judged:
+    """The verdict on a search, and the law that it asks for."""
+    search = done.search
+    ended, weighed = concluded(search, done.found, lambda model: is_bent(search, model))
+    rest = search.models.ceiling(ended.found.chosen)
+    verdict = judge(ended, weighed, doubts(search, ended.found, rest))
+    judged = Judged(done, ended.found, verdict, rest)
+    if verdict.doubts:
+        return _in_all_logs(judged)
+    if verdict.kind == "unknown":
+        return replace(judged, law=composed(search, ended.found, ended.found.rungs[0]))
+    return _beside_laws(judged)
+
+
+def _in_all_logs(judged: Judged) -> Judged:
+    """Without the doubt about a log where a law is composed with which all of them fit."""
+    search, found = judged.search, judged.found
+    problems = search.models.train, search.models.heldout
+    if another_unit(problems) or not only_of_logs(search, found, judged.verdict):
+        return judged
+    law = composed(search, found, found.rungs[0])
+    if law is None or not search.worth.halves(found.rungs[0], law.model):
+        return judged
+    fits = poorest(problems, (law.model.fit.residual, law.model.heldout)) >= FAMILIAR
+    return _by_law(judged, law, ALL_FIT) if fits else judged
+
+
+def _beside_laws(judged: Judged) -> Judged:
+    """With the law of what a name leaves; without the name where a law alone outdoes both."""
+    search, found, verdict = judged.search, judged.found, judged.verdict
+    left = structured(search.models, found.chosen, judged.rest)
+    if verdict.kind not in ("named", "undecided") or not left:
+        return judged
+    beside = composed(search, found, found.chosen)
+    alone = composed(search, found, found.rungs[0], partial(may_outdo, found.chosen, beside))
+    if alone is None or not outdone(search.worth, found.chosen, beside, alone):
+        return replace(judged, law=beside)
+    return _by_law(judged, alone, OUTDONE)
+
+
+def _by_law(judged: Judged, law: Composed, said: str) -> Judged:
+    """No name, and a law that does better than any."""
+    search, weighed = judged.search, judged.verdict.weighed
+    named = {n: replace(one, probability=0.0, together=0.0) for n, one in weighed.items()}
+    bare = search.narrowed(judged.found, [])
+    ended = Ended(search, bare, search.models.left(bare.chosen))
+    verdict = judge(ended, named, lacking=True)
+    verdict = replace(verdict, explanation=f"{verdict.explanation} {said}")
+    return Judged(judged.done, bare, verdict, search.models.ceiling(bare.chosen), law)
