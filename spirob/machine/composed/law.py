@@ -32,6 +32,7 @@ HELD = {  # name in the texts -> symbol, unit, meaning
 }
 BRAKING = {"way", "line", "drag", "power", "fading", "settling", "bristle", "spring"}
 BRAKING |= {"forward fading", "backward fading"}
+WAVES = ("wave", "chirp", "tide")
 ALONE = (("bristle",), ("spring",))  # memories that take energy out of every closed motion
 NEVER_BELOW = {"steady", "spot", "turning spot", "decay", "weight", "far2", "late", "late2"}
 
@@ -219,7 +220,7 @@ def _part(term: Term, factors: np.ndarray) -> Part:
     heights: dict[int, float] = {}
     if several is None:
         return Part(term, float(factors[0]), _product(term, None, ""), numbers, heights)
-    if len(several.parts) == 2:  # a wave: A·cos(x - φ) in place of its cosine and sine
+    if several.kind in WAVES:  # A·cos(x - φ) in place of its cosine and sine
         cosine = several.parts[0]
         key = "a" if several.of == "place" else "b"
         text = f"{cosine[:-1]} - {key})"
