@@ -16,7 +16,7 @@ from spirob.errors import TooShort
 from spirob.machine.composed.law import beyond
 from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.differing import differing
-from spirob.machine.document import document, heldout, plain, standing
+from spirob.machine.document import heldout, plain, rig_document, standing
 from spirob.machine.judging import Judged, Searched, judged_of
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import another_unit
@@ -233,7 +233,7 @@ def _written(judged: Judged) -> Diagnosis:
     notes += oddities(search, chosen, gate, ready.given)
     notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.models.train, bare.fit.residual)
-    written = document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)
+    written = rig_document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)
     ranked = [c["name"] for c in written["candidates"]]
     written["switches"] = plain(switches(search, found, ranked))
     written["composed"] = plain(law.document) if law else None

@@ -24,7 +24,7 @@ from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect, all_effects
 from spirob.identify.intervals import covariance_of
 from spirob.machine.body import RigidBody
-from spirob.machine.flexible import Ceiling
+from spirob.machine.flexible import RigCeiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE
 from spirob.machine.models import ROBUST, RigSearch
@@ -35,12 +35,12 @@ from spirob.ports import PORTS
 from spirob.score import Interval, score, score_interval
 
 
-def document(
+def rig_document(
     rig: RigFile,
     search: RigSearch,
     found: Found,
     verdict: Verdict,
-    rest: Ceiling,
+    rest: RigCeiling,
     regimes: Sequence[Regime],
     repairs: Sequence[str],
     excluded: dict[str, str],
@@ -86,7 +86,7 @@ def _ladder(search: RigSearch, found: Found) -> list[dict[str, Any]]:
     return rungs
 
 
-def _flexible(search: RigSearch, found: Found, rest: Ceiling) -> dict[str, Any]:
+def _flexible(search: RigSearch, found: Found, rest: RigCeiling) -> dict[str, Any]:
     """The ceiling: what a flexible residual on top of the chosen model would reach."""
     measured, held = search.models.train.measured(), search.models.heldout.measured()
     before = found.chosen.fit.residual

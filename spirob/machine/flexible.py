@@ -28,7 +28,7 @@ SIGNALS = {
 
 
 @dataclass(frozen=True)
-class Ceiling:
+class RigCeiling:
     """What a flexible residual explains on folds left out.
 
     left       (N,) residual that it leaves on the training trials
@@ -46,14 +46,14 @@ class Ceiling:
     wave: float
 
 
-def ceiling(
+def rig_ceiling(
     train: InverseProblem,
     heldout: InverseProblem,
     residual: np.ndarray,
     other: np.ndarray,
     folds: np.ndarray,
     split: bool = True,
-) -> Ceiling:
+) -> RigCeiling:
     """Fit the flexible residual; `residual` and `other` are of the training and held-out trials.
 
     split  also say what each signal explains by itself
@@ -75,10 +75,10 @@ def ceiling(
     orders, power = spectrum(residual, train.signals()["angle"], 0.01, 100.0)
     top = int(np.argmax(power)) if len(power) else 0
     order, wave = (float(orders[top]), float(power[top])) if len(power) else (0.0, 0.0)
-    return Ceiling(whole, rest, share(residual, whole), alone, order, wave)
+    return RigCeiling(whole, rest, share(residual, whole), alone, order, wave)
 
 
-def depends_on(found: Ceiling) -> str:
+def depends_on(found: RigCeiling) -> str:
     """What the residual depends on, as the middle of a sentence."""
     best = max(found.alone.values())
     said = f"on {named(found.alone)}" if best > NOTHING else "on several signals together"

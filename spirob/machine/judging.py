@@ -11,7 +11,7 @@ from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import is_bent
 from spirob.machine.composed.rival import OUTDONE, may_outdo, outdone
-from spirob.machine.flexible import Ceiling
+from spirob.machine.flexible import RigCeiling
 from spirob.machine.leftovers import structured
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
@@ -54,7 +54,7 @@ class Judged:
     done: Searched
     found: Found
     verdict: Verdict
-    rest: Ceiling
+    rest: RigCeiling
     law: Composed | None = None
 
     @property

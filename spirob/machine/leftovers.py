@@ -9,7 +9,7 @@ from spirob.diagnosis.flexible import share
 from spirob.diagnosis.model import Left, Model
 from spirob.diagnosis.verdict import TWICE
 from spirob.machine.delays import DELAY, usual
-from spirob.machine.flexible import Ceiling, depends_on
+from spirob.machine.flexible import RigCeiling, depends_on
 
 if TYPE_CHECKING:
     from spirob.machine.inverse import InverseProblem
@@ -21,7 +21,7 @@ LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak 
 MUCH, NOISY = 0.1, 2.0
 
 
-def left_of(models: "Models", model: Model, rest: Ceiling) -> Left:
+def left_of(models: "Models", model: Model, rest: RigCeiling) -> Left:
     """What is left of a model; `rest` is the ceiling over it."""
     delay = model.fit.estimates.get(DELAY)
     period = max(r.period for r in models.train.recordings)
@@ -45,7 +45,7 @@ def _noise(models: "Models") -> float:
     return max(float(noise_floor(models.train)), models.least)
 
 
-def _said(follows: float, rest: Ceiling) -> str:
+def _said(follows: float, rest: RigCeiling) -> str:
     if follows < SOME:
         return (
             f"Of what is left, a flexible model of the motion explains {follows:.0%} of the square."
@@ -85,7 +85,7 @@ def drifting(
     ]
 
 
-def _unknown(models: "Models", model: Model, follows: float, rest: Ceiling) -> tuple[str, str]:
+def _unknown(models: "Models", model: Model, follows: float, rest: RigCeiling) -> tuple[str, str]:
     missed = f"{float(np.sqrt(model.mean_square)) / models.size:.1%}"
     effort = models.train.effort.name
     if follows < SOME:
@@ -105,7 +105,7 @@ def _unknown(models: "Models", model: Model, follows: float, rest: Ceiling) -> t
     )
 
 
-def nothing(models: "Models", rest: Ceiling) -> str:
+def nothing(models: "Models", rest: RigCeiling) -> str:
     """Why nothing is missing; `rest` is the ceiling over the fitted numbers alone."""
     effort = models.train.effort.name
     return (
@@ -115,7 +115,7 @@ def nothing(models: "Models", rest: Ceiling) -> str:
     )
 
 
-def structured(models: "Models", model: Model, rest: Ceiling) -> bool:
+def structured(models: "Models", model: Model, rest: RigCeiling) -> bool:
     """Whether what a model leaves follows from the motion, by a share and a size that count."""
     large = np.sqrt(rest.share * model.mean_square) >= TWICE * models.least
     return bool(large) and rest.share > LEAST_SHARE

@@ -23,7 +23,7 @@ from spirob.identify.scaling import Scaling
 from spirob.machine.candidates import related, repeated_waves, same_wave, seldom_seen
 from spirob.machine.delays import DELAY, only_aligns
 from spirob.machine.filtering import noise_in_effort
-from spirob.machine.flexible import Ceiling, ceiling, products, steps
+from spirob.machine.flexible import RigCeiling, products, rig_ceiling, steps
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
 from spirob.machine.leftovers import left_of, nothing, structured, unexplained
@@ -117,7 +117,7 @@ class Models(Predictor):
         self.size = float(np.sqrt(np.mean(train.measured() ** 2)))
         self.tried: dict[frozenset[str], Model] = {}
         self._screened: dict[frozenset[str], Screening] = {}
-        self._ceilings: dict[tuple[frozenset[str], bool], Ceiling] = {}
+        self._ceilings: dict[tuple[frozenset[str], bool], RigCeiling] = {}
         self._floor = floor
 
     @cached_property
@@ -208,13 +208,13 @@ class Models(Predictor):
         """Why nothing is missing, in a sentence."""
         return nothing(self, self.ceiling(bare, split=False))
 
-    def ceiling(self, model: Model, split: bool = True) -> Ceiling:
+    def ceiling(self, model: Model, split: bool = True) -> RigCeiling:
         """What a flexible residual takes of what is left; `split` by signals, too."""
         known = self._ceilings.get((model.names, True)) or self._ceilings.get((model.names, split))
         if known:
             return known
         self.progress(f"what follows from the motion beside {label(model.effects)}")
-        made = ceiling(
+        made = rig_ceiling(
             self.train, self.heldout, model.fit.residual, model.heldout, self.folds, split
         )
         self._ceilings[model.names, split] = made

@@ -17,7 +17,7 @@ from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.delays import DELAY, usual
-from spirob.machine.flexible import Ceiling
+from spirob.machine.flexible import RigCeiling
 from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.leftovers import drifting
 from spirob.machine.models import RigSearch
@@ -52,7 +52,7 @@ AT_LOAD = (
 )
 
 
-def doubts(search: RigSearch, found: Found, rest: Ceiling) -> list[str]:
+def doubts(search: RigSearch, found: Found, rest: RigCeiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
     other = _odd_logs(search, found)
     said = [other or _senseless(search, found, rest), _turned(search), _out_of_scale(search)]
@@ -131,7 +131,7 @@ def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
     )
 
 
-def _senseless(search: RigSearch, found: Found, rest: Ceiling) -> str:
+def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
     """The effort does not follow from the motion at all, even with a flexible model."""
     spread = float(np.var(search.models.train.measured()))
     left = min(found.chosen.mean_square, float(np.mean(rest.left**2)))
