@@ -64,25 +64,28 @@ def diagnose_recordings(
 
     with one_thread():
         judged = judged_of(_found(told(train, test)))
-        best = judged.law.model if judged.law else judged.chosen
-        said = untaught(judged.search, best, judged.verdict)
+        said = untaught(judged.search, judged.chosen, judged.verdict)
         if said and judged.done.is_long:
             judged = judged.noted(f"{said} {UNTRIED}")
         elif said:
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, [*train, *test], said)
-            judged = again or judged.noted(said)
+            judged = again if again and _says_more(again, judged) else judged.noted(said)
         return _written(judged)
 
 
+def _says_more(again: Judged, judged: Judged) -> bool:
+    """Whether a verdict has another word than *unknown*, or a law where the other has none."""
+    return again.verdict.kind != "unknown" or (again.law is not None and judged.law is None)
+
+
 def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str) -> Judged | None:
-    """The verdict with the end of every log held out; None where that has no name and no law."""
+    """The verdict with the end of every log held out; None where they are too short for it."""
     try:
         kept, held = ends_aside(logs)
     except TooShort:
         return None
-    again = judged_of(_found(told(kept, held, [f"{said} {ASIDE}"])))
-    return None if again.verdict.kind == "unknown" and again.law is None else again
+    return judged_of(_found(told(kept, held, [f"{said} {ASIDE}"])))
 
 
 def _found(ready: Ready) -> Searched:
