@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from spirob.diagnosis.schema import read
-from spirob.effects import all_effects
 from spirob.errors import DataError, ExportError
 from spirob.export.law import Law, law_of
-from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE, LOSSES
+from spirob.machine.laws import by_module
 from spirob.machine.numbers import USUAL
 from spirob.machine.rig import NUMBERS
 
@@ -198,9 +197,7 @@ def law_in(name: str, source: str) -> Law:
     if source.endswith(".py"):
         path, effect = Path(source), None
     else:
-        known = {e.__module__: e for e in all_effects().values()}
-        of_axes = (AXIS, FRICTION, LOSSES, LOAD_SIDE, LEVER)
-        known |= {e.__module__: e for laws in of_axes for e in laws.values()}
+        known = by_module()
         if source not in known:
             raise ExportError(f"effect '{name}': '{source}' is no effect of this version")
         effect = known[source]

@@ -21,12 +21,12 @@ from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.spectrum import orders
 from spirob.diagnosis.verdict import Verdict
-from spirob.effects import Effect, all_effects
+from spirob.effects import Effect
 from spirob.identify.intervals import covariance_of
 from spirob.machine.body import RigidBody
 from spirob.machine.flexible import RigCeiling
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE
+from spirob.machine.laws import by_module
 from spirob.machine.models import ROBUST, RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.odd_logs import way_of
@@ -231,14 +231,7 @@ def heldout(search: RigSearch, model: Model) -> pd.DataFrame:
 
 def source(effect: type[Effect]) -> str:
     """Where an effect's law is stated: its module where the program knows it, else its file."""
-    known = [
-        *all_effects().values(),
-        *AXIS.values(),
-        *LOAD_SIDE.values(),
-        *LEVER.values(),
-        *FRICTION.values(),
-    ]
-    if effect in known:
+    if effect.__module__ in by_module():
         return effect.__module__
     return inspect.getfile(effect.kernel)
 

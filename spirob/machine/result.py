@@ -8,8 +8,10 @@ from typing import Any
 
 import pandas as pd
 
+from spirob.effects import Effect, all_effects
 from spirob.files import may_hold_results, replacing, write_text
 from spirob.machine.composed import Composed
+from spirob.machine.laws import by_module
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,13 @@ class Diagnosis:
     def composed(self) -> pd.DataFrame | None:
         """Rows of held-out samples of a composed law, for the page."""
         return None if self.law is None else self.law.drawing
+
+    @property
+    def library(self) -> dict[str, type[Effect]]:
+        """The library's laws, those of the model that stands as it holds them, for the page."""
+        known = by_module()
+        held = self.document.get("model", {}).get("effects", [])
+        return all_effects() | {e["name"]: known[e["source"]] for e in held if e["source"] in known}
 
     @property
     def notes(self) -> list[str]:

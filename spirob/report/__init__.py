@@ -24,6 +24,7 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from spirob.effects import Effect
 from spirob.files import write_text
 from spirob.report.data import ReportData, load, with_clip
 from spirob.report.embed import json_script, plotly_script
@@ -100,6 +101,7 @@ class Shown(Protocol):
     laws        per held-out sample: effect, time, position, velocity, effort, shown, law, in SI
     motion      per sample: trial, role, time, position and speed as measured and as predicted, SI
     composed    of a composed law as `laws`, with its `band`; None where there is none
+    library     laws by name, those of its model as it holds them
     """
 
     @property
@@ -116,6 +118,8 @@ class Shown(Protocol):
     def motion(self) -> pd.DataFrame | None: ...
     @property
     def composed(self) -> pd.DataFrame | None: ...
+    @property
+    def library(self) -> dict[str, type[Effect]]: ...
     @property
     def sources(self) -> Any: ...
 
@@ -137,6 +141,7 @@ def build_rig_page(found: Shown) -> str:
         laws=found.laws,
         motion=found.motion,
         composed=found.composed,
+        library=found.library,
         metrics={},
         provenance=provenance,
     )

@@ -8,7 +8,7 @@ How the loop kept its deadlines comes from what the logs say of it.
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ import pyarrow.parquet as pq
 import yaml
 
 from spirob.diagnosis import schema
+from spirob.effects import Effect, all_effects
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs.messages import LOOP
 from spirob.logs.parquet import KEY
@@ -152,6 +153,7 @@ class ReportData:
     clip        rendered video, an animated WebP; `with_clip` adds it
     loops       trial -> how the loop kept its deadlines, where the robot was in real time
     absent      name of an optional source -> sentence saying why it is not here
+    library     laws by name; of a rig those that its model holds
     """
 
     config: str
@@ -177,6 +179,7 @@ class ReportData:
     clip: bytes | None = None
     loops: dict[str, dict[str, Any]] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
+    library: Mapping[str, type[Effect]] = field(default_factory=all_effects)
 
     @property
     def geometry(self) -> Geometry:

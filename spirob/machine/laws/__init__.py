@@ -13,7 +13,7 @@ tip_payload.py                   weight on a lever that no model file describes
 
 from collections.abc import Iterable
 
-from spirob.effects import Effect
+from spirob.effects import Effect, all_effects
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
@@ -61,6 +61,12 @@ def _carried(law: type[Effect]) -> type[Effect]:
 
 
 _CARRIED = {name: _carried(law) for name, law in LOSSES.items()}
+
+
+def by_module() -> dict[str, type[Effect]]:
+    """Every law that the program holds, of the arm and of an axis, by the module that states it."""
+    own = (law for laws in (AXIS, LOAD_SIDE, FRICTION, LEVER, LOSSES) for law in laws.values())
+    return {law.__module__: law for law in (*all_effects().values(), *own)}
 
 
 def shares_inertia(effect: type[Effect]) -> bool:

@@ -9,7 +9,6 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from spirob.effects import all_effects
 from spirob.report.data import ReportData
 from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, bars, wrap
 from spirob.report.sections import Section
@@ -225,11 +224,8 @@ class Ladder(Section):
 
 
 def declared(data: ReportData) -> dict[str, dict[str, Any]]:
-    """What the library says of each named effect; a user's own file is not in it.
-
-    Nor is the law of a plain axis, where the library's of that name acts on a tendon.
-    """
-    known = all_effects()
+    """What the library says of each named effect; a user's own file is not in it."""
+    known = data.library
     titles = {effect["name"]: effect["title"] for effect in data.diagnosis["effects"]}
     named = {n: known[n] for n, title in titles.items() if n in known and known[n].title == title}
     return {name: card(effect) for name, effect in named.items()}

@@ -1,12 +1,18 @@
 """Dry friction of an axis, beside LuGre's equations solved by another's integrator."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.integrate import solve_ivp
 
 from spirob.effects import all_effects
 from spirob.effects.replay import run
 from spirob.machine.laws import FRICTION
+from spirob.machine.result import Diagnosis
+from spirob.report.sections.ladder import declared
+from spirob.report.sections.library import equations
 
 DT, END = 1e-4, 2.0
 REST = 1e-3  # rad/s
@@ -59,3 +65,13 @@ def test_without_damping_and_way_they_are_the_laws_of_the_library(name):
         for law, numbers in ((own, nominal | neither), (other, nominal))
     )
     np.testing.assert_allclose(mine, theirs, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", list(FRICTION))
+def test_the_page_states_the_law_that_was_fitted(name):
+    law, none = FRICTION[name], pd.DataFrame()
+    told = {"effects": [{"name": name, "title": law.title}]}
+    told["model"] = {"effects": [{"name": name, "source": law.__module__}]}
+    library = Diagnosis(told, none, {}, "", none).library
+    cards = declared(SimpleNamespace(diagnosis=told, library=library))
+    assert cards[name]["equations"] == equations(law) != equations(all_effects()[name])
