@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.certainty import LIKELY, Ended
 from spirob.diagnosis.evidence import half_seconds
 from spirob.diagnosis.flexible import Ceiling, ceiling
 from spirob.diagnosis.model import Model, label
@@ -102,12 +102,16 @@ def _best(search: Search[Any], chosen: Model, name: str) -> Model | None:
 
 
 def _probability(verdict: Verdict, name: str) -> float:
-    """How likely an effect is there; of rivals what is left of the chosen one's probability."""
+    """How likely an effect is there; of rivals what is left of the chosen one's probability.
+
+    Who stands in the place of an effect that is unlikely itself is no likelier for it.
+    """
     own = verdict.weighed.get(name)
     probability = own.probability if own else 0.0
     for one in verdict.weighed.values():
         if name in one.rivals:
-            shared = one.together if one.together > one.probability else 1.0
+            either = 1.0 if one.probability >= LIKELY else 0.0
+            shared = one.together if one.together > one.probability else either
             probability = max(probability, (shared - one.probability) / len(one.rivals))
     return probability
 

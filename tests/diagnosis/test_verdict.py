@@ -257,6 +257,7 @@ def test_who_says_the_same_is_told_beside_the_name():
     [
         (Weighed(0.8, 0.8, [], [KIN.name(), FAR.name()]), 0.1),  # each half of what is left of 1
         (Weighed(0.3, 0.7, [], [KIN.name(), FAR.name()]), 0.2),  # of what they are together
+        (Weighed(0.2, 0.2, [], [KIN.name(), FAR.name()]), 0.0),  # none of what is not there
     ],
 )
 def test_rivals_share_what_is_left_of_the_probability(one, chance):
