@@ -32,12 +32,14 @@ class Played:
             spec.loader.exec_module(self.module)
             self.controller = self.module.Controller(self.model)
 
-    def begin(self, time, position, speed):
-        """Forget everything; a load on a spring begins where the motor is."""
+    def begin(self, time, position, speed, acceleration):
+        """Forget everything; a load on a spring begins as far behind as it takes to move along."""
         mujoco.mj_resetData(self.model, self.data)
         for k in range(self.model.njnt):
             if self.model.joint(k).name == "behind":
-                self.data.joint(k).qpos[0], self.data.joint(k).qvel[0] = position, speed
+                stiffness = float(self.model.tendon_stiffness[self.model.tendon("shaft").id])
+                twist = acceleration * float(self.model.dof_M0[k]) / stiffness
+                self.data.joint(k).qpos[0], self.data.joint(k).qvel[0] = position - twist, speed
         if self.controller:
             self.controller.reset()
             self.controller.state.time = float(time)
@@ -138,7 +140,7 @@ def efforts(played, about, given):
     seen = played.module.State() if motor else None
     for k, dt in enumerate(given["steps"]):
         first, last = given["starts"][k], given["starts"][k + 1]
-        played.begin(*(given[n][first] for n in ("time", "position", "speed")))
+        played.begin(*(given[n][first] for n in ("time", *orders)))
         guess = float(given["effort"][first])
         if seen:
             seen.reset()
