@@ -92,10 +92,14 @@ class Diagnosis:
 
     @property
     def library(self) -> dict[str, type[Effect]]:
-        """The library's laws, those of the model that stands as it holds them, for the page."""
+        """The library's laws, those of the model that stands as it holds them, for the page.
+
+        The model of an arm names its effects alone, which are the library's.
+        """
         known = by_module()
         held = self.document.get("model", {}).get("effects", [])
-        return all_effects() | {e["name"]: known[e["source"]] for e in held if e["source"] in known}
+        own = (e for e in held if not isinstance(e, str) and e["source"] in known)
+        return all_effects() | {e["name"]: known[e["source"]] for e in own}
 
     @property
     def notes(self) -> list[str]:
