@@ -19,7 +19,8 @@ from spirob.export.players import c, mujoco
 from spirob.files import write_text
 from spirob.machine.candidates import applicable
 from spirob.machine.laws import for_axis
-from tests.export.machines import exported_model, rig_of
+from tests.export import machines
+from tests.export.machines import exported_model, numbers_of, rig_of
 
 
 def shown(effects, hung):
@@ -82,6 +83,17 @@ def lost(model, target, folder):
     errors = heldout.errors(**script.play(place, about_of(model, player), heldout.given()))
     assert errors.size > 0.0
     return errors.lost
+
+
+def test_mjcf_holds_a_breakaway_peak_that_turns_round_within_a_step(tmp_path, monkeypatch):
+    def at_once(problem, names):
+        way = "stribeck_friction.presliding"
+        return numbers_of(problem, names) | {way: problem.table.about[way].low}
+
+    monkeypatch.setattr(machines, "numbers_of", at_once)
+    assert (
+        lost(exported_model(tmp_path, ["stribeck_friction"], seconds=1.5), "mjcf", tmp_path) < SAID
+    )
 
 
 MACHINES = {
