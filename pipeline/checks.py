@@ -16,6 +16,7 @@ from pipeline.schema import Config
 from pipeline.sides import merged
 from pipeline.trials import paper_wraps, recorded_trials, robot_wraps, unseen_wraps
 from spirob.campaign.arm.strength import strength_of
+from spirob.can.limits import Limits
 from spirob.can_protocol import require_known
 from spirob.effects import Effect, find_effects
 from spirob.emulator.faults import wire_from
@@ -29,7 +30,6 @@ from spirob.machine.loading import tried
 from spirob.perceive.size import SizeSettings
 from spirob.perceive.study import require_choices
 from spirob.plant import Plant, Rig
-from spirob.safety import Limits
 from spirob.trials import Trial
 from spirob.trials.trial import ROLES
 from spirob.trials.wrap import WrapSettings

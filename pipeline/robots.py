@@ -11,10 +11,11 @@ from joblib import Parallel, delayed
 
 from pipeline.schema import Config
 from pipeline.stage import tell, workers
+from spirob.can.bus import open_bus
+from spirob.can.drive import Drive, find_drive, require_fast_enough
+from spirob.can.limits import Limits
+from spirob.can.robot import CanRobot
 from spirob.can_protocol import CanFrame
-from spirob.canbus import CanRobot, open_bus
-from spirob.drives import Drive, find_drive
-from spirob.drives.drive import require_fast_enough
 from spirob.effects import find_effects
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import EmulatedRobot
@@ -25,7 +26,6 @@ from spirob.logs.cycles import Transmission
 from spirob.logs.writer import git_commit, versions
 from spirob.plant import Plant, Rig
 from spirob.robot import CYCLE_NS, Robot, Scene
-from spirob.safety import Limits
 from spirob.trials import Trial, record
 from spirob.trials.play import HostCurrentLoop, require_fitting
 from spirob.trials.simulation import SimulatedRobot

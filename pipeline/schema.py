@@ -32,7 +32,7 @@ class Emulated(Strict):
     kind: Literal["emulated"]
     current_noise: float = Field(0.005, ge=0, le=0.2)
     faults: list[dict[str, Any]] = []  # checked by `spirob.emulator.faults`
-    safety: dict[str, float] = {}  # checked by `spirob.safety.Limits`
+    safety: dict[str, float] = {}  # checked by `spirob.can.limits.Limits`
     # both are taken out before any other stage sees the configuration
     build: BuildName = TYPICAL
     hidden: Hidden | None = None
@@ -54,7 +54,7 @@ class Can(Strict):
     interface: str
     channel: str
     bitrate: int = Field(1_000_000, gt=0)
-    drive: str = "c620"  # or another of `spirob.drives`, or a description of your own
+    drive: str = "c620"  # or another of `spirob/can/drives`, or a description of your own
     options: dict[str, Any] = {}  # further ones of this python-can interface
     safety: dict[str, float] = {}
 

@@ -2,7 +2,7 @@
 
 `c620.dbc` is the single truth.  cantools reads it; because all fields are aligned to bytes the
 same layouts are compiled here to `struct` and `numpy` for speed, and a test proves both equal on
-random payloads.  Counts become SI units in `canbus` and `logs`, nowhere else.
+random payloads.  Counts become SI units in `can` and `logs`, nowhere else.
 
 Besides: whether an interface of python-can can be used here, before it is opened.
 """

@@ -22,6 +22,7 @@ from typing import Any
 import can
 import numpy as np
 
+from spirob.can.codec import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, decode_volts
 from spirob.can_protocol import (
     COMMAND_ID,
     FEEDBACK_ID,
@@ -31,7 +32,6 @@ from spirob.can_protocol import (
     encode_command,
     encode_feedback,
 )
-from spirob.drives.codec import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, decode_volts
 from spirob.emulator.faults import Wire, wire_from
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings

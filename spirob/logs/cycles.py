@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 
+from spirob.can.codec import VOLT_PER_COUNT
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -11,7 +12,6 @@ from spirob.can_protocol import (
     FEEDBACK_ID,
     decode_feedback_array,
 )
-from spirob.drives.codec import VOLT_PER_COUNT
 from spirob.errors import DataError, MissingChannel
 from spirob.parameter import Numbers, bounded
 from spirob.robot import CYCLE_NS, MOTORS

@@ -25,9 +25,8 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, DataEnd, Metadata
 
+from spirob.can.drive import Drive, translated
 from spirob.control import CURRENT, DISPLACEMENT, FORCE, VELOCITY
-from spirob.drives import Drive
-from spirob.drives.drive import translated
 from spirob.errors import ConfigError, DataError, MissingChannel, MissingLog, TooShort
 from spirob.logs.cycles import Cycles, Transmission
 from spirob.logs.messages import (

@@ -21,8 +21,8 @@ import yaml
 from mcap.writer import CompressionType, Writer
 
 import spirob
+from spirob.can.drive import Drive
 from spirob.can_protocol import CanFrame
-from spirob.drives import Drive
 from spirob.errors import DataError
 from spirob.files import publish
 from spirob.logs.cycles import Transmission

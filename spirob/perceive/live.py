@@ -25,6 +25,7 @@ import numpy as np
 import pandas as pd
 from sklearn.pipeline import Pipeline
 
+from spirob.can.motor import MotorState
 from spirob.can_protocol import FEEDBACK_ID, CanFrame
 from spirob.errors import DataError
 from spirob.logs.cycles import Transmission
@@ -35,7 +36,6 @@ from spirob.perceive.passive import PassiveDetector, Response, features
 from spirob.perceive.size import SizeModel
 from spirob.perceive.wrap import LEAST_STROKE, STILL_MOVING
 from spirob.robot import CYCLE_NS, MOTORS
-from spirob.safety.motor import MotorState
 from spirob.trace import Trace
 
 LONGEST = 50  # periods

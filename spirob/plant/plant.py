@@ -13,8 +13,8 @@ from dataclasses import dataclass, fields
 import mujoco
 import numpy as np
 
+from spirob.can.codec import VOLT_PER_COUNT
 from spirob.control import Schedule
-from spirob.drives.codec import VOLT_PER_COUNT
 from spirob.effects import Effect
 from spirob.effects.effect import differences
 from spirob.errors import SimulationError

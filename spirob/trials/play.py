@@ -1,7 +1,7 @@
 """Plays a trial on a robot, cycle by cycle, and hands everything to the log.
 
 Feedback of cycle k is what came in before its command goes out.  Every command passes the guard of
-`spirob.safety`, and where drives take voltages the current loop on the host, between guard and bus.
+`can.guard`, and where drives take voltages the current loop on the host, between guard and bus.
 However a trial ends - an error, Ctrl-C, SIGTERM, a full disk - the last command is zero current,
 sent before the log is closed.
 """
@@ -10,16 +10,17 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from spirob.can.codec import encode_volts
+from spirob.can.drive import Drive, Translator
+from spirob.can.guard import GuardedRobot
+from spirob.can.limits import Limits, interruptible
+from spirob.can.motor import MotorState
 from spirob.can_protocol import encode_command
 from spirob.control import CYCLE, Gains, HostLoop, Placed, current_command, host_voltage, placed
-from spirob.drives import Drive, Translator
-from spirob.drives.codec import encode_volts
 from spirob.errors import ConfigError, HardwareError
 from spirob.logs.cycles import Transmission
 from spirob.logs.writer import ThreadedLog, TrialLog
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
-from spirob.safety import GuardedRobot, Limits, interruptible
-from spirob.safety.motor import MotorState
 from spirob.trials.trial import Trial
 
 if TYPE_CHECKING:

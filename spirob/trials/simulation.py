@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from spirob.can.description import RPM
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -16,7 +17,6 @@ from spirob.can_protocol import (
     encode_feedback,
 )
 from spirob.control import CURRENT, Schedule
-from spirob.drives.description import RPM
 from spirob.errors import HardwareError
 from spirob.logs.reader import CHANNELS, FILTER_WINDOW, VOLTAGE
 from spirob.plant import Frames, Plant, Response, Session

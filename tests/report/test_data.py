@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spirob.canbus.robot import Lateness
+from spirob.can.robot import Lateness
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs import write_parquet
 from spirob.report import load

@@ -5,16 +5,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from spirob.can.codec import decode_volts
+from spirob.can.drive import find_drive
+from spirob.can.limits import Limits, Stopped
 from spirob.can_protocol import encode_command
-from spirob.drives import find_drive
-from spirob.drives.codec import decode_volts
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
 from spirob.experiments.host_loop import GainSet
 from spirob.logs import Transmission, read_log
 from spirob.plant import Plant, Rig
 from spirob.robot import Scene
-from spirob.safety import Limits, Stopped
 from spirob.trials import Trial, record
 from spirob.trials.play import HostCurrentLoop, guard
 from spirob.trials.simulation import SimulatedRobot, simulate

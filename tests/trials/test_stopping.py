@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from spirob.can.limits import Limits
 from spirob.errors import DataError, HardwareError
 from spirob.logs import read_log
 from spirob.logs.recovery import recover
-from spirob.safety import Limits
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.stopped_trial import commands
 from tests.trials.trials import record_on

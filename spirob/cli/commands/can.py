@@ -38,9 +38,8 @@ def _scan(arguments: argparse.Namespace) -> int:
 
     import can
 
-    from spirob.canbus import open_bus
-    from spirob.canbus.bus import listen
-    from spirob.drives import find_drive
+    from spirob.can.bus import listen, open_bus
+    from spirob.can.drive import find_drive
 
     if arguments.interface is None:
         logging.disable(logging.CRITICAL)  # python-can tells of every absent driver
@@ -67,10 +66,9 @@ def _scan(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from spirob.canbus import CanRobot, open_bus
-    from spirob.canbus.bus import check
-    from spirob.drives import find_drive
-    from spirob.drives.drive import require_fast_enough
+    from spirob.can.bus import check, open_bus
+    from spirob.can.drive import find_drive, require_fast_enough
+    from spirob.can.robot import CanRobot
     from spirob.errors import ConfigError
 
     if arguments.interface is None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import can
 
-    from spirob.drives import Drive
+    from spirob.can.drive import Drive
     from spirob.perceive.live import Watch
 
 HELP = "tell contacts and sizes from a bus while the robot moves"
@@ -45,8 +45,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over."""
-    from spirob.canbus import open_bus
-    from spirob.drives import find_drive
+    from spirob.can.bus import open_bus
+    from spirob.can.drive import find_drive
     from spirob.errors import ConfigError
     from spirob.logs import Transmission
     from spirob.perceive.live import LivePush, Watch
@@ -76,7 +76,7 @@ CLEAR = "\r\x1b[K"
 
 def show(watch: "Watch", bus: "can.BusABC", seconds: float, drive: "Drive | None" = None) -> None:
     """Listen and print; raises HardwareError where a motor is not heard at all."""
-    from spirob.canbus.bus import heard
+    from spirob.can.bus import heard
 
     live = sys.stdout.isatty()
     begun = time.monotonic()

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from spirob.can.limits import Limits
 from spirob.control import Gains
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import unpack_frames
 from spirob.logs.reader import read_content
-from spirob.safety import Limits
 from spirob.trace import Trace
 from spirob.trials import Trial, record
 

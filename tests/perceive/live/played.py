@@ -2,9 +2,9 @@
 
 import pandas as pd
 
+from spirob.can.drive import find_drive
 from spirob.can_protocol import CanFrame
 from spirob.control import Gains
-from spirob.drives import find_drive
 from spirob.emulator import EmulatedRobot
 from spirob.emulator.rig import EmulatedRig
 from spirob.experiments.host_contact import HostContact

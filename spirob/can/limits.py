@@ -12,6 +12,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
 
+from spirob.can.codec import VOLT_PER_COUNT
+from spirob.can.motor import TIMES, Flicker, MotorState
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COUNTS_PER_TURN,
@@ -19,11 +21,9 @@ from spirob.can_protocol import (
     command_counts,
     command_payload,
 )
-from spirob.drives.codec import VOLT_PER_COUNT
 from spirob.errors import HardwareError
 from spirob.parameter import Numbers, bounded
 from spirob.robot import CYCLE_NS, MOTORS
-from spirob.safety.motor import TIMES, Flicker, MotorState
 
 
 class Limits(Numbers):

@@ -11,9 +11,9 @@ from typing import Any
 import can
 import numpy as np
 
+from spirob.can.drive import Drive, Translator
+from spirob.can.robot import CanRobot
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command, require_interface
-from spirob.canbus.robot import CanRobot
-from spirob.drives import Drive, Translator
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS
 

@@ -2,7 +2,7 @@
 
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, Feedback, decode_command, encode_feedback
 from spirob.robot import MOTORS
-from tests.drives.served import Served
+from tests.can.served import Served
 
 
 class FakeDrives(Served):

@@ -7,19 +7,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from spirob.can.bus import open_bus
+from spirob.can.drive import Drive, Translator, find_drive, translated
+from spirob.can.limits import Limits
+from spirob.can.robot import CanRobot
 from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, decode_feedback, encode_command
-from spirob.canbus import CanRobot, open_bus
 from spirob.control import Gains
-from spirob.drives import Translator, find_drive
-from spirob.drives.drive import Drive, translated
 from spirob.errors import ConfigError, MissingLog
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames
 from spirob.logs.reader import read_content
-from spirob.safety import Limits
 from spirob.trials import Trial, record
-from tests.canbus.stalls import steady
-from tests.drives.fake_odrives import TORQUE_CONSTANT, FakeODrives
+from tests.can.fake_odrives import TORQUE_CONSTANT, FakeODrives
+from tests.can.stalls import steady
 from tests.trials.trials import plain_trial
 
 DRIVE = find_drive("odrive")

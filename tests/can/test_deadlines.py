@@ -11,15 +11,15 @@ import time
 import numpy as np
 import pytest
 
-from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.robot import EDGES, PRIORITY, Lateness, Urgency
+from spirob.can.bus import open_bus
+from spirob.can.limits import Limits
+from spirob.can.robot import EDGES, PRIORITY, CanRobot, Lateness, Urgency
 from spirob.control import Gains
 from spirob.logs import Transmission, read_log
 from spirob.logs.writer import TrialLog
-from spirob.safety import Limits
 from spirob.trials import Trial, record
-from tests.canbus.fake_drives import FakeDrives
-from tests.canbus.stalls import steady
+from tests.can.fake_drives import FakeDrives
+from tests.can.stalls import steady
 from tests.trials.trials import plain_trial
 
 

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from spirob.can.guard import GuardedRobot
+from spirob.can.limits import Limits, Stopped
 from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, encode_command
 from spirob.errors import ConfigError, HardwareError
 from spirob.robot import CYCLE_NS, Scene
-from spirob.safety import GuardedRobot, Limits, Stopped
-from tests.canbus.stalls import steady
-from tests.safety.paths import PATHS
+from tests.can.paths import PATHS
+from tests.can.stalls import steady
 from tests.trials.fake_robot import FakeRobot
 
 COMMANDS = st.lists(st.binary(min_size=8, max_size=8), min_size=1, max_size=25)

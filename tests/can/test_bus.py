@@ -6,19 +6,19 @@ import can
 import numpy as np
 import pytest
 
+from spirob.can.bus import check, listen, open_bus
+from spirob.can.drive import find_drive
+from spirob.can.robot import CanRobot
 from spirob.can_protocol import COMMAND_ID, decode_command
-from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.bus import check, listen
 from spirob.cli.main import main
-from spirob.drives import find_drive
 from spirob.emulator import EmulatedRobot
 from spirob.emulator.machine import Machine
 from spirob.emulator.rig import EmulatedRig, HiddenSettings
 from spirob.emulator.robot import serve
 from spirob.errors import HardwareError
-from tests.canbus.fake_drives import FakeDrives
-from tests.canbus.stalls import steady
-from tests.drives.fake_odrives import FakeODrives
+from tests.can.fake_drives import FakeDrives
+from tests.can.fake_odrives import FakeODrives
+from tests.can.stalls import steady
 
 PATIENT_NS = 500_000_000
 

@@ -4,7 +4,7 @@ import struct
 import time
 from math import pi
 
-from tests.drives.served import Served
+from tests.can.served import Served
 
 TORQUE_CONSTANT = 0.0203
 SPEED_PER_AMPERE = 4.0  # rotor rad/s, with a lag; slow, so that a stall hides no whole turn

@@ -12,10 +12,10 @@ from unittest.mock import patch
 import pytest
 from hypothesis.errors import Flaky
 
-from spirob.canbus.robot import Lateness
+from spirob.can.robot import Lateness
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS
-from tests.drives.served import Served
+from tests.can.served import Served
 
 ATTEMPTS = 6
 LONGEST = 90.0  # s, after which no further attempt is begun

@@ -6,18 +6,18 @@ import time
 import can
 import pytest
 
+from spirob.can.bus import open_bus
+from spirob.can.limits import Limits
+from spirob.can.robot import CanRobot, Urgency
 from spirob.can_protocol import COMMAND_ID, encode_command
-from spirob.canbus import CanRobot, open_bus
-from spirob.canbus.robot import Urgency
 from spirob.control import Gains
 from spirob.emulator.__main__ import main as serve
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.robot import CYCLE_NS, MOTORS, Cylinder, Scene
-from spirob.safety import Limits
 from spirob.trials import Trial, record
-from tests.canbus.fake_drives import FakeDrives
-from tests.canbus.stalls import steady
+from tests.can.fake_drives import FakeDrives
+from tests.can.stalls import steady
 from tests.trials.trials import plain_trial
 
 HALF_AMPERE = encode_command((0.5, 0.25))

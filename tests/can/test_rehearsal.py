@@ -10,13 +10,14 @@ from pathlib import Path
 import can
 import pytest
 
-from spirob.canbus import CanRobot, open_bus
+from spirob.can.bus import open_bus
+from spirob.can.limits import Limits
+from spirob.can.robot import CanRobot
 from spirob.control import Gains
 from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
-from spirob.safety import Limits
 from spirob.trials import Trial, record
-from tests.canbus.stalls import HELD_UP, Worst, pauses_of, steady
+from tests.can.stalls import HELD_UP, Worst, pauses_of, steady
 from tests.trials.trials import plain_trial
 
 CHANNEL = "239.74.163.77"

@@ -7,16 +7,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spirob.can_protocol import COMMAND_ID, CanFrame, Feedback, decode_feedback, encode_feedback
-from spirob.drives import Translator, find_drive
-from spirob.drives.codec import (
+from spirob.can.codec import (
     VOLT_PER_COUNT,
     VOLTAGE_FEEDBACK_ID,
     VOLTAGE_ID,
     decode_volts,
     encode_volts,
 )
-from spirob.drives.drive import Drive, require_fast_enough, seconds_a_cycle, translated
+from spirob.can.drive import (
+    Drive,
+    Translator,
+    find_drive,
+    require_fast_enough,
+    seconds_a_cycle,
+    translated,
+)
+from spirob.can_protocol import COMMAND_ID, CanFrame, Feedback, decode_feedback, encode_feedback
 from spirob.errors import ConfigError
 from spirob.logs.messages import pack_frame, unpack_frames
 
@@ -105,4 +111,4 @@ def test_a_bus_slower_than_the_loop_is_refused():
 
 def test_currents_are_as_they_were():
     assert not find_drive("odrive").by_voltage
-    assert resources.files("spirob.drives").joinpath("gm6020.yaml").is_file()
+    assert resources.files("spirob.can").joinpath("drives").joinpath("gm6020.yaml").is_file()

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Protocol, runtime_checkable
 
+from spirob.can.limits import Limits, Stopped, Watched, of_currents, of_voltages, reason_to_stop
+from spirob.can.motor import MotorState
 from spirob.can_protocol import FEEDBACK_ID, CanFrame, encode_command
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
-from spirob.safety.limits import Limits, Stopped, Watched, of_currents, of_voltages, reason_to_stop
-from spirob.safety.motor import MotorState
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 

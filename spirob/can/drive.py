@@ -15,6 +15,16 @@ from pathlib import Path
 import numpy as np
 
 from spirob import files, plain_yaml
+from spirob.can.codec import VOLT_PER_COUNT, Codec
+from spirob.can.description import (
+    UNITS,
+    VOLTS,
+    Description,
+    Motor,
+    Sent,
+    Source,
+    description_from,
+)
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
@@ -25,16 +35,6 @@ from spirob.can_protocol import (
     command_counts,
     encode_feedback,
     feedback_payloads,
-)
-from spirob.drives.codec import VOLT_PER_COUNT, Codec
-from spirob.drives.description import (
-    UNITS,
-    VOLTS,
-    Description,
-    Motor,
-    Sent,
-    Source,
-    description_from,
 )
 from spirob.errors import ConfigError
 
@@ -202,7 +202,7 @@ def find_drive(name: str) -> Drive:
         text = _read(own)
         about = description_from(plain_yaml.read(text, str(own)), str(own))
         return Drive.from_texts(text, _read(own.parent / about.dbc), str(own))
-    folder = resources.files("spirob.drives")
+    folder = resources.files("spirob.can").joinpath("drives")
     known = sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".yaml"))
     if name not in known:
         raise ConfigError(f"no drive '{name}'; known: c620, {', '.join(known)}, or a .yaml file")

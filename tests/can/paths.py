@@ -2,11 +2,12 @@
 
 from contextlib import contextmanager
 
+from spirob.can.bus import open_bus
+from spirob.can.robot import CanRobot
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, Feedback, decode_command, encode_feedback
-from spirob.canbus import CanRobot, open_bus
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.robot import Scene
-from tests.drives.served import Served
+from tests.can.served import Served
 from tests.trials.fake_robot import FakeRobot
 
 

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.drives.codec import Codec
+from spirob.can.codec import Codec
 from spirob.errors import ConfigError, DataError, SpirobError
 
 FILES = {
     "c620": resources.files("spirob").joinpath("c620.dbc").read_text(),
-    "odrive": resources.files("spirob.drives").joinpath("odrive.dbc").read_text(),
-    "gm6020": resources.files("spirob.drives").joinpath("gm6020.dbc").read_text(),
+    "odrive": resources.files("spirob.can").joinpath("drives").joinpath("odrive.dbc").read_text(),
+    "gm6020": resources.files("spirob.can").joinpath("drives").joinpath("gm6020.dbc").read_text(),
     "odd": """VERSION ""
 
 BS_:

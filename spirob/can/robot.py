@@ -14,11 +14,11 @@ from contextlib import suppress
 import can
 import numpy as np
 
+from spirob.can.drive import Drive
+from spirob.can.limits import Stopped
 from spirob.can_protocol import COMMAND_ID, FEEDBACK_ID, CanFrame, encode_command
-from spirob.drives import Drive
 from spirob.errors import HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene
-from spirob.safety import Stopped
 
 EDGES = (0, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000)  # µs, the last bin is open
 
@@ -146,7 +146,7 @@ class CanRobot:
                 priority and without garbage collection, where that is allowed
 
     Until `arm` no current is sent: a command that is not zero is an error.  Limits beyond that are
-    the guard's (`spirob.safety`), which every trial is played through.
+    the guard's (`can.guard`), which every trial is played through.
     """
 
     def __init__(

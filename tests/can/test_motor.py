@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from spirob.can.guard import GuardedRobot
+from spirob.can.limits import Limits, Stopped
 from spirob.can_protocol import AMPERE_PER_COUNT, encode_command
 from spirob.robot import CYCLE_NS, Scene
-from spirob.safety import GuardedRobot, Limits, Stopped
-from tests.safety.test_guard import feedback
+from tests.can.test_guard import feedback
 from tests.trials.fake_robot import FakeRobot
 
 WIDE = {"travel": 10.0, "speed": 100.0, "following": 40.0, "slew": 1e6}
