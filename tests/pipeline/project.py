@@ -24,9 +24,13 @@ SHORT = [
     "paper=short",
     "trial=short",
 ]
-READMES = ("data/sweep/README.md", "data/recorded/README.md")
-# of the release, in its report; no stage makes them
-MEASURED = ("reports/metrics/trial_full.json", "reports/metrics/contacts.json")
+KEPT = (
+    "data/sweep/README.md",
+    "data/recorded/README.md",
+    "reports/trial/cases.jsonl",
+    "reports/trial/by.txt",
+)
+MEASURED = "reports/metrics/contacts.json"  # of the release, in its report; no stage makes it
 COMPILED = (".pyc", ".nbi", ".nbc")  # by Python, by Numba
 TRIES = 3  # of a run that DVC refuses
 IN_A_ROW = """import sys
@@ -58,7 +62,7 @@ class Project:
         self.root = root
         for folder in ("conf", "pipeline", "spirob"):
             shutil.copytree(SOURCE / folder, root / folder, ignore=_unfinished)
-        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", *MEASURED, *READMES):
+        for file in ("dvc.yaml", ".dvcignore", "data/.gitignore", MEASURED, *KEPT):
             (root / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(SOURCE / file, root / file)
         self.override(overrides)

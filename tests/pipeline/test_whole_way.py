@@ -47,6 +47,7 @@ STAGES = {  # in the order in which they run: about how long each takes [s]
     "transfer": 8,
     "evaluate": 4,
     "trial": 12,
+    "trial_full": 3,
     "report": 4,
 }
 METRICS = [
@@ -59,6 +60,7 @@ METRICS = [
     "size",
     "transfer",
     "trial",
+    "trial_full",
 ]
 
 
@@ -72,7 +74,7 @@ def finished(tmp_path_factory):
 def test_report_and_metrics_are_there(finished):
     page = (finished.root / "reports/index.html").read_text()
     assert "<html" in page
-    made = set(finished.metrics()) - {Path(path).name for path in MEASURED}
+    made = set(finished.metrics()) - {Path(MEASURED).name}
     assert sorted(made) == [f"{name}.json" for name in METRICS]
     size = json.loads(finished.metrics()["size.json"])
     assert {"mae", "rmse", "r2", "std"} <= set(size["robot"])
