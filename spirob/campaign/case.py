@@ -9,8 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from spirob.campaign import recorder as recording
-from spirob.campaign.recorder import Recorder
+from spirob.campaign.recorder import (
+    RATES,
+    Recorder,
+    columns,
+    description,
+    drawn_recorder,
+    length_of,
+    reported,
+)
 from spirob.campaign.scoring import (
     BESIDE,
     DRAWN,
@@ -146,13 +153,13 @@ def drawn(case: Case) -> Drawn:
     machine, recorder, plans = made.machine, made.recorder, made.plans
     hidden, scale, shares = made.hidden, made.scale, made.shares
     motions = [simulator.play(machine, hidden, p) for p in plans]
-    played = [recording.reported(m, machine, hidden) for m in motions]
+    played = [reported(m, machine, hidden) for m in motions]
     speeds = np.concatenate([m.v[np.abs(m.v) > SLOW * scale.speed] for m in motions])
     one_way = bool(np.all(speeds > 0) or np.all(speeds < 0))
     truth = _truth(kinds, simulator, one_way, shares) | {"share": share(played, recorder.rate)}
     delay_known = any(KINDS[kind].family == "late" for kind in kinds)
-    rig = recording.description(machine, recorder, delay_known, rng)
-    logs = [recording.columns(m, machine, recorder, rng) for m in played]
+    rig = description(machine, recorder, delay_known, rng)
+    logs = [columns(m, machine, recorder, rng) for m in played]
     about = asdict(recorder) | {
         "rig": machine.rig,
         "effort": machine.effort,
@@ -176,11 +183,8 @@ def _bare(
 ) -> list[dict[str, np.ndarray]]:
     """Logs of motions with nothing hidden, as noisy as those with what is hidden were."""
     sizes = [float(np.sqrt(np.mean(m.effort**2))) for m in played]
-    told = [recording.reported(m, machine, Hidden()) for m in motions]
-    return [
-        recording.columns(m, machine, recorder, rng, size)
-        for m, size in zip(told, sizes, strict=True)
-    ]
+    told = [reported(m, machine, Hidden()) for m in motions]
+    return [columns(m, machine, recorder, rng, size) for m, size in zip(told, sizes, strict=True)]
 
 
 def _set_up(
@@ -188,12 +192,12 @@ def _set_up(
 ) -> tuple[Machine, Recorder, list[Plan], list[Motion]]:
     """A machine, how it is logged, what it plays, and what it does with nothing hidden in it."""
     late = any(KINDS[kind].family == "late" for kind in kinds)
-    rate = float(rng.choice([r for r in recording.RATES if r >= PROMPT or not late]))
+    rate = float(rng.choice([r for r in RATES if r >= PROMPT or not late]))
     low, high = QUICK if late else FASTEST
     fastest = min(float(rng.uniform(low, high)), rate / SLOW_LOG)
     machine = simulator.draw(rng, kinds, fastest)
-    seconds = recording.length_of(rate, rng)
-    recorder = recording.drawn(rng, machine, rate, seconds, 2.5 * fastest * machine.stroke)
+    seconds = length_of(rate, rng)
+    recorder = drawn_recorder(rng, machine, rate, seconds, 2.5 * fastest * machine.stroke)
     warming = float(rng.choice([0.0, 0.0, 0.0, rng.uniform(-0.05, 0.05)]))
     motions = [str(rng.choice(machine.motions))] * recorder.logs
     if rng.uniform() < 0.3 and "one way" not in motions:
@@ -230,7 +234,7 @@ def _adjusted(
     def shown(at: float) -> float:
         hidden = Hidden(**made.at(at))
         played = [simulator.play(machine, hidden, p) for p in plans]
-        return share([recording.reported(m, machine, hidden) for m in played], recorder.rate)
+        return share([reported(m, machine, hidden) for m in played], recorder.rate)
 
     if made.fixed:
         return made.at(1.0), shown(1.0)

@@ -38,7 +38,7 @@ SYMBOLS = "add,sub,mul,div,constant,variable,abs,square,sqrt,exp,tanh,sin,cos"
 
 
 @dataclass(frozen=True)
-class Side:
+class Samples:
     """The samples of one role.
 
     left    (N,) what the fitted numbers leave;  slopes  (N, n) of it by those numbers
@@ -49,7 +49,7 @@ class Side:
     slopes: np.ndarray
     motion: np.ndarray
 
-    def after(self, other: "Side", own: np.ndarray, held: np.ndarray) -> float:
+    def after(self, other: "Samples", own: np.ndarray, held: np.ndarray) -> float:
         """RMS of `other` once columns `own`, `held` there, and the slopes are fitted here."""
         columns = np.hstack([self.slopes, own])
         size = np.linalg.norm(columns, axis=0) + 1e-300
@@ -57,15 +57,15 @@ class Side:
         rest = other.left + np.hstack([other.slopes, held]) @ moved
         return float(np.sqrt(np.mean(rest**2)))
 
-    def rows(self, which: np.ndarray) -> "Side":
+    def rows(self, which: np.ndarray) -> "Samples":
         """Some of the samples."""
-        return Side(self.left[which], self.slopes[which], self.motion[which])
+        return Samples(self.left[which], self.slopes[which], self.motion[which])
 
 
-def sides(drafts: Drafts) -> tuple[Side, Side]:
+def sides(drafts: Drafts) -> tuple[Samples, Samples]:
     """What is left and the motion, of the training and of the held-out logs."""
     both = drafts.ground.train, drafts.ground.heldout
-    train, held = (Side(s.residual, s.slopes, _motion(s, drafts.ranges)) for s in both)
+    train, held = (Samples(s.residual, s.slopes, _motion(s, drafts.ranges)) for s in both)
     return train, held
 
 
@@ -75,7 +75,7 @@ def _motion(side: ground.Side, ranges: Ranges) -> np.ndarray:
     return np.column_stack([side.thinned(np.asarray(values[n])) for n in named])
 
 
-def by_sindy(train: Side, held: Side) -> tuple[float, int]:
+def by_sindy(train: Samples, held: Samples) -> tuple[float, int]:
     """Held-out RMSE and terms of sparse regression; its threshold by the last third of the rows."""
     pysindy: Any = import_module("pysindy")
 
@@ -86,7 +86,7 @@ def by_sindy(train: Side, held: Side) -> tuple[float, int]:
         turned = [w * motion[:, 2:3] for w in waves]
         return np.hstack([np.asarray(made.transform(motion)), *waves, *turned])
 
-    def kept(side: Side, threshold: float) -> np.ndarray:
+    def kept(side: Samples, threshold: float) -> np.ndarray:
         columns, target = library(side.motion), -side.left
         span = np.linalg.qr(side.slopes)[0]
         columns = columns - span @ (span.T @ columns)
@@ -108,7 +108,7 @@ def by_sindy(train: Side, held: Side) -> tuple[float, int]:
     return error, len(terms)
 
 
-def by_symbols(train: Side, held: Side, seed: int) -> tuple[float, int]:
+def by_symbols(train: Samples, held: Samples, seed: int) -> tuple[float, int]:
     """Held-out RMSE and places where a signal stands, of a formula found by evolution."""
     operon: Any = import_module("pyoperon.sklearn")
     rows = np.linspace(0, len(train.left) - 1, min(ROWS, len(train.left))).astype(int)

@@ -52,7 +52,7 @@ def length_of(rate: float, rng: np.random.Generator) -> float:
     return float(rng.uniform(low, high))
 
 
-def drawn(
+def drawn_recorder(
     rng: np.random.Generator, machine: Machine, rate: float, seconds: float, speed: float
 ) -> Recorder:
     """A recorder for a machine that moves as fast as `speed`."""

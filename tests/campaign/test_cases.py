@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from spirob.campaign import case as drawing
-from spirob.campaign import recorder
 from spirob.campaign.case import Case, able, cases, drawn, together
 from spirob.campaign.scoring import KINDS, LIBRARY, OUTSIDE, answers
 from spirob.campaign.simulators import SIMULATORS
@@ -19,8 +18,8 @@ UNSEEN = {"current_gain"}  # what is fitted takes it up
 @pytest.fixture
 def short(monkeypatch):
     """Short logs of 500 Hz, that a test can afford."""
-    monkeypatch.setattr(recorder, "RATES", (500.0,))
-    monkeypatch.setattr(recorder, "length_of", lambda rate, rng: 6.0)
+    monkeypatch.setattr("spirob.campaign.case.RATES", (500.0,))
+    monkeypatch.setattr("spirob.campaign.case.length_of", lambda rate, rng: 6.0)
 
 
 def player(kind):

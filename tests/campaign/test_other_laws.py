@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.campaign.other_laws import Side, by_sindy, by_symbols, cases
+from spirob.campaign.other_laws import Samples, by_sindy, by_symbols, cases
 from spirob.campaign.simulators import SIMULATORS
 
 
@@ -13,7 +13,7 @@ def side(seed, count=600):
     motion = random.uniform(-1.0, 1.0, (count, 5))
     slopes = motion[:, 1:2]
     left = motion[:, 0] ** 3 + 0.5 * slopes[:, 0] + 0.01 * random.standard_normal(count)
-    return Side(left, slopes, motion)
+    return Samples(left, slopes, motion)
 
 
 def test_a_law_is_judged_with_the_fitted_numbers_moved_by_it():

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from spirob.campaign import recorder, running
+from spirob.campaign import running
 from spirob.campaign.case import Case
 from spirob.cli.main import main
 from spirob.errors import DataError
@@ -80,8 +80,8 @@ def test_bad_choices_are_a_sentence(wrong, capsys, tmp_path):
 
 
 def test_a_tiny_campaign_is_played_to_its_table(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(recorder, "RATES", (200.0,))
-    monkeypatch.setattr(recorder, "length_of", lambda rate, rng: 6.0)
+    monkeypatch.setattr("spirob.campaign.case.RATES", (200.0,))
+    monkeypatch.setattr("spirob.campaign.case.length_of", lambda rate, rng: 6.0)
     path, summary = tmp_path / "campaign.jsonl", tmp_path / "table.json"
     asked = ["trial", "--rigs", "--simulators", "bench", "--kinds", "quadratic_drag", "none"]
     asked += ["--seeds", "2:3", "--workers", "1", "--out", str(path), "--json", str(summary)]

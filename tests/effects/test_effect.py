@@ -52,7 +52,7 @@ def test_without_a_difference_nothing_changes():
 
 def plant_trial():
     """Half a second of the first bend."""
-    from spirob.campaign.arm.recording import bends
+    from spirob.campaign.arm.bends import bends
     from spirob.trials import Trial
 
     trial = Trial.from_plain(bends()[0])

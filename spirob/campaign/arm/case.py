@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from spirob.campaign.arm.bends import recorded
 from spirob.campaign.arm.rates import ANSWERS, TOGETHER, answers
-from spirob.campaign.arm.recording import recorded
 from spirob.campaign.arm.strength import RATIOS, drawn
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings

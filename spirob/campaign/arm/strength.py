@@ -22,7 +22,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from joblib import Parallel, delayed
 
-from spirob.campaign.arm.recording import problems_of, recorded
+from spirob.campaign.arm.bends import problems_of, recorded
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.fitting import Begun, begun
 from spirob.emulator.build import AS_DESIGNED, TYPICAL

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.campaign.arm import recording, running, strength
+from spirob.campaign.arm import bends, running, strength
 from spirob.campaign.arm.case import Case, quickly, run
 from spirob.cli.main import main
 from spirob.diagnosis.criteria import Settings
@@ -139,7 +139,7 @@ def test_a_strong_lag_of_the_sensor_is_found_on_a_robot_of_its_own(monkeypatch):
     """
     monkeypatch.setattr(builds, "DRAWS", 9)
     few = ("train_deep", "train_fast", "validate_right", "heldout_left")
-    monkeypatch.setattr(recording, "BENDS", [b for b in recording.BENDS if b[0] in few])
+    monkeypatch.setattr(bends, "BENDS", [b for b in bends.BENDS if b[0] in few])
     law = SimpleNamespace(document={"terms": ["way"], "rmse": {"test": 0.1}})
     asked = []
     library = running.run.__globals__["all_effects"]()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.campaign.arm.recording import bends
+from spirob.campaign.arm.bends import bends
 from spirob.diagnosis.criteria import Settings
 from spirob.effects import load_file
 from spirob.effects.check import check
