@@ -1,21 +1,42 @@
-"""Diagnoses a simulated rig and says whether the verdict is right."""
+"""Diagnoses a simulated rig and says whether the verdict is right.
 
+`test_verdicts` searches the whole library; a test of what logs hold, or of a number, needs no more
+than one effect of each kind to go astray with.
+"""
+
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+from spirob.effects import all_effects
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import Case
 
+FEW = {
+    "asymmetric_viscous_friction",
+    "cogging",
+    "constant_force",
+    "coulomb_friction",
+    "current_offset",
+    "gear_compliance",
+    "load_dependent_friction",
+    "presliding_friction",
+    "quadratic_drag",
+    "tip_payload",
+}
+OTHERS = frozenset(all_effects()) - FEW  # are no candidates where a test says so
 
-def diagnosed(case: Case, folder: Path) -> dict[str, Any]:
-    """The document of a case's diagnosis."""
+
+def diagnosed(case: Case, folder: Path, without: Collection[str] = ()) -> dict[str, Any]:
+    """The document of a case's diagnosis, with all effects but some as candidates."""
     for name, text in case.files.items():
         (folder / name).write_text(text)
     rig = RigFile.model_validate(case.rig)
     train = [prepare(f"train_{k}", trial, rig) for k, trial in enumerate(case.train)]
-    return diagnose_recordings(rig, folder, train, [prepare("test", case.test, rig)]).document
+    test = [prepare("test", case.test, rig)]
+    return diagnose_recordings(rig, folder, train, test, without=without).document
 
 
 def is_right(case: Case, document: dict[str, Any]) -> bool:

@@ -12,6 +12,7 @@ from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
+from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
@@ -72,7 +73,9 @@ def test_a_log_that_is_not_there_or_left_out_is_a_sentence(changes, sentence):
 
 def diagnosed(described, made, held):
     logs = recordings([*made, *held], described)
-    return diagnose_recordings(described, None, logs[: len(made)], logs[len(made) :])
+    return diagnose_recordings(
+        described, None, logs[: len(made)], logs[len(made) :], without=OTHERS
+    )
 
 
 def test_a_zero_that_moved_is_recovered_where_a_spring_tells_it():

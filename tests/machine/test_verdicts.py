@@ -5,7 +5,7 @@ Seeds from 1000 on were not looked at while the search was built.
 
 import pytest
 
-from tests.machine.judging import diagnosed, is_right
+from tests.machine.judging import OTHERS, diagnosed, is_right
 from tests.machine.rigs import CASES
 
 
@@ -31,6 +31,6 @@ def test_a_number_at_its_bound_is_set_free_and_said(tmp_path):
     """The inertia is far outside its bounds: what is missing is told all the same."""
     case = CASES["crane"](1004)
     case.rig["fit"]["inertia"] = {"nominal": 1e-3, "low": 1e-4, "high": 1e-2}
-    document = diagnosed(case, tmp_path)
+    document = diagnosed(case, tmp_path, OTHERS)
     assert is_right(case, document), document["sentence"]
     assert any("inertia ended at its bound" in said for said in document["repairs"])

@@ -11,6 +11,7 @@ from spirob.machine.models import Models
 from spirob.machine.plausibility import AT_LOAD
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
+from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 
 T = np.arange(0.0, 10.0, 4e-3)
@@ -44,7 +45,7 @@ def test_the_side_of_the_sensor_is_found_where_it_is_not_told(tmp_path, end):
     for seed in range(3):
         ends, u = soft_gear(2600 + seed)
         logs.append(prepare(f"{seed}", {"t": OFTEN, "q": ends[end], "u": u}, rig))
-    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:])
+    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:], without=OTHERS)
     names = {f.name for f in found.findings}
     assert "coulomb_friction" in names
     assert (AT_LOAD in found.notes) == (end == "load")
@@ -71,7 +72,7 @@ def test_the_one_log_that_turns_the_other_way_is_never_left_out(tmp_path, ways):
     """Without it, friction and offset are one; more logs of the others change nothing."""
     rig = RigFile.model_validate(description())
     logs = [prepare(f"{k}", one_way(way, 2700 + k), rig) for k, way in enumerate((*ways, -1, 1))]
-    found = diagnose_recordings(rig, tmp_path, logs[:-2], logs[-2:])
+    found = diagnose_recordings(rig, tmp_path, logs[:-2], logs[-2:], without=OTHERS)
     named = [{f.name, *f.equivalents} for f in found.findings]
     assert len(named) == 2
     assert any("coulomb_friction" in names for names in named)
@@ -88,7 +89,7 @@ def leaning(way, seed):
 def test_what_the_held_out_log_alone_shows_is_found_with_the_ends_held_out(tmp_path):
     rig = RigFile.model_validate(description())
     logs = [prepare(f"{way}", leaning(way, 2730 + way), rig) for way in (1, -1)]
-    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
+    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:], without=OTHERS)
     assert [f.name for f in found.findings] == ["asymmetric_viscous_friction"]
     (note,) = (text for text in found.notes if "they show what these do not" in text)
     assert "30% of every log was kept aside" in note
@@ -98,7 +99,7 @@ def test_a_search_that_took_long_is_not_repeated_and_says_so(tmp_path, monkeypat
     monkeypatch.setattr(models, "LONG", 0)
     rig = RigFile.model_validate(description())
     logs = [prepare(f"{way}", leaning(way, 2730 + way), rig) for way in (1, -1)]
-    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
+    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:], without=OTHERS)
     assert found.verdict == "unknown"
     (note,) = (text for text in found.notes if "they show what these do not" in text)
     assert note.endswith(axis.UNTRIED)
@@ -119,7 +120,7 @@ def test_more_than_a_pair_is_looked_for_while_there_is_time():
 def test_logs_of_one_direction_give_one_name_for_friction_and_a_force(tmp_path):
     rig = RigFile.model_validate(description())
     logs = [prepare(f"{k}", one_way(1, 2720 + k), rig) for k in range(3)]
-    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:])
+    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:], without=OTHERS)
     (one,) = found.findings
     assert {"coulomb_friction", "constant_force"} <= {one.name, *one.equivalents}
     assert any("one way only" in note for note in found.notes)
@@ -149,7 +150,7 @@ def test_more_logs_never_make_the_answer_worse(tmp_path):
     logs = [prepare(kind, weighted(kind, 2800 + k), rig) for k, kind in enumerate(kinds)]
     held = prepare("held out", weighted("tones", 2810), rig)
     for count in range(1, len(logs) + 1):
-        found = diagnose_recordings(rig, tmp_path, logs[:count], [held])
+        found = diagnose_recordings(rig, tmp_path, logs[:count], [held], without=OTHERS)
         assert {f.name for f in found.findings} == {"coulomb_friction", "tip_payload"}, count
 
 
@@ -158,6 +159,6 @@ def test_a_held_out_log_of_another_sign_teaches_nothing(tmp_path):
     made = weighted("tones", 2740), weighted("tones", 2741)
     made[1]["u"] *= -1.0
     logs = [prepare(f"{k}", columns, rig) for k, columns in enumerate(made)]
-    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:])
+    found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:], without=OTHERS)
     assert found.verdict == "unknown"
     assert not any("they show what these do not" in text for text in found.notes)
