@@ -232,7 +232,7 @@ def test_of_rivals_the_one_that_holds_is_left(finished, tmp_path):
     assert found["verdict"] != "undecided"
 
 
-KILLED = 4  # stages of a run, others in each run: as many as there are would double the tests
+KILLED = 2  # stages of a run, others in each run: each costs about what it takes to play it twice
 
 
 def test_a_run_that_is_killed_in_some_stages_ends_with_the_same_metrics(finished, tmp_path):
