@@ -49,7 +49,7 @@ def stage(root: Path) -> None:
             "curves": experiment.curves(sides),
         }
         metrics[name] = {r["what"]: _figures(r) for r in rows if r["aim"] or r["paper"] is not None}
-        aimed = [r["met"] for r in rows if r["met"] is not None]
+        aimed = [r["met"] for r in rows if isinstance(r["met"], bool)]
         tell(f"{name}: {sum(aimed)} of {len(aimed)} aims met")
     write_json(root / "data/experiments/experiments.json", written)
     write_json(root / "reports/metrics/experiments.json", metrics)
@@ -58,11 +58,22 @@ def stage(root: Path) -> None:
 def _played(
     root: Path, config: Config, hidden: dict[str, Any], models: Models, experiment: Experiment
 ) -> dict[str, dict[str, Side]]:
-    plays = experiment.plays()
+    """Play -> side -> what it did, until the experiment wants no more."""
     plain = config.model_dump()
-    jobs = [delayed(_one)(root, plain, hidden, play, models) for play in plays]
-    answers = Parallel(n_jobs=workers(), initializer=end_with_parent)(jobs)
-    return {play.name: sides for play, sides in zip(plays, answers, strict=True)}
+    run = Parallel(n_jobs=workers(), initializer=end_with_parent)
+    sides: dict[str, dict[str, Side]] = {}
+    plays = experiment.plays()
+    while plays:
+        answers = run([delayed(_one)(root, plain, hidden, play, models) for play in plays])
+        for play, answer in zip(plays, answers, strict=True):
+            sides[play.name] = _joined(sides.get(play.name, {}), answer)
+        plays = experiment.more(sides)
+    return sides
+
+
+def _joined(before: dict[str, Side], answer: dict[str, Side]) -> dict[str, Side]:
+    """With what was played before."""
+    return before | {s: Side.mean([before[s], a]) if s in before else a for s, a in answer.items()}
 
 
 def _one(

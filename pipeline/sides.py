@@ -29,7 +29,7 @@ from spirob.control import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
-from spirob.experiments import Experiment, Play, Side, repeating
+from spirob.experiments import BLOCK, Experiment, Play, Side, repeating
 from spirob.logs import read_log
 from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
@@ -92,10 +92,10 @@ def play_all(
     trial = Trial.from_plain(play.trial)
     sides: dict[str, Side] = {}
     if config.robot.kind != "can" and _plays("robot", play):
-        sides["robot"] = _shots(config, hidden, play, log)
+        sides["robot"] = _mean(play, partial(_on_robot, config, hidden, log))
     for name, model in models.items():
         if _plays(name, play):
-            sides[name] = model_side(config, play, model, *_noise(config, play))
+            sides[name] = _mean(play, partial(_of_model, config, model))
             if play.repeat and "robot" in sides:
                 moved = replace(play, react=partial(play.repeat, sides["robot"]))
                 sides[repeating(name)] = model_side(config, moved, model)
@@ -119,19 +119,32 @@ def _plays(side: str, play: Play) -> bool:
 def _noise(config: Config, play: Play) -> tuple[float, int]:
     """The sensor's noise [A] where a model has it, and its seed."""
     size = getattr(config.robot, "current_noise", 0.0) if play.noisy else 0.0
-    return size, crc32(play.name.encode())
+    return size, crc32(play.name.encode()) + play.first
 
 
-def _shots(config: Config, hidden: Mapping[str, Any], play: Play, log: Path) -> Side:
+def _mean(play: Play, block: Callable[[Play], Side]) -> Side:
+    """What one side did, the mean of all blocks of shots."""
+    if play.shots == 1:
+        return block(play)
+    firsts = range(play.first, play.first + play.shots, BLOCK)
+    return Side.mean([block(replace(play, shots=BLOCK, first=first)) for first in firsts])
+
+
+def _of_model(config: Config, model: Mapping[str, Any], play: Play) -> Side:
+    """What a model did, with noise where the play is noisy."""
+    return model_side(config, play, model, *_noise(config, play))
+
+
+def _on_robot(config: Config, hidden: Mapping[str, Any], log: Path, play: Play) -> Side:
     """What a robot did, the mean of all shots."""
     if play.shots == 1:
         return robot_side(config, hidden, play, log)
     sides = []
-    for k in range(play.shots):
+    for k in range(play.first, play.first + play.shots):
         name = f"{play.name}_{k}"
         shot = replace(play, name=name, trial={**play.trial, "name": name})
         sides.append(robot_side(config, hidden, shot, log.with_name(f"{name}.mcap")))
-    return Side.mean(sides)
+    return replace(Side.mean(sides), parts=())
 
 
 def robot_side(

@@ -44,6 +44,7 @@ class Side:
     command       (T, 2) commanded current [A]
     arm_current   (T, 2) i** of a model [A]; None of all others
     voltage       (T, 2) that the host sent [V]; None where the drive closes the current loop
+    parts         of a mean: what it is the mean of, which says how sure it is
     """
 
     current: np.ndarray | None
@@ -52,6 +53,7 @@ class Side:
     command: np.ndarray
     arm_current: np.ndarray | None = None
     voltage: np.ndarray | None = None
+    parts: tuple["Side", ...] = ()
 
     @classmethod
     def from_trace(cls, trace: Trace) -> "Side":
@@ -60,9 +62,8 @@ class Side:
         more = ("arm_current", "voltage")
         names += [name for name in more if f"{MOTORS[0]}.{name}" in trace.signals]
         trace.require_finite([f"{motor}.{name}" for motor in MOTORS for name in names])
-        return cls(
-            **{n: np.column_stack([trace[f"{motor}.{n}"] for motor in MOTORS]) for n in names}
-        )
+        of = {n: np.column_stack([trace[f"{motor}.{n}"] for motor in MOTORS]) for n in names}
+        return cls(**of)  # type: ignore[arg-type]
 
     @classmethod
     def from_motion(cls, motion: Motion, command: np.ndarray) -> "Side":
@@ -71,10 +72,13 @@ class Side:
 
     @classmethod
     def mean(cls, sides: Sequence["Side"]) -> "Side":
-        """Of one trial played several times; a signal that one of them lacks is left out."""
-        of = {f.name: [getattr(side, f.name) for side in sides] for f in fields(cls)}
+        """Of one trial played several times, or of such means; a signal that one lacks is out."""
+        parts = tuple(part for side in sides for part in side.parts or (side,))
+        names = [f.name for f in fields(cls) if f.name != "parts"]
+        of = {name: [getattr(part, name) for part in parts] for name in names}
         whole = {n: v for n, v in of.items() if all(one is not None for one in v)}
-        return cls(**{"current": None, **{n: np.mean(v, axis=0) for n, v in whole.items()}})
+        means = {n: np.mean(v, axis=0) for n, v in whole.items()}
+        return cls(**{"current": None, **means}, parts=parts)
 
     @property
     def seconds(self) -> np.ndarray:
@@ -102,6 +106,7 @@ EXPERIMENTS = (
     "host_periodic",
 )
 GIVEN = ("geometry", "told")  # what is no setting
+BLOCK = 3  # shots of one part of a mean
 LIMIT = 5.0  # A, of every command: the paper's saturation
 
 SIDES = ("robot", "base", "named", "single")
@@ -137,7 +142,9 @@ class Play:
     known  what models have from the robot's own trial before it
     only   the sides that play it; all where empty
     react  makes what a side does about what it feels; None where it does nothing
-    shots  how often a robot plays it, its noise being another each time, for their mean
+    shots  how often a robot plays it, its noise being another each time, for their mean; `BLOCK`
+           of them are one of its parts
+    first  how many shots of it were played before
     noisy  whether a model's current has the sensor's noise as the robot's has, the mean of as many
            draws as there are shots, and a loop on the host reads it in the drive's counts
     repeat makes, of the robot's side, what a model does to move as the robot did, whatever it feels
@@ -150,6 +157,7 @@ class Play:
     known: Known = field(default_factory=Known)
     only: tuple[str, ...] = ()
     shots: int = 1
+    first: int = 0
     noisy: bool = False
     react: Callable[[], Reaction] | None = None
     repeat: Callable[[Side], Reaction] | None = None
@@ -180,9 +188,19 @@ class Experiment(ABC):
     def plays(self) -> list[Play]:
         """Every trial to be played, on every side."""
 
+    def more(self, sides: Sides) -> list[Play]:
+        """What has to be played beside `plays`, by what the sides did so far; none: enough.
+
+        Shots of a play that is known join those that were played.
+        """
+        return []
+
     @abstractmethod
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
-        """Figures as rows `{what, unit, robot, base, named, single, paper, aim, met, note}`."""
+        """Figures as rows `{what, unit, robot, base, named, single, paper, aim, met, note}`.
+
+        met  of an aim that cannot be judged: a word or two why, which the note says in full
+        """
 
     @abstractmethod
     def curves(self, sides: Sides) -> list[dict[str, Any]]:

@@ -3,19 +3,30 @@
 The same shots as in `single_contact`.  A motor that is pushed turns, and its back-EMF moves the
 current until the loop has answered.  Fed forward as in (12), by a reading that is τ old, it is
 taken away again all but k_e(ω(t) - ω(t - τ)); without that term feedback alone is against it.
+
+How often a trial is played follows from its own standard error.  At each place two questions are
+open: has the robot more than `SMALL` counts, and is the named model's peak off by more than
+`APART`.  Shots are doubled, the robot's and the named model's, until the answer, "not asked",
+"within" or "beyond", lies `SURE` standard errors from each border that it hangs on, or `most` are
+played.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments import Sides, curve, row
+from spirob.errors import ConfigError
+from spirob.experiments import BLOCK, Play, Side, Sides, curve, row
+from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
 from spirob.experiments.host_loop import GainSet, OnHost, or_none
+from spirob.experiments.response import smooth
 from spirob.experiments.single_contact import (
     FIGURES,
+    PEAK,
     READ,
+    SMOOTHING,
     SingleContact,
     in_time,
     rank_agreement,
@@ -26,6 +37,10 @@ from spirob.experiments.single_contact import (
 ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
 SMALL = 5.0  # counts; smaller peaks are not compared in size
+SURE = 2.0  # standard errors
+COMPARED = ("robot", "named")  # whose shots are as many as they have to be
+NO_ORDER = "cannot be had"
+WITHIN, BEYOND, NOT_ASKED, OPEN = "within", "beyond", "not asked", "not settled"
 MODELS = ("base", "named", "single")
 SENSITIVITIES = {
     "peak": "sensitivity along the arm",
@@ -34,16 +49,51 @@ SENSITIVITIES = {
 Found = dict[str, list[dict[str, float]]]
 
 
+def standard_error(side: Side, at: float, motor: int) -> float:
+    """Of a mean's smoothed current within `PEAK` of a hit [counts], by how far its parts differ.
+
+    at  of the hit [s]
+    0 where there are no two parts.
+    """
+    if len(side.parts) < 2 or side.current is None:
+        return 0.0
+    soon = slice(round(1e3 * at), round(1e3 * (at + PEAK)))
+    each = [smooth(part.driven("current", motor), SMOOTHING)[soon] for part in side.parts]
+    return COUNTS_PER_AMPERE * float(np.sqrt(np.var(each, axis=0, ddof=1).mean() / len(each)))
+
+
+def judged(robot: Mapping[str, float], named: Mapping[str, float]) -> str:
+    """What two peaks and their standard errors [counts] say of the size at a place."""
+    peak, sure = robot["peak"], SURE * robot["peak noise"]
+    if peak + sure < SMALL:
+        return NOT_ASKED
+    ratio = named["peak"] / peak
+    doubt = SURE * np.hypot(named["peak noise"], ratio * robot["peak noise"]) / peak
+    if abs(ratio - 1.0) + doubt <= APART:
+        return WITHIN
+    return BEYOND if abs(ratio - 1.0) - doubt > APART and peak - sure > SMALL else OPEN
+
+
+def played(side: Side) -> int:
+    """Shots whose mean it is."""
+    return BLOCK * len(side.parts)
+
+
 def deviations(told: Mapping[str, Mapping[str, float]]) -> str:
-    """The standard error of each side's mean, where it has one."""
+    """The shots of the robot, and the standard error of each side's mean, where it has one."""
     noise = {s: r["peak noise"] for s, r in told.items() if r.get("peak noise")}
-    each = ", ".join(f"{s} {value:.1f}" for s, value in noise.items())
-    return f"standard error in counts: {each}" if each else ""
+    each = ", ".join(f"{s} {value:.2g}" for s, value in noise.items())
+    shots = f"{told['robot']['shots']:.0f} shots, " if "robot" in noise else ""
+    return f"{shots}standard error in counts: {each}" if each else ""
 
 
-def _noise(found: Sequence[Mapping[str, float]], told: Sequence[int]) -> float:
-    """The largest at some places."""
-    return max(found[k].get("peak noise", 0.0) for k in told)
+def one_verdict(said: Collection[str]) -> bool | str | None:
+    """Of all places: missed where one is beyond, met where none is left open."""
+    if not said:
+        return None
+    if BEYOND in said or OPEN in said:
+        return False if BEYOND in said else OPEN
+    return True if WITHIN in said else NOT_ASKED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,16 +110,58 @@ class HostContact(OnHost, SingleContact):
         "at every place, which is 100 % off and has no order, while its angle answers."
     )
     named: ClassVar[str] = "host_ball"
-    # a peak is then sure to 0.8 counts, half of the 30 % that are asked of one of 5 counts, and to
-    # 0.5, a tenth of it, where there are no larger ones but at the tip: one shot has 2.1 at most
-    shots: int = 6
-    forward: int = 18
+    shots: int = 2 * BLOCK
+    most: int = 96
+
+    def __post_init__(self) -> None:
+        for key in ("shots", "most"):
+            count = getattr(self, key)
+            if count < 2 * BLOCK or count % BLOCK:
+                raise ConfigError(
+                    f"paper.host_contact.{key} = {count}: blocks of {BLOCK} shots, two at least"
+                )
+
+    def play(self, name: str, place: float | None, one: GainSet) -> Play:
+        return replace(super().play(name, place, one), shots=self.shots)
+
+    def more(self, sides: Sides) -> list[Play]:
+        return [play for one in self.sets for play in self._more(sides, one)]
+
+    def _more(self, sides: Sides, one: GainSet) -> list[Play]:
+        """As many shots again of what is open, and of the trial without a hit, which all share."""
+        verdicts = self._verdicts(self._found(sides, one))
+        wanted: dict[float | None, int] = {
+            place: min(2 * played(self.at(sides, one, place)["robot"]), self.most)
+            for place, verdict in verdicts.items()
+            if verdict == OPEN
+        }
+        wanted[None] = max(wanted.values(), default=0)
+        plays = []
+        for place, count in wanted.items():
+            first = played(self.at(sides, one, place)["robot"]) if count else 0
+            if count > first:
+                play = self.play(self.play_of(one, place), place, one)
+                plays.append(replace(play, shots=count - first, first=first, only=COMPARED))
+        return plays
 
     def _found(self, sides: Sides, one: GainSet) -> Found:
         """Side -> responses at every place."""
         free = self.at(sides, one, None)
-        hits = [self.at(sides, one, place) for place in self.places]
-        return {s: [responses(hit[s], free[s], self.hit) for hit in hits] for s in free}
+        alone = {s: standard_error(side, self.hit, self.motor) for s, side in free.items()}
+        found: Found = {s: [] for s in free}
+        for place in self.places:
+            for s, hit in self.at(sides, one, place).items():
+                error = np.hypot(standard_error(hit, self.hit, self.motor), alone[s])
+                told = responses(hit, free[s], self.hit)
+                found[s].append(told | {"peak noise": float(error), "shots": played(hit)})
+        return found
+
+    def _verdicts(self, found: Found) -> dict[float, str]:
+        """What each place says of the size, where robot and named model both have a current."""
+        if not {"robot", "named"} <= set(found):
+            return {}
+        pairs = zip(self.places, found["robot"], found["named"], strict=True)
+        return {place: judged(robot, named) for place, robot, named in pairs}
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = [GainSet(b, 1.0, self.latency).margin() for b in self.bandwidths]
@@ -91,45 +183,44 @@ class HostContact(OnHost, SingleContact):
         return found | {"note": "; ".join(n for n in (found["note"], noise) if n)}
 
     def _order(self, one: GainSet, found: Found) -> dict[str, Any]:
-        """Rank of the current's peak over the places where the robot shows it."""
-        what = f"rank agreement of current peak, {one.words}"
+        """Rank of the current's peak; no aim can be had where the robot shows none at a place."""
         robot = found["robot"]
-        least = [max(r["peak error"], one.unsure) for r in robot]
-        shown = [k for k, r in enumerate(robot) if visible(r["peak"], least[k])]
-        note = "robot: against the distance from the base, models: against the robot"
-        if len(shown) < len(self.places):
-            at = ", ".join(f"{self.places[k]:.0%}" for k in shown) or "none"
-            rpm = f", where whole rpm make up to {one.unsure:.1f} counts" if one.share else ""
-            return row(what, "1", {}, note=f"no order: visible on the robot at {at}{rpm}")
         peaks = {s: [r["peak"] for r in rows] for s, rows in found.items() if "peak" in rows[0]}
         agree = {m: rank_agreement(peaks[m], peaks["robot"]) for m in MODELS if m in peaks}
         agree["robot"] = rank_agreement(peaks["robot"], list(self.places))
-        met = bool(min(agree["robot"], agree.get("named", np.nan)) >= ORDER)
-        aim = f"at least {ORDER} each"
-        told = or_none(agree)
-        return row(what, "1", told, paper="rises to the tip", aim=aim, met=met, note=note)
+        met: bool | str = bool(min(agree["robot"], agree.get("named", np.nan)) >= ORDER)
+        note = "robot: against the distance from the base, models: against the robot"
+        least = [max(r["peak error"], one.unsure) for r in robot]
+        pairs = zip(self.places, robot, least, strict=True)
+        hidden = [place for place, r, error in pairs if not visible(r["peak"], error)]
+        if hidden:
+            met = NO_ORDER
+            at = ", ".join(f"{place:.0%}" for place in hidden)
+            rpm = f"; half an rpm fed forward makes {one.unsure:.1f} counts" if one.share else ""
+            note = f"{note}; {NO_ORDER}, for the robot's peak is not visible at {at}{rpm}"
+        what, aim = f"rank agreement of current peak, {one.words}", f"at least {ORDER} each"
+        paper = "rises to the tip"
+        return row(what, "1", or_none(agree), paper=paper, aim=aim, met=met, note=note)
 
     def _size(self, one: GainSet, found: Found) -> dict[str, Any]:
-        """How far the models' peaks are off where the robot's is no noise, at the worst place."""
-        robot = found["robot"]
-        told = [
-            k
-            for k, r in enumerate(robot)
-            if visible(r["peak"], r["peak error"]) and r["peak"] > SMALL
-        ]
+        """How far the models' peaks are off where the robot's is larger than `SMALL`, at worst."""
+        robot, verdicts = found["robot"], self._verdicts(found)
+        told = [k for k, r in enumerate(robot) if r["peak"] > SMALL]
         off = {
             m: max(abs(found[m][k]["peak"] / robot[k]["peak"] - 1.0) for k in told)
             for m in MODELS
             if m in found and told
         }
-        met = bool(off["named"] <= APART) if "named" in off else None
-        at = ", ".join(f"{self.places[k]:.0%}" for k in told) or "none"
+        notes = [
+            f"worst of the places where the robot shows more than {SMALL:g} counts: "
+            + (", ".join(f"{self.places[k]:.0%}" for k in told) or "none")
+        ]
+        for verdict in (BEYOND, OPEN):
+            places = [f"{place:.0%}" for place, said in verdicts.items() if said == verdict]
+            notes += [f"{verdict}: {', '.join(places)}"] if places else []
+        met = one_verdict(verdicts.values())
         what = f"current peak off the robot's, {one.words}"
-        note = f"worst of the places where the robot shows more than {SMALL:g} counts: {at}"
-        if told:
-            at_most = {s: {"peak noise": _noise(r, told)} for s, r in found.items()}
-            note = "; ".join(n for n in (note, deviations(at_most)) if n)
-        return row(what, "1", off, aim=f"at most {APART}", met=met, note=note)
+        return row(what, "1", off, aim=f"at most {APART}", met=met, note="; ".join(notes))
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out, at = [], 100 * np.array(self.places)

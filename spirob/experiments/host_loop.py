@@ -29,11 +29,12 @@ import numpy as np
 import scipy
 
 from spirob.control import HostLoop, Placed, Winding, placed
-from spirob.errors import ConfigError, DataError
+from spirob.errors import DataError
 from spirob.experiments import Experiment, Known, Play, Side, Sides, plan, row, trial
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
 from spirob.plant.rig import Motor
 
+NOISY = ("robot", "base", "named")  # sides that no two plays of a trial find alike
 LATEST = 5e-3  # s
 REACH = 0.2  # of the nominal resistance and back-EMF
 GRID = 11  # latencies from which one is refined, for b₀ and b₁ have a kink at each whole cycle
@@ -171,7 +172,6 @@ class OnHost(Experiment):
 
     bandwidths  at which the gains of the loop are placed [Hz]
     shares      of the back-EMF that it feeds forward;  latency  from a reading to its voltage [s]
-    shots       of a robot, whose mean is looked at;  forward  the same under (12), in part or whole
     told        by the robot's trial `before`; no setting
     """
 
@@ -179,8 +179,6 @@ class OnHost(Experiment):
     bandwidths: tuple[float, ...] = (5.0, 10.0, 20.0)
     shares: tuple[float, ...] = (1.0, 0.0)
     latency: float = 0.001
-    shots: int = 1
-    forward: int = 1
     told: Windings | None = None
 
     if TYPE_CHECKING:  # of the experiment whose trials are played
@@ -188,12 +186,6 @@ class OnHost(Experiment):
         current: float = 0.0
 
         def trial_at(self, name: str, place: float | None) -> dict[str, Any]: ...
-
-    def __post_init__(self) -> None:
-        for key in ("shots", "forward"):
-            if getattr(self, key) < 1:
-                name = type(self).__module__.rpartition(".")[2]
-                raise ConfigError(f"paper.{name}.{key} = {getattr(self, key)}: one at least")
 
     @property
     def sets(self) -> list[GainSet]:
@@ -231,8 +223,7 @@ class OnHost(Experiment):
         """A trial under one set; models have what the robot has told."""
         known = one.known(self.told, self.motor) if self.told else Known()
         plain = self.trial_at(name, place)
-        shots = self.forward if one.share else self.shots
-        return Play(name, plain, one.rig(), known, shots=shots, noisy=True)
+        return Play(name, plain, one.rig(), known, noisy=True)
 
     def told_rows(self) -> list[dict[str, Any]]:
         """Rows of what the robot's trial before has told."""
@@ -250,18 +241,21 @@ class OnHost(Experiment):
         note += f"{1e3 * self.latency:g}"
         return [row("latency of the loop", "ms", late, note=note), *shares]
 
-    def at(self, sides: Sides, one: GainSet, place: float | None) -> dict[str, Side]:
+    def at(
+        self, sides: Sides, one: GainSet, place: float | None, again: int = 0
+    ) -> dict[str, Side]:
         """What every side did under one set; a side without motors has its command as current."""
         return {
             s: replace(side, current=side.command, arm_current=side.command)
             if side.current is None
             else side
-            for s, side in sides[self.play_of(one, place)].items()
+            for s, side in sides[self.play_of(one, place, again)].items()
         }
 
-    def play_of(self, one: GainSet, place: float | None) -> str:
-        """Its name."""
-        return f"{self.named}_{one.key}_{'free' if place is None else f'{100 * place:.0f}'}"
+    def play_of(self, one: GainSet, place: float | None, again: int = 0) -> str:
+        """Its name; of the first play or of one again."""
+        where = "free" if place is None else f"{100 * place:.0f}"
+        return "_".join([self.named, one.key, where, *[f"again{again}"] * bool(again)])
 
 
 def or_none(told: Mapping[str, float]) -> dict[str, Any]:

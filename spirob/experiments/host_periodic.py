@@ -4,18 +4,23 @@ The apparent period is told by two rules: the strongest line of the mean spectru
 least, and the mean interval between peaks that stand out of what the current does without a
 contact.  The arm does not come back alike from hit to hit, so that a few seconds have another line
 each time: the spectrum is Welch's mean over `SEGMENT`, half of each shared with the next.
+
+A rule judges a model where the robot repeats itself by it: where the current shows, every noisy
+side plays each trial `again`, and the robot's plays are asked for no more than a model is, to lie
+within `ALIKE`.  Figures of both rules are means over the plays.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, ClassVar
 
 import numpy as np
 import scipy
 
-from spirob.experiments import Side, Sides, curve, row, within
+from spirob.experiments import Play, Side, Sides, curve, row, within
 from spirob.experiments.direct_drive import per_unit, reconstructed
-from spirob.experiments.host_loop import GainSet, OnHost, or_none
+from spirob.experiments.host_loop import NOISY, GainSet, OnHost, or_none
 from spirob.experiments.periodic_contact import (
     BAND,
     PAPER,
@@ -29,9 +34,10 @@ from spirob.experiments.response import PERIOD, smooth
 
 SEGMENT = 4.0  # s: lines 0.25 Hz apart
 HIGHEST = 12.0  # Hz of the spectrum in the report
-PARTS = 3  # of a trial, whose lines say how far one of a few seconds is to be trusted
 APART = 0.02  # s, least between two peaks
-ALIKE = 0.1  # most by which an apparent period of the model may be off
+ALIKE = 0.1  # most by which an apparent period may be off: a model's, and the robot's own again
+LEAST = 1.0  # count, of a line or a peak that shows
+NOT_REPEATED, NOT_VISIBLE = "not repeated", "not visible"
 SIGNALS = {
     "current": "current",
     "filtered": "filtered",
@@ -43,6 +49,7 @@ SPECTRA = {
     "amplitude of the reconstructed current": "arm_current",
 }
 AS_PAPER = ("filtered", "arm_current")
+AGAIN = "robot again"  # side in a figure
 
 
 def highest(values: np.ndarray) -> float:
@@ -77,15 +84,39 @@ def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[floa
     return float(1 / frequency[band][k]), float(size[band][k])
 
 
-def alike(told: Mapping[str, float]) -> dict[str, Any]:
-    """Whether the named model has the robot's period; nothing where one of them has none."""
-    met = within(told.get("named"), told.get("robot"), ALIKE)
-    return {} if met is None else {"aim": f"within {ALIKE:.0%}", "met": met}
+def apart(periods: Sequence[float]) -> float:
+    """From the shortest to the longest period of several plays, over their mean; NaN of one."""
+    if len(periods) < 2:
+        return float("nan")
+    return float(np.ptp(periods) / np.mean(periods))
 
 
-def by_parts(periods: list[float]) -> str:
-    """What the parts of a robot's own trial tell, each for itself."""
-    return f"robot, third by third: {min(periods):.2f} to {max(periods):.2f} s"
+def by_side(plays: Sequence[Mapping[str, float]]) -> dict[str, list[float]]:
+    """Side -> its figure in each play."""
+    return {s: [play[s] for play in plays if s in play] for s in plays[0]}
+
+
+def mean(plays: Mapping[str, Sequence[float]]) -> dict[str, float]:
+    """Side -> mean of its plays; NaN where one has none."""
+    return {s: float(np.mean(each)) for s, each in plays.items()}
+
+
+def judged(plays: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+    """Whether the named model has the robot's period, by a rule by which the robot repeats itself.
+
+    plays  side -> its period in each play [s]
+    Nothing where one of the two has no period, or the robot has played once.
+    """
+    told = mean(plays)
+    met: bool | str | None = within(told.get("named"), told.get("robot"), ALIKE)
+    own = apart(plays.get("robot", ()))
+    if met is None or np.isnan(own):
+        return {}
+    each = ", ".join(f"{one:.2f}" for one in plays["robot"])
+    note = f"the robot's own plays: {each} s, {own:.0%} apart"
+    if own > ALIKE:
+        met, note = NOT_REPEATED, f"{note}: not repeated by the robot itself, so judges no model"
+    return {"aim": f"within {ALIKE:.0%}", "met": met, "note": note}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,46 +132,77 @@ class HostPeriodic(OnHost, PeriodicContact):
     )
     named: ClassVar[str] = "host_peg"
     duration: float = 12.5
+    again: int = 1
+
+    def more(self, sides: Sides) -> list[Play]:
+        plays = []
+        for one in self.sets:
+            if not self._shows(self._played(sides, one)[0]):
+                continue
+            for place, k in product((None, *self.places), range(1, self.again + 1)):
+                name = self.play_of(one, place, k)
+                if name not in sides:
+                    plays.append(replace(self.play(name, place, one), only=NOISY))
+        return plays
+
+    def _played(self, sides: Sides, one: GainSet) -> list[Sides]:
+        """Each play under one set, named as with the loop in the drive, whose rules it goes by."""
+        return [
+            {self._name(place): self.at(sides, one, place, k) for place in (None, *self.places)}
+            for k in range(self.again + 1)
+            if self.play_of(one, None, k) in sides
+        ]
+
+    def _shows(self, own: Sides) -> bool:
+        """Whether the robot's current has a line of a count anywhere."""
+        told = [self._lines(own, place, "current")[0].get("robot") for place in self.places]
+        return any(period is not None and np.isfinite(period) for period in told)
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = []
         for one in self.sets:
-            # the same rule as with the loop in the drive, on the plays of this set
-            own = {self._name(p): self.at(sides, one, p) for p in (None, *self.places)}
+            played = self._played(sides, one)
+            rows.append(self._visible(played[0], one))
             for k, place in enumerate(self.places):
                 for signal in SIGNALS:
-                    if signal == "arm_current" and not self._modelled(own, place):
+                    if signal == "arm_current" and not self._modelled(played[0], place):
                         continue
-                    rows += self._told(own, one, k, place, signal)
+                    rows += self._told(played, one, k, place, signal)
         return rows
+
+    def _visible(self, own: Sides, one: GainSet) -> dict[str, Any]:
+        """Row of the strongest line nearest to the tip."""
+        tip = self.places[-1]
+        hits, free = own[self._name(tip)], own[self._name(None)]
+        sizes = {
+            s: mean_line(seen(hit, free[s], "current", self.begins), *BAND)[1]
+            for s, hit in hits.items()
+        }
+        met = None if "robot" not in sizes else sizes["robot"] >= LEAST or NOT_VISIBLE
+        what = f"strongest line of current, {one.words}, at {tip:.0%}"
+        return row(what, "counts", sizes, aim=f"at least {LEAST:g} count", met=met)
 
     def _period(self, values: np.ndarray) -> float:
         period, size = mean_line(values, *BAND)
-        return period if size >= 1.0 else float("nan")
+        return period if size >= LEAST else float("nan")
 
     def _told(
-        self, own: Sides, one: GainSet, k: int, place: float, signal: str
+        self, played: list[Sides], one: GainSet, k: int, place: float, signal: str
     ) -> list[dict[str, Any]]:
-        periods, sizes, lines = self._lines(own, place, signal)
-        hits, free = own[self._name(place)], own[self._name(None)]
-        gaps = {s: self._gaps(hits[s], free[s], signal)[0] for s in periods}
-        shown = or_none(periods)
+        _, sizes, lines = self._lines(played[0], place, signal)
+        periods = by_side([self._lines(own, place, signal)[0] for own in played])
+        gaps = by_side([self._gaps(own, place, signal) for own in played])
+        shown, intervals = (or_none(mean(plays)) for plays in (periods, gaps))
         hidden = [s for s, period in shown.items() if period != "none" and np.isnan(period)]
-        notes = [f"not visible, no line of one count: {', '.join(hidden)}"] if hidden else []
-        apart = ""
-        if signal == "current" and "robot" in hits and "robot" not in hidden:
-            robot = hits["robot"], free["robot"], signal
-            parts = np.array_split(seen(*robot, self.begins), PARTS)
-            notes.append(by_parts([mean_line(part, *BAND)[0] for part in parts]))
-            apart = by_parts(self._gaps(*robot, PARTS))
+        note = f"not visible, no line of one count: {', '.join(hidden)}" if hidden else ""
         at = f"{SIGNALS[signal]}, {one.words}, at {place:.0%}"
         as_paper = signal in AS_PAPER and len(self.places) == len(PAPER)
-        paper, note = PAPER[k] if as_paper else None, "; ".join(notes)
-        tip = k == len(self.places) - 1 and signal == "current"
-        aims = [alike(told) if tip else {} for told in (periods, gaps)]
+        compared = as_paper and len(hidden) < len(periods.keys() - {"single"})
+        paper = PAPER[k] if compared else None
+        line, gap = (judged(plays) if signal == "current" else {} for plays in (periods, gaps))
         return [
-            row(f"apparent period of {at}", "s", shown, paper=paper, note=note, **aims[0]),
-            row(f"interval between peaks of {at}", "s", or_none(gaps), note=apart, **aims[1]),
+            row(f"apparent period of {at}", "s", shown, **{"paper": paper, "note": note, **line}),
+            row(f"interval between peaks of {at}", "s", intervals, **gap),
             row(f"swing of {at}", "counts", sizes),
             row(f"line at 1/T of {at}", "counts", lines),
         ]
@@ -149,12 +211,21 @@ class HostPeriodic(OnHost, PeriodicContact):
         """Whether a side has an i**."""
         return any(side.arm_current is not None for side in own[self._name(place)].values())
 
-    def _gaps(self, hit: Side, free: Side, signal: str, parts: int = 1) -> list[float]:
-        """The interval between peaks in each part of a trial [s]."""
+    def _gaps(self, own: Sides, place: float, signal: str) -> dict[str, float]:
+        """The interval between peaks [s] of each side that has the signal."""
+        name = "current" if signal == "filtered" else signal
+        free = own[self._name(None)]
+        return {
+            s: self._gap(hit, free[s], signal)
+            for s, hit in own[self._name(place)].items()
+            if getattr(hit, name) is not None
+        }
+
+    def _gap(self, hit: Side, free: Side, signal: str) -> float:
         values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
         alone = smooth(per_unit(signal) * free.driven(signal, self.motor), SMOOTHING)
         noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
-        return [peak_interval(p, max(1.0, noise)) for p in np.array_split(values, parts)]
+        return peak_interval(values, max(LEAST, noise))
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
@@ -169,8 +240,17 @@ class HostPeriodic(OnHost, PeriodicContact):
                 out += in_time(play, s, hit, free[s], self.begins)
                 for quantity, signal in SPECTRA.items():
                     name = reconstructed(hit) if signal == "arm_current" else signal
-                    frequency, size = mean_spectrum(seen(hit, free[s], name, self.begins))
-                    low = (frequency > 0.0) & (frequency <= HIGHEST)
-                    lines = frequency[low], size[low]
-                    out.append(curve(play, quantity, "counts", s, *lines, 2))
+                    out.append(self._spectrum(play, quantity, s, hit, free[s], name))
+            for own in self._played(sides, one)[1:]:
+                hit, alone = (own[self._name(p)]["robot"] for p in (place, None))
+                about = play, "amplitude of the current", AGAIN
+                out.append(self._spectrum(*about, hit, alone, "current"))
         return out
+
+    def _spectrum(
+        self, play: str, quantity: str, side: str, hit: Side, free: Side, signal: str
+    ) -> dict[str, Any]:
+        """Figure of the mean spectrum of a signal."""
+        frequency, size = mean_spectrum(seen(hit, free, signal, self.begins))
+        low = (frequency > 0.0) & (frequency <= HIGHEST)
+        return curve(play, quantity, "counts", side, frequency[low], size[low], 2)

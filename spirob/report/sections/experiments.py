@@ -30,8 +30,10 @@ class Experiments(Section):
             return {"experiments": [], "met": 0, "aims": 0, "reason": data.absent["experiments"]}
         found = [_experiment(name, one) for name, one in data.experiments.items()]
         rows = [row for one in data.experiments.values() for row in one["rows"]]
-        aims = [row["met"] for row in rows if row["met"] is not None]
-        return {"experiments": found, "met": sum(aims), "aims": len(aims), "reason": ""}
+        aims = [row["met"] for row in rows if isinstance(row["met"], bool)]
+        unjudged = sum(isinstance(row["met"], str) for row in rows)
+        counts = {"met": sum(aims), "aims": len(aims), "unjudged": unjudged}
+        return {"experiments": found, "reason": "", **counts}
 
 
 def _experiment(name: str, one: dict[str, Any]) -> dict[str, Any]:
@@ -52,7 +54,7 @@ def _row(row: dict[str, Any]) -> dict[str, Any]:
         "unit": unit_text(row["unit"]),
         "cells": [_cell(row[side]) for side in SIDES],
         "paper": _cell(row["paper"]),
-        "verdict": MET[row["met"]],
+        "verdict": MET.get(row["met"], row["met"]),
         "note": "; ".join(note for note in notes if note),
     }
 
@@ -65,6 +67,7 @@ def _cell(value: Any) -> str:
 
 LOOKS = {
     "robot": ("robot", MEASURED, "solid"),
+    "robot again": ("robot, again", MEASURED, "dot"),
     "base": ("base model", BASE, "solid"),
     "named": ("with effect", NAMED, "solid"),
     "single": ("single dynamics", NEUTRAL, "dot"),
