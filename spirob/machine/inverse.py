@@ -29,6 +29,7 @@ class InverseProblem:
     logs   own numbers of all logs of the rig;  own  those that are fitted anew at every call,
            because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
+    held_out  whether they judge what others are fitted to
     played  samples of all residuals that were asked for: what the work of a search is counted by
     """
 
@@ -44,6 +45,7 @@ class InverseProblem:
         rest_speed: float,
         logs: LogNumbers = NONE,
         own: Sequence[str] = (),
+        held_out: bool = False,
     ):
         self.logs, self.own = logs, list(own)
         self.rig, self.body, self.sizes, self.played = rig, body, sizes, 0
@@ -53,7 +55,7 @@ class InverseProblem:
         motion = motion_of(self.recordings, body, sizes.mass)
         stiffness = body.stiffness if body else 0.0
         self.asked = AskedEffort(
-            motion, effects, self._table, sizes, rest_speed, stiffness, body is not None
+            motion, effects, self._table, sizes, rest_speed, stiffness, body is not None, held_out
         )
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))

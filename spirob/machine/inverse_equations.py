@@ -16,8 +16,9 @@ model knows nothing of a measured effort.  Where it is compared with one, e₀, 
 since the inverse is no fair judge of P: in a dead band one torque has many efforts, and where iron
 is full a torque may have none.  The current that P reads, which fills the iron and heats the
 winding, is e₀ and does not move with e: P' is then the torque of an ampere as the motor stood, and
-a law that lowers it makes the error no larger than it is.  At the true numbers the two differ by
-noise alone.  The kernels are those of the library, run over the measured signals.
+no number sends it astray.  That makes errors of full iron smaller than they are, so those of trials
+held out are by what an ampere more gives, e₀ being what P remembers, such as heat.  The kernels are
+those of the library, run over the measured signals.
 """
 
 from collections.abc import Hashable, Mapping, Sequence
@@ -28,7 +29,7 @@ import numpy as np
 from spirob.effects import Effect
 from spirob.machine import pipes
 from spirob.machine.cache import Cache
-from spirob.machine.kernel_loop import Kernels
+from spirob.machine.kernel_loop import Kernels, feels_load
 from spirob.machine.motion import Motion, late
 from spirob.machine.numbers import cells_of
 from spirob.machine.rig import NUMBERS
@@ -37,6 +38,7 @@ from spirob.parameter import Table
 
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
+LAST = "winch.efficiency"
 READINGS = 4  # passes to where a wrong reading was taken; each leaves a small part of the last
 HINGE, SENSOR = "body.hinge_torque", "sensing.displacement"
 ADDED = ("motor.torque", "tendon.force")
@@ -52,6 +54,7 @@ class AskedEffort(Kernels):
     stiffness   of the driven joint [N·m/rad], which effects at a hinge read
     rest_speed  below which the axis counts as standing
     described   whether a body is, which carries what is moved beside the motor
+    held_out    whether these trials judge a fit: P' is what an ampere more gives
     """
 
     def __init__(
@@ -63,8 +66,10 @@ class AskedEffort(Kernels):
         rest_speed: float,
         stiffness: float,
         described: bool,
+        held_out: bool = False,
     ):
         super().__init__(effects, table)
+        self.held_out = held_out
         self.motion, self.sizes = motion, sizes
         self.rest_speed, self._stiffness = rest_speed, stiffness
         self._described, self._carries = described, bool(np.any(motion.body["payload"]))
@@ -79,8 +84,9 @@ class AskedEffort(Kernels):
 
     def anew(self) -> "AskedEffort":
         """The same where what effects remember begins anew with each piece."""
-        motion, about = replace(self.motion, follows=()), (self._stiffness, self._described)
-        return AskedEffort(motion, self.effects, self.table, self.sizes, self.rest_speed, *about)
+        motion = replace(self.motion, follows=())
+        about = (self.rest_speed, self._stiffness, self._described, self.held_out)
+        return AskedEffort(motion, self.effects, self.table, self.sizes, *about)
 
     def effort(self, p: np.ndarray, near: bool = False) -> np.ndarray:
         """The effort at every sample of every piece, (n,), for a vector of the table.
@@ -101,7 +107,7 @@ class AskedEffort(Kernels):
             for effect in self.present(port, p):
                 needed = needed - self.torque(effect, p, motion, signals)
         effort = needed / own["scale"]
-        if any(self.present(port, p) for port in (*BEFORE, "winch.efficiency")):
+        if any(self.present(port, p) for port in (*BEFORE, LAST)):
             passed = self._nearby if near else self.through
             effort = passed(effort, p, motion, signals)
         if own["back_emf"]:
@@ -149,10 +155,9 @@ class AskedEffort(Kernels):
         None where that depends on what else acts: for all but torques, where a pipe or an error of
         the motion is between them and the effort, and for a load where friction feels it.
         """
-        between = (*BEFORE, "winch.efficiency", *READ, SENSOR)
-        if any(self.present(port, p) for port in between):
+        if any(self.present(port, p) for port in (*BEFORE, LAST, *READ, SENSOR)):
             return None
-        felt = any(_feels_load(e) for port in ADDED for e in self.present(port, p))
+        felt = any(feels_load(e) for port in ADDED for e in self.present(port, p))
         if effect.port not in ADDED and (effect.port != HINGE or felt):
             return None
         signals = self.signals(self.motion, self.load(self.motion, p), p)
@@ -239,13 +244,19 @@ class AskedEffort(Kernels):
     def _passed(
         self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
     ) -> np.ndarray:
-        """P(e), the torque that an effort makes over what it would make without the pipes, (n,)."""
-        seen = {"motor.current": effort, "motor.command": effort, **signals}
+        """P(e), the torque that an effort makes over what it would make without the pipes, (n,).
+
+        P reads the current of `signals`, if told; held out, only what remembers does.
+        """
+        own = {"motor.current": effort, "motor.command": effort}
+        now, told = {**signals, **own}, {**own, **signals}
         passed, share = effort, np.ones_like(effort)
-        for effect in (e for port in BEFORE for e in self.present(port, p)):
-            passed = self.run(effect, p, motion, seen, passed)
-        for effect in self.present("winch.efficiency", p):
-            share = self.run(effect, p, motion, seen, share)
+        for effect in (e for port in (*BEFORE, LAST) for e in self.present(port, p)):
+            seen = now if self.held_out and not effect.state else told
+            if effect.port == LAST:
+                share = self.run(effect, p, motion, seen, share)
+            else:
+                passed = self.run(effect, p, motion, seen, passed)
         return share * passed
 
     def torque(
@@ -260,7 +271,7 @@ class AskedEffort(Kernels):
         if mark is None:
             return self.run(effect, p, motion, signals, None)
         key: tuple[object, ...] = (effect.name(), mark, *self.values(effect, p).values())
-        if _feels_load(effect):
+        if feels_load(effect):
             key = (*key, p[self._carried].tobytes())
         return self._torques(key, lambda: self.run(effect, p, motion, signals, None))
 
@@ -277,7 +288,7 @@ class AskedEffort(Kernels):
 
     def _corrected(self, p: np.ndarray) -> Motion:
         """The motion with errors of its sensor taken out; kept as effects' torques are."""
-        wrong = [e for e in self.present(SENSOR, p) if not _feels_load(e)]
+        wrong = [e for e in self.present(SENSOR, p) if not feels_load(e)]
         if not wrong and not np.any(self.of_log("zero", p)):
             return self.motion
 
@@ -299,7 +310,7 @@ class AskedEffort(Kernels):
 
     def _ahead(self, behind: Motion, load: np.ndarray, p: np.ndarray) -> tuple[Motion, float]:
         """The motor's motion where the sensor sits at the load, and its share of the inertia."""
-        twisted = [e for e in self.present(SENSOR, p) if _feels_load(e)]
+        twisted = [e for e in self.present(SENSOR, p) if feels_load(e)]
         if not twisted:
             return behind, 0.0
         share = max(self.values(e, p).get("rotor_share", 0.0) for e in twisted)
@@ -317,13 +328,13 @@ class AskedEffort(Kernels):
 
     def _correcting_cells(self) -> list[int]:
         """Places in the table of all numbers that the motion is corrected by."""
-        owners = {e.name() for e in self.at(SENSOR) if not _feels_load(e)}
+        owners = {e.name() for e in self.at(SENSOR) if not feels_load(e)}
         cells = [k for k, n in enumerate(self.table.names) if n.partition(".")[0] in owners]
         return [*cells, *self._of_logs.get("zero", [])]
 
     def _piping_cells(self) -> list[int]:
         """Places in the table of all numbers that the pipes about the measured effort depend on."""
-        inside = [e for port in (*READ, *BEFORE, "winch.efficiency") for e in self.at(port)]
+        inside = [e for port in (*READ, *BEFORE, LAST) for e in self.at(port)]
         owners, names = {e.name() for e in inside}, self.table.names
         cells = [k for k, n in enumerate(names) if n.partition(".")[0] in owners]
         moved = any(MOVED & set(e.reads.values()) for e in inside)
@@ -337,8 +348,3 @@ class AskedEffort(Kernels):
         owners |= {"payload", *(f"rig.{name}" for name in rig)}
         names = self.table.names
         return [k for k, n in enumerate(names) if n in owners or n.partition(".")[0] in owners]
-
-
-def _feels_load(effect: type[Effect]) -> bool:
-    """Whether an effect reads the load; an error of the reading that does is a twist under it."""
-    return "motor.load_torque" in effect.reads.values()

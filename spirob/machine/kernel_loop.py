@@ -83,6 +83,11 @@ def is_pipe(effect: type[Effect]) -> bool:
     return PORTS[effect.port].combine == "pipe"
 
 
+def feels_load(effect: type[Effect]) -> bool:
+    """Whether an effect reads the load; an error of the reading that does is a twist under it."""
+    return "motor.load_torque" in effect.reads.values()
+
+
 class Kernels:
     """The kernels of some effects along a motion, with numbers from a vector of the table."""
 

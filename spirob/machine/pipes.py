@@ -12,6 +12,7 @@ import numpy as np
 PASSES = 12  # of the solution
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 SOLVED = 1e-12  # of the largest effort
+SHORT = 1e-3  # of the RMS effort: a step to either side for the slope of P
 LEAST = 0.1  # of its torque that an ampere counts for: where iron is full, it gives next to none
 Pipes = Callable[[np.ndarray], np.ndarray]
 
@@ -35,10 +36,17 @@ class Tangent:
 
 
 def tangent(passed: Pipes, effort: np.ndarray) -> Tangent:
-    """P' is a secant over the RMS effort either way: inside a dead band a short one is flat."""
+    """P' is the slope at e; where P is flat, in a dead band, a secant over the RMS effort."""
     far = float(np.sqrt(np.mean(effort**2))) or 1.0
-    slope = (passed(effort + far) - passed(effort - far)) / (2.0 * far)
+    slope = _slope(passed, effort, SHORT * far)
+    if np.any(flat := slope == 0.0):
+        slope = np.where(flat, _slope(passed, effort, far), slope)
     return Tangent(effort, passed(effort), np.maximum(slope, LEAST))
+
+
+def _slope(passed: Pipes, effort: np.ndarray, step: float) -> np.ndarray:
+    """A secant of P over a step of the effort either way, (n,)."""
+    return np.asarray((passed(effort + step) - passed(effort - step)) / (2.0 * step))
 
 
 def solved(passed: Pipes, wanted: np.ndarray) -> np.ndarray:

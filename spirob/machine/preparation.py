@@ -133,10 +133,9 @@ def search_of(ready: Ready) -> tuple[Search, Identifiability]:
     logs = log_numbers(rig, [*fit, *held], ready.sizes)
     fitted = logs.fitted([r.log for r in fit])
     alone = [n for n in logs.fitted([r.log for r in held]) if n not in fitted]
-    train, heldout = (
-        InverseProblem(rig, ready.body, r, ready.possible, ready.sizes, ready.rest_speed, logs, own)
-        for r, own in ((fit, []), (held, alone))
-    )
+    about = (ready.possible, ready.sizes, ready.rest_speed, logs)
+    train = InverseProblem(rig, ready.body, fit, *about)
+    heldout = InverseProblem(rig, ready.body, held, *about, alone, held_out=True)
     names = [*(f"rig.{name}" for name in rig.fit), *fitted]
     names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]
     if names in ([], ["rig.delay"]):

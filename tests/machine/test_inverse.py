@@ -151,6 +151,22 @@ def test_full_iron_is_compared_by_the_torque_of_an_ampere(iron, wanted):
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
 
 
+def test_held_out_full_iron_is_compared_by_what_an_ampere_more_gives():
+    """e = e₀ + (τ - P(e₀))/P'(e₀); the torque of all amperes hides most of what is missed."""
+    iron, missed = 0.5, []
+    for held_out in (False, True):
+        made = problem("torque_constant_saturation")
+        made.asked.held_out = held_out
+        current = made.asked.motion.effort
+        passed = current / np.sqrt(1.0 + iron * current**2)
+        at = {"rig.inertia": 0.0, "rig.viscous": 1.0, "torque_constant_saturation.saturation": iron}
+        found = made.asked.effort(made.table.vector(at), near=True)
+        missed.append((found - current) / (made.asked.motion.v - passed))
+    slope = (1.0 + iron * current**2) ** -1.5
+    np.testing.assert_allclose(missed[1], 1.0 / slope, rtol=1e-3)
+    assert np.all(missed[1] >= missed[0] - 1e-9)
+
+
 @pytest.mark.parametrize("before", [(), ("torque_constant_saturation",), ("current_lag",)])
 @pytest.mark.parametrize("name", ["coulomb_friction", "load_dependent_friction", "current_offset"])
 def test_what_an_effect_adds_is_the_difference_that_it_makes(name, before):

@@ -46,6 +46,16 @@ def test_noise_of_the_measured_effort_passes_in_second_order(pipe, noise):
     assert np.abs(found - effort).max() < noise
 
 
+def test_a_torque_nearby_is_told_to_first_order():
+    """What is missed falls with the square of the distance, also for efforts of one sign."""
+    effort = RNG.uniform(2.0, 3.0, 200)
+    missed = [
+        np.abs(nearby(saturated, saturated(effort + far), effort) - effort - far).max()
+        for far in (0.02, 0.01)
+    ]
+    assert 3.5 < missed[0] / missed[1] < 4.5
+
+
 def test_a_torque_beyond_all_efforts_is_not_far_away():
     """Iron gives 1.83 at most: the inverse runs off, a step from the measured effort does not."""
     wanted, effort = np.linspace(1.0, 2.2, 50), np.full(50, 3.0)
