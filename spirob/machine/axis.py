@@ -17,6 +17,7 @@ from spirob.machine.composed.law import beyond
 from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.differing import differing
 from spirob.machine.document import heldout, plain, rig_document, standing
+from spirob.machine.inverse import Work
 from spirob.machine.judging import Judged, Searched, judged_of
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import another_unit
@@ -60,8 +61,10 @@ def diagnose_recordings(
     def told(train: list[Recording], test: list[Recording], said: Sequence[str] = ()) -> Ready:
         ready = ready_of(rig, folder, train, test, own, without)
         said = list(dict.fromkeys([*ready.said, *said]))  # both parts of a log have its repairs
-        return replace(ready, settings=settings or rig.criteria, progress=progress, said=said)
+        decided = settings or rig.criteria
+        return replace(ready, settings=decided, progress=progress, said=said, work=work)
 
+    work = Work()
     with one_thread():
         judged = judged_of(_found(told(train, test)))
         said = untaught(judged.search, judged.chosen, judged.verdict)

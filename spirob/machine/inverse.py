@@ -4,6 +4,7 @@ Measured and modelled effort pass the same filters; the equations are in `invers
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +23,16 @@ from spirob.parameter import Table
 BLOCK = 0.5  # s, over which a residual is correlated at most
 
 
+@dataclass
+class Work:
+    """What a diagnosis has done so far, whose length is not to depend on the machine's speed.
+
+    samples  of all residuals that its searches asked for
+    """
+
+    samples: int = 0
+
+
 class InverseProblem:
     """Effort asked for minus effort measured, on the trials of one role; see `identify.problem`.
 
@@ -30,7 +41,7 @@ class InverseProblem:
            because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
     held_out  whether they judge what others are fitted to
-    played  samples of all residuals that were asked for: what the work of a search is counted by
+    work   of the diagnosis, which every residual adds to
     """
 
     workers = 1  # threads would wait for one another, whatever the length of the logs
@@ -46,9 +57,11 @@ class InverseProblem:
         logs: LogNumbers = NONE,
         own: Sequence[str] = (),
         held_out: bool = False,
+        work: Work | None = None,
     ):
+        self.work = work or Work()
         self.logs, self.own = logs, list(own)
-        self.rig, self.body, self.sizes, self.played = rig, body, sizes, 0
+        self.rig, self.body, self.sizes = rig, body, sizes
         self.recordings = list(recordings)
         self.effects, self.rest_speed = list(effects), rest_speed
         self._table = table_of(rig, effects, sizes, logs)
@@ -60,7 +73,7 @@ class InverseProblem:
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
         self._measured = self._thin(self._smooth(motion.effort))
         ends = np.cumsum([0, *(len(kept.along) for kept in kept_rows(self.recordings))])
-        self._swings = Swings(self.asked, lambda effort: self._thin(self._smooth(effort)), ends)
+        self._swings = Swings(self.asked, self._compared, ends)
         counts = {id(r): 0 for r in self.recordings}
         for kept in kept_rows(self.recordings):
             counts[id(kept.recording)] += len(kept.along)
@@ -126,10 +139,15 @@ class InverseProblem:
         return self._model(self.completed(changes))
 
     def _residual(self, changes: Mapping[str, float]) -> np.ndarray:
-        self.played += len(self.asked.motion.q)
+        self.work.samples += len(self.asked.motion.q)
         p = self._table.vector(changes)
         residual = self._thin(self._smooth(self.asked.effort(p, near=True))) - self._measured
         return self._swings.taken(residual, p)
+
+    def _compared(self, effort: np.ndarray) -> np.ndarray:
+        """Of an effort that was played besides, (n,), what is compared, (N,)."""
+        self.work.samples += len(effort)
+        return self._thin(self._smooth(effort))
 
     def _model(self, changes: Mapping[str, float]) -> np.ndarray:
         return self._smooth(self.asked.effort(self._table.vector(changes)))

@@ -175,7 +175,7 @@ class Models(Predictor):
         return not waves and not only_aligns(model, self.train.rig, period)
 
     def complete(self, model: Model) -> bool:
-        """Whether more than a pair is found, and the search took its time (`LONG`).
+        """Whether more than a pair is found, and the searches took their time (`LONG`).
 
         What builds of a rig differ by is not known: the error alone never ends a search.
         """
@@ -183,8 +183,8 @@ class Models(Predictor):
 
     @property
     def is_long(self) -> bool:
-        """Whether a search took so much that another, begun otherwise, would take too long."""
-        return self.train.played > LONG
+        """Whether the searches took so much that another, begun otherwise, would take too long."""
+        return self.train.work.samples > LONG
 
     @property
     def cut(self) -> bool:

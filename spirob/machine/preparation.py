@@ -15,7 +15,7 @@ from spirob.identify.identifiability import Identifiability, probe
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.delays import is_told, partnered, strange
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.inverse import InverseProblem, Work
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import chosen, files
 from spirob.machine.models import Models
@@ -37,6 +37,7 @@ class Ready:
     said      what was repaired or left out
     untold    nothing is told of the delay between effort and motion
     progress  is told each step
+    work      of all searches
     """
 
     given: RigFile
@@ -55,6 +56,7 @@ class Ready:
     without: Collection[str] = ()
     settings: Criteria = field(default_factory=Criteria)
     progress: Callable[[str], None] = lambda text: None
+    work: Work = field(default_factory=Work)
 
     def at_load(self) -> "Ready":
         """The same logs, read as those of a sensor at the load."""
@@ -134,7 +136,7 @@ def search_of(ready: Ready) -> tuple[Search, Identifiability]:
     fitted = logs.fitted([r.log for r in fit])
     alone = [n for n in logs.fitted([r.log for r in held]) if n not in fitted]
     about = (ready.possible, ready.sizes, ready.rest_speed, logs)
-    train = InverseProblem(rig, ready.body, fit, *about)
+    train = InverseProblem(rig, ready.body, fit, *about, work=ready.work)
     heldout = InverseProblem(rig, ready.body, held, *about, alone, held_out=True)
     names = [*(f"rig.{name}" for name in rig.fit), *fitted]
     names += [f"{e.name()}.{f}" for e in ready.own for f in e.fitted()]

@@ -7,6 +7,7 @@ import pytest
 
 from spirob.machine import axis, models
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.inverse import Work
 from spirob.machine.models import Models
 from spirob.machine.plausibility import AT_LOAD
 from spirob.machine.recording import prepare
@@ -106,12 +107,12 @@ def test_a_search_that_took_long_is_not_repeated_and_says_so(tmp_path, monkeypat
 
 
 def test_more_than_a_pair_is_looked_for_while_there_is_time():
-    problem, search = SimpleNamespace(played=1.0e6), Models.__new__(Models)
+    problem, search = SimpleNamespace(work=Work(1_000_000)), Models.__new__(Models)
     search.train, three = problem, SimpleNamespace(effects=(1, 2, 3))
     search.tried = {frozenset(): three}
     assert not search.complete(three)
     assert not search.cut
-    problem.played = 2 * models.LONG
+    problem.work.samples = 2 * models.LONG
     assert search.complete(three)
     assert search.cut
     assert not search.complete(SimpleNamespace(effects=(1, 2)))
