@@ -25,9 +25,9 @@ BLOCK = 0.5  # s, over which a residual is correlated at most
 
 @dataclass
 class Work:
-    """What a diagnosis has done so far, whose length is not to depend on the machine's speed.
+    """What the searches of a diagnosis have done, counted so that no clock decides when they end.
 
-    samples  of all residuals that its searches asked for
+    samples  of all residuals that they asked for on training trials
     """
 
     samples: int = 0
@@ -41,7 +41,7 @@ class InverseProblem:
            because these trials are the only ones that tell them
     asked  the equations of the inverse model over these trials
     held_out  whether they judge what others are fitted to
-    work   of the diagnosis, which every residual adds to
+    work   that its residuals add to
     """
 
     workers = 1  # threads would wait for one another, whatever the length of the logs
@@ -61,6 +61,7 @@ class InverseProblem:
     ):
         self.work = work or Work()
         self.logs, self.own = logs, list(own)
+        self._held_out = held_out
         self.rig, self.body, self.sizes = rig, body, sizes
         self.recordings = list(recordings)
         self.effects, self.rest_speed = list(effects), rest_speed
@@ -79,6 +80,11 @@ class InverseProblem:
             counts[id(kept.recording)] += len(kept.along)
         self.edges = np.cumsum([0, *counts.values()])
         self.rows = np.ones(int(self.edges[-1]), dtype=bool)
+
+    def beside(self, effect: type[Effect]) -> "InverseProblem":
+        """The same trials in the same role, with a further effect that may act."""
+        effects, about = [*self.effects, effect], (self.sizes, self.rest_speed, self.logs, self.own)
+        return InverseProblem(self.rig, self.body, self.recordings, effects, *about, self._held_out)
 
     @property
     def table(self) -> Table:

@@ -167,6 +167,21 @@ def test_held_out_full_iron_is_compared_by_what_an_ampere_more_gives():
     assert np.all(missed[1] >= missed[0] - 1e-9)
 
 
+@pytest.mark.parametrize("held_out", [False, True])
+def test_a_further_effect_is_judged_in_the_same_role(held_out):
+    rig, numbers = (
+        RigFile.model_validate(description()),
+        {"torque_constant_saturation.saturation": 0.5},
+    )
+    iron, trials = [LIBRARY["torque_constant_saturation"]], [prepare("log", log(), rig)]
+    made = InverseProblem(rig, None, trials, iron, SIZES, 0.02, held_out=held_out)
+    more = made.beside(LIBRARY["coulomb_friction"])
+    at = numbers | {"rig.inertia": 0.0, "rig.viscous": 1.0}
+    np.testing.assert_array_equal(more(at), made(at))
+    other = InverseProblem(rig, None, trials, iron, SIZES, 0.02, held_out=not held_out)
+    assert np.abs(more(at) - other(at)).max() > 0.1
+
+
 @pytest.mark.parametrize("before", [(), ("torque_constant_saturation",), ("current_lag",)])
 @pytest.mark.parametrize("name", ["coulomb_friction", "load_dependent_friction", "current_offset"])
 def test_what_an_effect_adds_is_the_difference_that_it_makes(name, before):

@@ -146,7 +146,7 @@ def _fitted(beside: _Beside, law: Law, where: str) -> _Fitted:
     known = search.models
     path.write_text(written(law, told(law, known.train.sizes), beside.rival), encoding="utf-8")
     (effect,) = load_file(path).values()
-    train, heldout = (_with(problem, effect) for problem in (known.train, known.heldout))
+    train, heldout = (problem.beside(effect) for problem in (known.train, known.heldout))
     models = Models(train, heldout, known.names)
     models.progress = search.progress
     start = beside.start | law.changes(name)
@@ -221,19 +221,6 @@ def free_name(taken: set[str]) -> str:
     while (name := NAME if k == 1 else f"{NAME}_{k}") in taken:
         k += 1
     return name
-
-
-def _with(problem: InverseProblem, effect: type[Effect]) -> InverseProblem:
-    return InverseProblem(
-        problem.rig,
-        problem.body,
-        problem.recordings,
-        [*problem.effects, effect],
-        problem.sizes,
-        problem.rest_speed,
-        problem.logs,
-        problem.own,
-    )
 
 
 def _of(full: str, owner: str) -> bool:
