@@ -50,12 +50,20 @@ def derivative(values: np.ndarray, period: float) -> np.ndarray:
     if len(values) < 5:
         return np.asarray(np.gradient(values, period))
     found = np.empty(len(values))
-    found[0], found[-1] = (values[1] - values[0]) / period, (values[-1] - values[-2]) / period
-    found[1] = (values[2] - values[0]) / (2.0 * period)
-    found[-2] = (values[-1] - values[-3]) / (2.0 * period)
-    near, far = values[3:-1] - values[1:-3], values[4:] - values[:-4]
-    found[2:-2] = (8.0 * near - far) / (12.0 * period)
+    _differences(values, period, found)
     return found
+
+
+@njit(cache=True, error_model="numpy")
+def _differences(values: np.ndarray, period: float, out: np.ndarray) -> None:
+    """Compiled, because most signals are so short that NumPy takes longer to be called."""
+    n = len(values)
+    out[0], out[n - 1] = (values[1] - values[0]) / period, (values[-1] - values[-2]) / period
+    out[1] = (values[2] - values[0]) / (2.0 * period)
+    out[n - 2] = (values[-1] - values[-3]) / (2.0 * period)
+    for k in range(2, n - 2):
+        near, far = values[k + 1] - values[k - 1], values[k + 2] - values[k - 2]
+        out[k] = (8.0 * near - far) / (12.0 * period)
 
 
 def _both_ways(
@@ -78,16 +86,26 @@ def _both_ways(
 def _pass(sections: np.ndarray, state: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
     """`scipy.signal.sosfilt`, bit for bit, which takes longer to be called than to filter.
 
-    state  of each section, (sections, 2), and afterwards that after the last value
+    Two sections at a time, of which there is an even number: their states stay in registers.
+
+    state  of each section, (sections, 2)
     """
-    for k in range(len(values)):
-        passed = values[k]
-        for s in range(len(sections)):
-            given = passed
-            passed = sections[s, 0] * given + state[s, 0]
-            state[s, 0] = sections[s, 1] * given - sections[s, 4] * passed + state[s, 1]
-            state[s, 1] = sections[s, 2] * given - sections[s, 5] * passed
-        out[k] = passed
+    for s in range(0, len(sections), 2):
+        a, b = sections[s], sections[s + 1]
+        a0, a1, a2, a4, a5 = a[0], a[1], a[2], a[4], a[5]
+        b0, b1, b2, b4, b5 = b[0], b[1], b[2], b[4], b[5]
+        first, second = state[s, 0], state[s, 1]
+        third, fourth = state[s + 1, 0], state[s + 1, 1]
+        given = out if s else values
+        for k in range(len(values)):
+            value = given[k]
+            between = a0 * value + first
+            first = a1 * value - a4 * between + second
+            second = a2 * value - a5 * between
+            passed = b0 * between + third
+            third = b1 * between - b4 * passed + fourth
+            fourth = b2 * between - b5 * passed
+            out[k] = passed
 
 
 @cache

@@ -94,7 +94,13 @@ class Kernels:
     def __init__(self, effects: Sequence[type[Effect]], table: Table):
         self.effects, self.table = list(effects), table
         self._runs = {e.name(): loop_of(e) for e in effects}
+        self._fields = {e.name(): list(e.parameters()) for e in effects}
+        self._cells = {
+            name: [table.position(f"{name}.{field}") for field in fields]
+            for name, fields in self._fields.items()
+        }
         self._neutral = _neutral_of(effects, table)
+        self._acting: tuple[bytes, dict[str, list[type[Effect]]]] = (b"", {})
 
     def at(self, port: str) -> list[type[Effect]]:
         """The effects at a port."""
@@ -102,16 +108,21 @@ class Kernels:
 
     def present(self, port: str, p: np.ndarray) -> list[type[Effect]]:
         """The effects at a port that are not neutral."""
-        return [
-            effect
-            for effect, cells, neutral in self._neutral.get(port, ())
-            if any(p[k] != value for k, value in zip(cells, neutral, strict=True))
-        ]
+        if (mark := p.tobytes()) != self._acting[0]:  # an evaluation asks for one p many times
+            self._acting = mark, self._found_acting(p.tolist())
+        return self._acting[1].get(port, [])
+
+    def _found_acting(self, p: Sequence[float]) -> dict[str, list[type[Effect]]]:
+        found: dict[str, list[type[Effect]]] = {}
+        for effect, cells, neutral in self._neutral:
+            if any(p[k] != value for k, value in zip(cells, neutral, strict=True)):
+                found.setdefault(effect.port, []).append(effect)
+        return found
 
     def values(self, effect: type[Effect], p: np.ndarray) -> dict[str, float]:
         """An effect's numbers, by field, in a vector of the table."""
         name = effect.name()
-        return {f: float(p[self.table.position(f"{name}.{f}")]) for f in effect.parameters()}
+        return dict(zip(self._fields[name], p[self._cells[name]].tolist(), strict=True))
 
     def run(
         self,
@@ -127,7 +138,8 @@ class Kernels:
         seen = np.array([above, *(signals[name] for name in effect.reads.values())])
         way = motion.bridged if effect.state else motion.apart
         begin = np.array(list(effect.state.values()), float)
-        return self._along(effect, p, way, np.ascontiguousarray(way.over(seen)), begin)[way.rows]
+        out = self._along(effect, p, way, np.ascontiguousarray(way.over(seen)), begin)
+        return out if len(out) == n else out[way.rows]
 
     def swung(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
         """What 1 of each free state at the start of a piece adds in it, (free states, n)."""
@@ -140,7 +152,7 @@ class Kernels:
         self, effect: type[Effect], p: np.ndarray, way: Way, seen: np.ndarray, begin: np.ndarray
     ) -> np.ndarray:
         """The kernel along a way, (m,); seen (1 + reads, m): from upstream and what it reads."""
-        out, values = np.empty(seen.shape[1]), np.array(list(self.values(effect, p).values()))
+        out, values = np.empty(seen.shape[1]), p[self._cells[effect.name()]]
         run = self._runs[effect.name()]
         run(out, way.starts, way.steps, way.anew, begin, seen[0], seen[1:], values)
         return out
@@ -148,7 +160,7 @@ class Kernels:
     def in_cycles(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:
         """The measured effort through a kernel that remembers some cycles of a bus, (n,)."""
         order, starts, steps = motion.dealt()
-        values = np.array(list(self.values(effect, p).values()))
+        values = p[self._cells[effect.name()]]
         dealt, out = np.empty(len(order)), np.empty(len(order))
         nothing = np.empty((0, len(order)))
         begin = np.array(list(effect.state.values()), float)
@@ -161,10 +173,10 @@ class Kernels:
 Neutral = tuple[type[Effect], list[int], list[float]]
 
 
-def _neutral_of(effects: Sequence[type[Effect]], table: Table) -> dict[str, list[Neutral]]:
-    """Port -> its effects, each with the places and values of the numbers that silence it."""
-    found: dict[str, list[Neutral]] = {}
+def _neutral_of(effects: Sequence[type[Effect]], table: Table) -> list[Neutral]:
+    """The effects, each with the places and values of the numbers that silence it."""
+    found = []
     for effect in effects:
         cells = [table.position(f"{effect.name()}.{f}") for f in effect.neutral]
-        found.setdefault(effect.port, []).append((effect, cells, table.values[cells].tolist()))
+        found.append((effect, cells, table.values[cells].tolist()))
     return found

@@ -142,11 +142,18 @@ def late(effort: np.ndarray, delay: float, motion: Motion) -> np.ndarray:
     for k, step in enumerate(motion.steps):
         whole = round(delay / step)
         rest = delay - whole * step
-        own = effort[motion.starts[k] : motion.starts[k + 1]]
-        moved = _moved(own, rest, step)
-        at = np.clip(np.arange(len(own)) - whole, 0, len(own) - 1) if whole else slice(None)
-        out[motion.starts[k] : motion.starts[k + 1]] = moved[at]
+        rows = slice(motion.starts[k], motion.starts[k + 1])
+        _shift(_moved(effort[rows], rest, step), whole, out[rows])
     return out
+
+
+def _shift(values: np.ndarray, by: int, out: np.ndarray) -> None:
+    """Values (n,) by so many rows later; the first or the last one stands where none is."""
+    n = len(values)
+    by = max(-n, min(by, n))
+    first, end = max(by, 0), min(n, n + by)
+    out[:first], out[end:] = values[0], values[-1]
+    out[first:end] = values[first - by : end - by]
 
 
 def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
