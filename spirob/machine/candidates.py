@@ -9,6 +9,7 @@ import numpy as np
 from spirob.diagnosis.dry import another_dry
 from spirob.diagnosis.model import Model
 from spirob.effects import Effect
+from spirob.identify.fit import Fit
 from spirob.machine.laws import LEVER, shares_inertia
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, parameters
@@ -143,20 +144,20 @@ def same_wave(model: Model, sizes: Sizes) -> bool:
     return any(abs(one - two) < apart for one, two in combinations(orders, 2))
 
 
-def repeated_waves(model: Model, sizes: Sizes) -> list[str]:
+def repeated_waves(effects: Sequence[type[Effect]], fit: Fit, sizes: Sizes) -> list[str]:
     """Numbers of waves of an effect that come at the order of another of its waves.
 
     Two waves that the stroke cannot tell apart are one wave.  Fitted as two, of opposite signs,
     they beat: a curve that fades in and out along the way, which no periodic law is.
     """
     found: list[str] = []
-    for effect in model.effects:
+    for effect in effects:
         kept: dict[str, float] = {}  # numbers of the waves that stay -> order of one of them
         for amplitudes, shape in waves(effect):  # type: ignore[arg-type] # a class is hashable
             fitted = [f"{effect.name()}.{f}" for f in (*amplitudes, *shape)]
-            if not all(name in model.fit.estimates for name in fitted):
+            if not all(name in fit.estimates for name in fitted):
                 continue
-            order = prod(model.fit.changes[name] for name in fitted[len(amplitudes) :])
+            order = prod(fit.changes[name] for name in fitted[len(amplitudes) :])
             if any(abs(order - other) < _apart(sizes) for other in kept.values()):
                 found += [name for name in fitted if name not in kept]
             else:

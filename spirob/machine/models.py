@@ -117,7 +117,7 @@ class Models(Predictor):
         self.size = float(np.sqrt(np.mean(train.measured() ** 2)))
         self.tried: dict[frozenset[str], Model] = {}
         self._screened: dict[frozenset[str], Screening] = {}
-        self._ceilings: dict[tuple[frozenset[str], bool], RigCeiling] = {}
+        self._ceilings: dict[frozenset[str], RigCeiling] = {}
         self._floor = floor
 
     @cached_property
@@ -202,34 +202,31 @@ class Models(Predictor):
 
     def lacks(self, bare: Model) -> bool:
         """Whether what is left follows from the motion, or is far more than noise."""
-        return structured(self, bare, self.ceiling(bare, split=False)) or unexplained(self, bare)
+        return structured(self, bare, self.ceiling(bare)) or unexplained(self, bare)
 
     def nothing(self, bare: Model) -> str:
         """Why nothing is missing, in a sentence."""
-        return nothing(self, self.ceiling(bare, split=False))
+        return nothing(self, self.ceiling(bare))
 
-    def ceiling(self, model: Model, split: bool = True) -> RigCeiling:
-        """What a flexible residual takes of what is left; `split` by signals, too."""
-        known = self._ceilings.get((model.names, True)) or self._ceilings.get((model.names, split))
-        if known:
-            return known
-        self.progress(f"what follows from the motion beside {label(model.effects)}")
-        made = rig_ceiling(
-            self.train, self.heldout, model.fit.residual, model.heldout, self.folds, split
-        )
-        self._ceilings[model.names, split] = made
-        return made
+    def ceiling(self, model: Model) -> RigCeiling:
+        """What a flexible residual takes of what is left."""
+        if model.names not in self._ceilings:
+            self.progress(f"what follows from the motion beside {label(model.effects)}")
+            about = model.fit.residual, model.heldout, self.folds
+            self._ceilings[model.names] = rig_ceiling(self.train, self.heldout, *about)
+        return self._ceilings[model.names]
 
     def fitted(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Model:
         """The fitted model of a set; `start` holds where its numbers begin."""
         key = frozenset(e.name() for e in effects)
         if key not in self.tried:
-            made = self.without((), effects, start)
-            if twice := repeated_waves(made, self.train.sizes):
-                once = {n: v for n, v in made.fit.changes.items() if n not in twice}
-                made = self.without(twice, effects, once)
-            self.tried[key] = made
+            self.tried[key] = self._model(effects, self._each_wave_once(effects, start))
         return self.tried[key]
+
+    def numbers(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Fit:
+        """The fit of a set alone, kept or made: what it leaves of folds left out takes as long."""
+        known = self.tried.get(frozenset(e.name() for e in effects))
+        return known.fit if known else self._each_wave_once(effects, start)
 
     def without(
         self,
@@ -238,15 +235,30 @@ class Models(Predictor):
         start: Mapping[str, float],
     ) -> Model:
         """The same with some numbers of the effects left at neutral; it is not kept."""
+        return self._model(effects, self._fit(silent, effects, start))
+
+    def _each_wave_once(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Fit:
+        found = self._fit((), effects, start)
+        if twice := repeated_waves(effects, found, self.train.sizes):
+            once = {n: v for n, v in found.changes.items() if n not in twice}
+            found = self._fit(twice, effects, once)
+        return found
+
+    def _fit(
+        self,
+        silent: Collection[str],
+        effects: tuple[type[Effect], ...],
+        start: Mapping[str, float],
+    ) -> Fit:
         own = (f"{e.name()}.{f}" for e in effects for f in e.fitted())
         names = [*self.names, *(n for n in own if n not in silent)]
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
         robust = ROBUST * self.size  # plain least squares inside
-        rough = any(shares_inertia(e) for e in effects)
+        rough = _is_rough(effects)
         # a bounce is one moment: where the delay may be far off, it lies in a valley of its own
         starts = [begin, begin | {DELAY: 0.0}] if rough and begin.get(DELAY) else [begin]
-        fits = [
+        fits = (
             fit(
                 self.train,
                 names,
@@ -258,9 +270,11 @@ class Models(Predictor):
                 smooth=True,
             )
             for start in starts
-        ]
-        found = min(fits, key=lambda made: made.cost)
-        left = left_out(self.train, found, self.folds, ROUGH if rough else STEP)
+        )
+        return min(fits, key=lambda made: made.cost)
+
+    def _model(self, effects: tuple[type[Effect], ...], found: Fit) -> Model:
+        left = left_out(self.train, found, self.folds, ROUGH if _is_rough(effects) else STEP)
         held = self.heldout(found.changes)
         made = Model(
             effects,
@@ -280,6 +294,10 @@ class Models(Predictor):
             "train": score(measured[0], measured[0] + model.fit.residual),
             "test": score(measured[1], measured[1] + model.heldout),
         }
+
+
+def _is_rough(effects: Collection[type[Effect]]) -> bool:
+    return any(shares_inertia(e) for e in effects)
 
 
 def _halves(edges: np.ndarray) -> np.ndarray:

@@ -47,8 +47,8 @@ def switches(search: RigSearch, found: Found, ranked: Sequence[str]) -> list[dic
             best = min((alone[n] for n in subset), key=lambda m: m.mean_square)
             effects = [*bare.effects, *(_of(alone[n], n) for n in subset)]
             start = {k: v for n in subset for k, v in alone[n].fit.changes.items()}
-            model = search.models.fitted(tuple(effects), start | best.fit.changes)
-            made.append(_entry(search, subset, "refitted", model.fit.changes))
+            fit = search.models.numbers(tuple(effects), start | best.fit.changes)
+            made.append(_entry(search, subset, "refitted", fit.changes))
     return made
 
 

@@ -94,7 +94,7 @@ def test_two_waves_of_one_order_as_the_stroke_tells_it_are_one(ratio, third, rep
     changes = {f"cogging.{f}": p.nominal for f, p in parameters(cogging, about).items()}
     changes |= {"cogging.order": 5.0, "cogging.ratio": ratio, "cogging.third_ratio": third}
     fit = SimpleNamespace(changes=changes, estimates=dict.fromkeys(changes))
-    found = repeated_waves(SimpleNamespace(effects=(cogging,), fit=fit), about)
+    found = repeated_waves((cogging,), fit, about)
     assert found == [f"cogging.{f}" for f in repeated]
 
 
@@ -104,7 +104,7 @@ def test_a_wave_that_is_left_out_is_not_repeated():
     changes |= {"cogging.order": 5.0, "cogging.ratio": 1.0}
     told = {n: None for n in changes if "second" not in n and n != "cogging.ratio"}
     fit = SimpleNamespace(changes=changes, estimates=told)
-    assert repeated_waves(SimpleNamespace(effects=(cogging,), fit=fit), about) == []
+    assert repeated_waves((cogging,), fit, about) == []
 
 
 @pytest.mark.parametrize("seconds", [0.5, 9.0, 600.0])
