@@ -49,21 +49,35 @@ def derivative(values: np.ndarray, period: float) -> np.ndarray:
     """
     if len(values) < 5:
         return np.asarray(np.gradient(values, period))
-    found = np.empty(len(values))
-    _differences(values, period, found)
-    return found
+    return np.asarray(_differences(values, period))
 
 
 @njit(cache=True, error_model="numpy")
-def _differences(values: np.ndarray, period: float, out: np.ndarray) -> None:
+def _differences(values: np.ndarray, period: float) -> np.ndarray:
     """Compiled, because most signals are so short that NumPy takes longer to be called."""
     n = len(values)
+    out = np.empty(n)
     out[0], out[n - 1] = (values[1] - values[0]) / period, (values[-1] - values[-2]) / period
     out[1] = (values[2] - values[0]) / (2.0 * period)
     out[n - 2] = (values[-1] - values[-3]) / (2.0 * period)
     for k in range(2, n - 2):
         near, far = values[k + 1] - values[k - 1], values[k + 2] - values[k - 2]
         out[k] = (8.0 * near - far) / (12.0 * period)
+    return out
+
+
+def earlier(values: np.ndarray, by: float, period: float) -> np.ndarray:
+    """Values (n,) as they were `by` seconds earlier, to second order."""
+    if len(values) < 5:
+        first, second = rates(values, period)
+        return values - by * first + 0.5 * by**2 * second
+    return np.asarray(_earlier(values, by, 0.5 * by**2, period))
+
+
+@njit(cache=True, error_model="numpy")
+def _earlier(values: np.ndarray, by: float, half_square: float, period: float) -> np.ndarray:
+    first = _differences(values, period)
+    return values - by * first + half_square * _differences(first, period)
 
 
 def _both_ways(

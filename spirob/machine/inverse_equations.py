@@ -167,7 +167,8 @@ class AskedEffort(Kernels):
 
     def tip_mass(self, p: np.ndarray) -> float:
         """What the body carries at its tip [kg]."""
-        return float(sum(e.kernel(**self.values(e, p)) for e in self.at("body.tip_mass")))
+        carried = self.present("body.tip_mass", p)
+        return float(sum(e.kernel(**self.values(e, p)) for e in carried))
 
     def signals(self, motion: Motion, load: np.ndarray, p: np.ndarray) -> dict[str, np.ndarray]:
         """What kernels may read, each (n,)."""

@@ -115,7 +115,7 @@ class Kernels:
     def _found_acting(self, p: Sequence[float]) -> dict[str, list[type[Effect]]]:
         found: dict[str, list[type[Effect]]] = {}
         for effect, cells, neutral in self._neutral:
-            if any(p[k] != value for k, value in zip(cells, neutral, strict=True)):
+            if [p[k] for k in cells] != neutral:
                 found.setdefault(effect.port, []).append(effect)
         return found
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from spirob.machine.body import RigidBody
-from spirob.machine.filtering import rates
+from spirob.machine.filtering import earlier, rates
 from spirob.machine.memory import Way, apart, bridged
 from spirob.machine.recording import Piece, Recording
 
@@ -162,21 +162,16 @@ def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
     Away from the ends, where derivatives are one-sided, this is one filter of a few taps.
     """
     if len(values) <= 6 * REACH:
-        return _expanded(values, by, period)
+        return earlier(values, by, period)
     out = np.convolve(values, _taps(by, period), "same")
-    out[:REACH] = _expanded(values[: 3 * REACH], by, period)[:REACH]
-    out[-REACH:] = _expanded(values[-3 * REACH :], by, period)[-REACH:]
+    out[:REACH] = earlier(values[: 3 * REACH], by, period)[:REACH]
+    out[-REACH:] = earlier(values[-3 * REACH :], by, period)[-REACH:]
     return out
-
-
-def _expanded(values: np.ndarray, by: float, period: float) -> np.ndarray:
-    first, second = rates(values, period)
-    return values - by * first + 0.5 * by**2 * second
 
 
 @lru_cache(maxsize=64)  # the derivatives of a fit move the delay once, and all else many times
 def _taps(by: float, period: float) -> np.ndarray:
-    impulse = _expanded(np.eye(1, 4 * REACH + 1, 2 * REACH)[0], by, period)
+    impulse = earlier(np.eye(1, 4 * REACH + 1, 2 * REACH)[0], by, period)
     return impulse[REACH : 3 * REACH + 1]
 
 
