@@ -6,10 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from sklearn.base import clone
 
 from spirob.cli.main import main
+from spirob.diagnosis import flexible
 from spirob.diagnosis.criteria import Criteria
 from spirob.errors import ConfigError, DataError, EffectError, MissingLog
+from spirob.machine import flexible as rig_flexible
+from spirob.machine import judging
 from spirob.machine.diagnosis import diagnose
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
@@ -30,6 +34,15 @@ def log(folder, name, seed, size=0.004):
     u = a + 2.0 * v + 0.2 * np.tanh(v / 1e-4) + rng.normal(0, 0.002, len(t))
     pd.DataFrame({"t": t, "q": q, "u": u}).to_csv(folder / name, index=False)
     return str(folder / name)
+
+
+@pytest.fixture(autouse=True)
+def little_said_of_what_is_left(monkeypatch):
+    """No test here asks what is left: no law is composed of it, and few trees learn it."""
+    monkeypatch.setattr(judging, "composed", lambda *of: None)
+    few = flexible.tree().set_params(max_iter=5)
+    monkeypatch.setattr(flexible, "tree", lambda: clone(few))
+    monkeypatch.setattr(rig_flexible, "tree", lambda: clone(few))
 
 
 @pytest.fixture
