@@ -9,7 +9,6 @@ import zipfile
 
 import numpy as np
 import pytest
-import skops.io
 
 from spirob.errors import DataError
 from spirob.perceive.model_file import hash_file, load_model, save_model
@@ -22,6 +21,12 @@ class Bomb:
 
     def __init__(self, path):
         self.path = path
+
+
+def dumped(value):
+    from skops.io import dumps  # slow to import: it looks through all of scikit-learn
+
+    return dumps(value)
 
 
 @pytest.fixture
@@ -80,7 +85,7 @@ def test_a_pickle_with_a_right_hash_is_not_run(saved, tmp_path):
 def test_a_class_or_a_function_that_is_not_listed_is_not_made(saved, tmp_path):
     _, path, _ = saved
     for other in (Bomb(str(tmp_path / "exploded")), os.mkdir):
-        hashed(path, skops.io.dumps({"model": other}))
+        hashed(path, dumped({"model": other}))
         with pytest.raises(DataError, match="names what no size model has"):
             load_model(path)
     assert not (tmp_path / "exploded").exists()
@@ -104,7 +109,7 @@ def test_a_damaged_file_is_a_sentence(saved):
         "unpacks to more than": lambda name, part: bytes(1 << 20) if name[0] in "123" else part,
         "holds a ": lambda name, part: json.dumps(schema) if name.endswith("json") else part,
     }
-    with zipfile.ZipFile(io.BytesIO(skops.io.dumps([1, 2]))) as plain:
+    with zipfile.ZipFile(io.BytesIO(dumped([1, 2]))) as plain:
         schema = json.loads(plain.read("schema.json"))
     for said, damage in damages.items():
         hashed(path, changed(whole, damage))

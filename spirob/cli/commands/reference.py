@@ -7,6 +7,7 @@ import argparse
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 HELP = "what a module of the library does, from its docstrings"
@@ -75,9 +76,10 @@ class Module:
     members: tuple[Member, ...] = field(default=())
 
 
-def modules(root: Path = PACKAGE) -> list[Module]:
+@cache  # a second to parse
+def modules(root: Path = PACKAGE) -> tuple[Module, ...]:
     """All public modules under the package's folder `root`, by name."""
-    return sorted(_read(root), key=lambda module: module.name)
+    return tuple(sorted(_read(root), key=lambda module: module.name))
 
 
 def _read(root: Path) -> Iterator[Module]:
