@@ -29,9 +29,13 @@ def dumped(value):
     return dumps(value)
 
 
+@pytest.fixture(scope="module")
+def model(known):
+    return train(known)
+
+
 @pytest.fixture
-def saved(known, tmp_path):
-    model = train(known)
+def saved(model, tmp_path):
     digest = save_model(model, tmp_path / "models" / "size.skops")
     return model, tmp_path / "models" / "size.skops", digest
 
