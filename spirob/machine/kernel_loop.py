@@ -130,7 +130,7 @@ class Kernels:
         above = np.zeros(n) if upstream is None else upstream
         seen = np.array([above, *(signals[name] for name in effect.reads.values())])
         way = motion.bridged if effect.state else motion.apart
-        begin = np.array(list((effect.state | (begun or {})).values()), float)
+        begin = np.array(list({**effect.state, **(begun or {})}.values()), float)
         return self._along(effect, p, way, np.ascontiguousarray(way.over(seen)), begin)[way.rows]
 
     def swung(self, effect: type[Effect], p: np.ndarray, motion: Motion) -> np.ndarray:

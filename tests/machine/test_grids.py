@@ -1,5 +1,7 @@
 """A log is cut where it breaks; pieces and logs of which nothing is left are skipped and said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,6 +120,18 @@ def test_the_end_of_a_log_in_pieces_is_held_out():
     assert max(p.seconds[p.use].max() for p in kept.pieces) < begin
     rows = [sum(int(p.use.sum()) for p in r.pieces) for r in (kept, held)]
     assert rows[1] / sum(rows) == pytest.approx(0.3, abs=0.01)
+
+
+def test_a_log_too_short_to_be_divided_is_fitted_as_a_whole_and_said():
+    long = prepare("long", log(), RIG)
+    sparse = replace(prepare("sparse", log(), RIG), every=250)  # 23 rows are compared
+    kept, held, said = split([long, sparse, prepare("short", log(3.0), RIG)], [])
+    assert [r.name for r in held] == ["long (end)"]
+    assert all(r.pieces for r in kept)
+    whole = "too short to be divided; fitted as a whole."
+    assert said[1:] == [f"sparse: {whole}", f"short: {whole}"]
+    with pytest.raises(NothingLeft, match=r"sparse: too short .* 27 rows that are compared"):
+        split([sparse], [])
 
 
 CONTROL = {"control": {"kp": 5.0}, "reference": {"column": "r", "unit": "rad"}}
