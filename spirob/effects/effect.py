@@ -32,7 +32,8 @@ class Effect(Numbers):
     state       kernel argument -> initial value; the kernel returns (contribution, next states...)
     free        states that may begin with any value, of which the motion tells nothing: a swing.
                 Where a log of a plain axis begins, or goes on after a gap, it is fitted; what the
-                kernel returns is linear in them
+                kernel returns is linear in them. One of the drive, which passes on a share of its
+                torque, is fitted where a log begins
     neutral     numbers at which the effect vanishes; setting them makes the models nested
     held        numbers that no fit moves: they only say in which sizes the others count
     taught      argument -> lowest and highest value in the motion that taught the law; its numbers

@@ -172,23 +172,27 @@ class EvenClock:
     even: np.ndarray | None
 
 
-def even_clock(stamps: np.ndarray) -> EvenClock:
-    """The clock of a stretch, (n,) stamps that never fall, three of them different."""
+def even_clock(stamps: np.ndarray, places: np.ndarray | None = None) -> EvenClock:
+    """The clock of a stretch, (n,) stamps that never fall, three of them different.
+
+    places  (n,) of the rows among all that were logged; absent: none is left out
+    """
+    at = np.arange(len(stamps)) if places is None else places - places[0]
     steps = np.diff(stamps)
     new = steps > SAME * np.ptp(stamps) / len(stamps)
     first = np.flatnonzero(np.concatenate([[True], new]))
     usual = float(np.median(np.diff(stamps[first])))
     first = _bursts(stamps, first, usual)
     if len(first) < MOSTLY * len(stamps):
-        return _straightened(stamps, first)
+        return _straightened(stamps, first, at)
     ratio = steps / usual
     whole = np.maximum(np.rint(ratio), 1.0)
     even = np.abs(ratio - whole) <= EVEN
     if np.mean(even | (ratio > GAP)) < MOSTLY:
-        return _straightened(stamps, first)
+        return _straightened(stamps, first, at)
     near = even & (ratio <= GAP)
     period = float(steps[near].sum() / whole[near].sum())
-    return EvenClock(period, 1.0, _spread(stamps, first, period), None)
+    return EvenClock(period, 1.0, _spread(stamps, first, at, period), None)
 
 
 def _bursts(stamps: np.ndarray, first: np.ndarray, usual: float) -> np.ndarray:
@@ -199,25 +203,25 @@ def _bursts(stamps: np.ndarray, first: np.ndarray, usual: float) -> np.ndarray:
     return np.insert(gaps, 0, 0) if len(gaps) >= BURSTS and bursts else first
 
 
-def _spread(stamps: np.ndarray, first: np.ndarray, period: float) -> np.ndarray:
+def _spread(stamps: np.ndarray, first: np.ndarray, at: np.ndarray, period: float) -> np.ndarray:
     """Times of the rows, those of one stamp between it and the next."""
-    end = stamps[first[-1]] + period * (len(stamps) - first[-1])
-    known = np.append(first, len(stamps))
-    return np.interp(np.arange(len(stamps)), known, np.append(stamps[first], end))
+    end = stamps[first[-1]] + period * (at[-1] + 1 - at[first[-1]])
+    known = np.append(at[first], at[-1] + 1)
+    return np.interp(at, known, np.append(stamps[first], end))
 
 
-def _straightened(stamps: np.ndarray, first: np.ndarray) -> EvenClock:
+def _straightened(stamps: np.ndarray, first: np.ndarray, at: np.ndarray) -> EvenClock:
     far = max(1, min(STAMPS_BESIDE, len(first) // 8))  # so that few reach across a gap
-    told = stamps[first]
-    period = float(np.median((told[far:] - told[:-far]) / (first[far:] - first[:-far])))
-    given = _spread(stamps, first, period)
+    told, begun = stamps[first], at[first]
+    period = float(np.median((told[far:] - told[:-far]) / (begun[far:] - begun[:-far])))
+    given = _spread(stamps, first, at, period)
     even = np.empty(len(stamps))
-    edges = [0, *_gaps(told, first, period), len(first)]
+    edges = [0, *_gaps(told, begun, period), len(first)]
     for left, right in pairwise(edges):
-        begin, end = first[left], first[right] if right < len(first) else len(stamps)
+        rows = slice(first[left], first[right] if right < len(first) else len(stamps))
         # the first row of a block need not begin its stamp
         known = slice(left + 1 if right - left > 3 else left, right)
-        even[begin:end] = _lines(first[known], told[known], period, begin, end)
+        even[rows] = _lines(begun[known], told[known], period, at[rows])
     least = CLOSEST * period * np.arange(len(stamps))
     even = np.maximum.accumulate(even - least) + least
     return EvenClock(float(np.median(np.diff(even))), float(np.median(np.diff(first))), given, even)
@@ -233,18 +237,16 @@ def _gaps(stamps: np.ndarray, rows: np.ndarray, period: float) -> np.ndarray:
     return after[shift > 0.5 * apart[after - 1]]
 
 
-def _lines(
-    index: np.ndarray, stamps: np.ndarray, period: float, begin: int, end: int
-) -> np.ndarray:
-    """Times of the rows from begin to end, on few straight lines through stamps of some of them."""
+def _lines(index: np.ndarray, stamps: np.ndarray, period: float, rows: np.ndarray) -> np.ndarray:
+    """Times of rows, (n,), on few straight lines through stamps of some of them, (k,)."""
     if len(index) < 3:
-        return stamps[0] + period * (np.arange(begin, end) - index[0])
+        return stamps[0] + period * (rows - index[0])
     x, y = index - index[0], stamps - stamps[0]
     slope, height = np.polyfit(x, y, 1)
     for _ in range(FIT_ROUNDS):
         near = np.maximum(np.abs(y - height - slope * x), 0.25 * period)
         slope, height = np.polyfit(x, y, 1, w=near**-0.5)
-    line = stamps[0] + height + slope * (np.arange(begin, end) - index[0])
+    line = stamps[0] + height + slope * (rows - index[0])
     off = y - height - slope * x
     if len(index) >= 3 * STAMPS_BESIDE:
         aside = np.abs(median_filter(off, STAMPS_BESIDE, mode="nearest"))
@@ -252,7 +254,7 @@ def _lines(
         if aside[STAMPS_BESIDE:-STAMPS_BESIDE].max() > 0.5 * period + scatter:
             gathered = np.abs(np.cumsum(np.clip(off, -2 * period, 2 * period)))
             cut = STAMPS_BESIDE + int(np.argmax(gathered[STAMPS_BESIDE:-STAMPS_BESIDE])) + 1
-            left = _lines(index[:cut], stamps[:cut], period, begin, int(index[cut]))
-            right = _lines(index[cut:], stamps[cut:], period, int(index[cut]), end)
-            return np.concatenate([left, right])
+            parts = np.split(rows, [int(np.searchsorted(rows, index[cut]))])
+            left = _lines(index[:cut], stamps[:cut], period, parts[0])
+            return np.concatenate([left, _lines(index[cut:], stamps[cut:], period, parts[1])])
     return line

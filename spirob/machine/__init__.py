@@ -32,6 +32,7 @@ What is left, doubted and shown:
     flexible.py, leftovers.py      what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
+    masses.py                      does a body of the model file weigh what the effort says
     differing.py                   do logs differ by a number of their own
     forward/                       the model run forward
     result.py, document.py, page_tables.py

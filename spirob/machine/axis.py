@@ -12,7 +12,7 @@ from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.verdict import TWICE
 from spirob.effects import Effect
-from spirob.errors import TooShort
+from spirob.errors import NothingLeft
 from spirob.machine.composed.law import beyond
 from spirob.machine.delays import DELAY, as_usual, place, widened
 from spirob.machine.differing import differing
@@ -85,10 +85,10 @@ def _says_more(again: Judged, judged: Judged) -> bool:
 def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str) -> Judged | None:
     """The verdict with the end of every log held out; None where they are too short for it."""
     try:
-        kept, held = ends_aside(logs)
-    except TooShort:
+        kept, held, more = ends_aside(logs)
+    except NothingLeft:
         return None
-    return judged_of(_found(told(kept, held, [f"{said} {ASIDE}"])))
+    return judged_of(_found(told(kept, held, [f"{said} {ASIDE}", *more])))
 
 
 def _found(ready: Ready) -> Searched:

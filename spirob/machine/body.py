@@ -70,6 +70,24 @@ class RigidBody:
             return np.zeros(len(piece.q))
         return self._with_payload(mass, *(self._motion(piece, k) for k in range(3))) - load
 
+    @property
+    def heavy(self) -> dict[str, int]:
+        """Bodies that weigh something, by name, or by place where they have none."""
+        masses = enumerate(self.model.body_mass)
+        return {self.model.body(k).name or f"#{k}": k for k, mass in masses if mass > 0.0}
+
+    def doubled(self, name: str, piece: Piece) -> np.ndarray:
+        """Effort at the driven axis along a piece if one of `heavy` weighed twice as much, (n,)."""
+        body, model = self.heavy[name], self.model
+        kept = float(model.body_mass[body]), model.body_inertia[body].copy()
+        try:
+            model.body_mass[body], model.body_inertia[body] = 2.0 * kept[0], 2.0 * kept[1]
+            mujoco.mj_setConst(model, self.data)
+            return self.load(piece)
+        finally:
+            model.body_mass[body], model.body_inertia[body] = kept
+            mujoco.mj_setConst(model, self.data)
+
     def weights(self, piece: Piece) -> dict[str, np.ndarray]:
         """Torque of the weight if gravity pointed "along" +x or "across", along +y, (n,) each."""
         found = {name: np.zeros(len(piece.q)) for name in ("along", "across")}

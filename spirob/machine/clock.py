@@ -58,7 +58,8 @@ def clock_of(
     Raises DataError where the column is no time, or too slow or fast; NothingLeft and TooShort
     where the log is short.
     """
-    found = _without_repeats(where, ordered(where, stamps, unit, said), signals, said)
+    every = ordered(where, stamps, unit, said)
+    found = _without_repeats(where, every, signals, said)
     if len(found.rows) < FEWEST:
         raise TooShort(where, len(found.rows), FEWEST, "a diagnosis")
     values = unit * (found.stamps - found.stamps[0])
@@ -70,7 +71,8 @@ def clock_of(
             f"{where}: {length:.3g} s long, a trial needs at least {SHORTEST:g} s; is the unit of "
             "time right?"
         )
-    clocks = [even_clock(values[p]) for p in parts]
+    places = _places(found, len(stamps) if len(every.rows) == len(found.rows) else 0)
+    clocks = [even_clock(values[p], places[p]) for p in parts]
     sizes = [len(p) for p in parts]
     period = float(np.median(np.repeat([c.period for c in clocks], sizes)))
     if not SLOWEST <= 1.0 / period <= FASTEST:
@@ -84,6 +86,16 @@ def clock_of(
         seconds[k] += seconds[k - 1][-1] + AGAIN
     begins = np.cumsum(sizes)[:-1]
     return Clock(np.concatenate(rows), np.concatenate(seconds), period, begins)
+
+
+def _places(found: Ordered, count: int) -> np.ndarray:
+    """The place of each row among `count` that were logged, (n,), in the order of time.
+
+    A row whose stamp is broken was read all the same: the rows beside it are two periods apart.
+    """
+    broken = np.setdiff1d(np.arange(count), found.rows)
+    before = np.maximum.accumulate(np.searchsorted(broken, found.rows))
+    return np.asarray(np.arange(len(found.rows)) + before)
 
 
 def _without_repeats(

@@ -24,6 +24,7 @@ import numpy as np
 
 from spirob.diagnosis.model import Model
 from spirob.effects import Effect
+from spirob.errors import DataError
 from spirob.machine.flexible import bounded
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import Recording
@@ -66,12 +67,17 @@ def is_told(rig: RigFile) -> bool:
 def partnered(rig: RigFile, recordings: Sequence[Recording]) -> list[Recording]:
     """The trials without rows that the rig's delay, at most, leaves no partner.
 
-    They are at the ends of pieces; where all of a trial is, nothing is left out.
+    They are at the ends of pieces; where all of a trial is, nothing is left out.  Raises DataError
+    where a known delay is longer than every piece of every trial.
     """
     fitted = rig.fit.get("delay")
     known = abs(rig.known.get("delay", 0.0))
     farthest = known if fitted is None else max(fitted.high, -fitted.low)
     cut = [inside(r, farthest) for r in recordings]
+    if cut and fitted is None and not any(r.pieces for r in cut):
+        raise DataError(
+            f"known.delay: {farthest:.3g} s leave no row of the logs a partner: is it in seconds?"
+        )
     return cut if all(r.pieces for r in cut) else list(recordings)
 
 

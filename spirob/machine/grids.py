@@ -172,11 +172,11 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
     broken = np.zeros(len(clock.rows) - 1, bool)
     for key in [key for key in values if key.endswith("position") or key.startswith("joint ")]:
         found, known = _moved(log, key, values, clock, said)
+        checks.moving(log.where, log.columns[key].column, found.values)  # without its spikes
+        if key == "position" and "reference" in values:
+            values["reference"] = _followed(log, values, found, known, clock, said)
         values[key][known] = found.values
         broken[known[found.jumps] - 1] = True
-        if key == "position" and found.modulus and "reference" in values:
-            lag = values["reference"] - values[key]
-            values["reference"] -= found.modulus * np.rint(lag / found.modulus)
     aside = ASIDE if "position" in values else ()
     period = clock.period
     for key in [key for key in values if key not in aside]:
@@ -188,6 +188,31 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
             said.append(f"{log.where}: '{log.columns[key].column}' is mostly empty and left out.")
             del values[key]
     return period, grids_of(log.where, clock, values, broken, period, said)
+
+
+def _followed(
+    log: Logged,
+    values: Mapping[str, np.ndarray],
+    found: Repaired,
+    known: np.ndarray,
+    clock: Clock,
+    said: list[str],
+) -> np.ndarray:
+    """The reference of a repaired position, (n,), NaN where it is broken.
+
+    A controller sees both as they are logged: where the position is moved, the reference moves by
+    as much.  A broken value may be no larger than the reference; what is left to follow is small.
+    """
+    rows = np.arange(len(clock.rows))
+    before = np.clip(np.searchsorted(known, rows, side="right") - 1, 0, len(known) - 1)
+    asked = values["reference"] + (found.values - values["position"][known])[before]
+    wrong = asked - np.interp(rows, known, found.values)
+    if found.modulus:
+        whole = found.modulus * np.rint(wrong / found.modulus)
+        asked, wrong = asked - whole, wrong - whole
+    name = log.columns["reference"].column
+    left = checks.without_outliers(log.where, name, wrong, clock.period, said)
+    return np.where(np.isnan(left), np.nan, asked)
 
 
 def _moved(

@@ -147,8 +147,9 @@ class InverseProblem:
     def _residual(self, changes: Mapping[str, float]) -> np.ndarray:
         self.work.samples += len(self.asked.motion.q)
         p = self._table.vector(changes)
-        residual = self._thin(self._smooth(self.asked.effort(p, near=True))) - self._measured
-        return self._swings.taken(residual, p)
+        effort = self.asked.effort(p, near=True)
+        residual = self._thin(self._smooth(effort)) - self._measured
+        return self._swings.taken(residual, p, effort)
 
     def _compared(self, effort: np.ndarray) -> np.ndarray:
         """Of an effort that was played besides, (n,), what is compared, (N,)."""

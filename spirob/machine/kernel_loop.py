@@ -131,13 +131,17 @@ class Kernels:
         motion: Motion,
         signals: Mapping[str, np.ndarray],
         upstream: np.ndarray | None,
+        begun: Mapping[str, float] | None = None,
     ) -> np.ndarray:
-        """An effect's kernel at every sample, (n,); what it remembers goes on through gaps."""
+        """An effect's kernel at every sample, (n,); what it remembers goes on through gaps.
+
+        begun  states that begin elsewhere with a log
+        """
         n = len(motion.q)
         above = np.zeros(n) if upstream is None else upstream
         seen = np.array([above, *(signals[name] for name in effect.reads.values())])
         way = motion.bridged if effect.state else motion.apart
-        begin = np.array(list(effect.state.values()), float)
+        begin = np.array(list({**effect.state, **(begun or {})}.values()), float)
         out = self._along(effect, p, way, np.ascontiguousarray(way.over(seen)), begin)
         return out if len(out) == n else out[way.rows]
 

@@ -20,6 +20,7 @@ from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import RigCeiling
 from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.leftovers import drifting
+from spirob.machine.masses import out_of_scale
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (
     FAMILIAR,
@@ -36,7 +37,6 @@ from spirob.machine.rig import Bounded, RigFile
 
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
-SCALE = 10.0  # between the effort and what a model file asks for
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
 FAR = 20.0  # between a number and its nominal one
@@ -54,9 +54,10 @@ AT_LOAD = (
 
 def doubts(search: RigSearch, found: Found, rest: RigCeiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    other = _odd_logs(search, found)
-    said = [other or _senseless(search, found, rest), _turned(search), _out_of_scale(search)]
-    return [text for text in said if text]
+    causes = [_turned(search), out_of_scale(search, found.chosen)]
+    mended = [text for text in causes if text]
+    other = _odd_logs(search, found) or ("" if mended else _senseless(search, found, rest))
+    return [text for text in (other, *mended) if text]
 
 
 def only_of_logs(search: RigSearch, found: Found, verdict: Verdict) -> bool:
@@ -83,7 +84,7 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
         )
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
-    said += [*_outside(search, chosen, rig), *_without_zeros(chosen)]
+    said += [*_outside(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
     about = search.models.train.table.about
     for name in search.models.names:
         found, nominal = chosen.fit.estimates[name], about[name].nominal
@@ -112,6 +113,17 @@ def _without_zeros(chosen: Model) -> list[str]:
     if not own or np.any(chosen.fit.jacobian[:, own]):
         return []
     return ["per_log: nothing in the model depends on the position, so no zero of a log is told."]
+
+
+def _heavy(search: RigSearch, chosen: Model) -> list[str]:
+    """That a payload weighs more than the body that carries it, as a wrong mass would, too."""
+    body, payload = search.models.train.body, chosen.fit.estimates.get("tip_payload.mass")
+    if body is None or payload is None or payload.value < body.mass:
+        return []
+    return [
+        f"The payload weighs {payload.value / body.mass:.2g} times what all of "
+        f"{body.body.mjcf} does: is a mass in it wrong?"
+    ]
 
 
 def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
@@ -161,26 +173,6 @@ def _turned(search: RigSearch) -> str:
         f"With the sign of the effort turned, inertia, friction and weight explain {turned:.0%} of "
         f"its variance, as logged {max(0.0, as_logged):.0%}: give the effort or the motion the "
         "factor -1."
-    )
-
-
-def _out_of_scale(search: RigSearch) -> str:
-    """The effort is some orders of magnitude beside what the model file asks for."""
-    if isinstance(search.models.train.rig.body, str) or "scale" in search.models.train.rig.fit:
-        return ""
-    zero = {name: 0.0 for name in search.models.names if name != "rig.scale"}
-    measured = search.models.train.measured()
-    asked = search.models.train(zero) + measured
-    power = float(np.dot(asked, asked))
-    if power == 0.0:
-        return ""
-    ratio = float(np.dot(asked, measured)) / power
-    as_logged, mended = explained(measured, asked), explained(measured, ratio * asked)
-    if 1 / SCALE < abs(ratio) < SCALE or mended < SENSE:
-        return ""
-    return (
-        f"The effort is {ratio:.3g} times what the model file asks for: with that factor it "
-        f"explains {mended:.0%} of the variance, as described {max(0.0, as_logged):.0%}."
     )
 
 

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from spirob.errors import ConfigError, DataError, NothingLeft, TooShort
-from spirob.machine.recording import Recording
+from spirob.errors import ConfigError, DataError, NothingLeft
+from spirob.machine.recording import LEAST, Recording
 
 Log = TypeVar("Log")
 
@@ -80,7 +80,7 @@ def split(
 ) -> tuple[list[Recording], list[Recording], list[str]]:
     """The logs as they are, or the end of each training log as held-out block.
 
-    Raises TooShort where nothing can be held out.
+    Raises NothingLeft where nothing can be held out.
     """
     if test:
         return train, test, []
@@ -88,22 +88,36 @@ def split(
         f"No held-out log was given: {ASIDE} The rest is judged on blocks. Blocks of one trial "
         "share its start, load and temperature."
     )
-    return *ends_aside(train), [said]
+    kept, held, more = ends_aside(train)
+    return kept, held, [said, *more]
 
 
-def ends_aside(logs: list[Recording]) -> tuple[list[Recording], list[Recording]]:
-    """Each log but for its end, and these ends; raises TooShort for a log of a few seconds."""
-    kept, held = [], []
+def ends_aside(logs: list[Recording]) -> tuple[list[Recording], list[Recording], list[str]]:
+    """Each log but for its end, these ends, and what is said of logs that are too short for it.
+
+    These are fitted as a whole.  Raises NothingLeft where all of them are.
+    """
+    kept, held, said = [], [], []
     for recording in logs:
         long = sum(len(p.q) for p in recording.pieces)
         needed = round(SHORTEST_DIVIDED / recording.period)
-        if long < needed:
-            raise TooShort(recording.name, long, needed, "a log that is to be divided")
         counted = np.cumsum(np.concatenate([p.use for p in recording.pieces]))
         late = counted > (1.0 - KEPT) * counted[-1]
-        kept.append(_part(recording, recording.name, ~late))
-        held.append(_part(recording, f"{recording.name} (end)", late))
-    return kept, held
+        begin = _part(recording, recording.name, ~late)
+        end = _part(recording, f"{recording.name} (end)", late)
+        if long >= needed and begin.pieces and end.pieces:
+            kept.append(begin)
+            held.append(end)
+        else:
+            kept.append(recording)
+            said.append(f"{recording.name}: too short to be divided; fitted as a whole.")
+    if not held:
+        names = ", ".join(r.name for r in logs)
+        raise NothingLeft(
+            f"{names}: too short to hold an end out: {SHORTEST_DIVIDED:g} s with "
+            f"{round(LEAST / KEPT)} rows that are compared are needed, or a log to hold out"
+        )
+    return kept, held, said
 
 
 def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:

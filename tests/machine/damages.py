@@ -24,6 +24,7 @@ class Log:
             "q": q + 1e-4 * noise[0],
             "v": v + 1e-3 * noise[1],
             "u": u + 1e-3 * noise[2],
+            "felt": v,  # the speed by which the controller acts, whatever the log says of it
         }
         self.unit = "s"
         self.modulus: float | None = None
@@ -74,9 +75,11 @@ def repeated(log: Log) -> None:
 
 
 def wrapped(log: Log) -> None:
-    log.modulus = float(log.rng.choice([TURN, TURN / 2, 2.0]))
-    begin = log.rng.uniform(0.0, log.modulus)
-    log.columns["q"] = np.mod(log.columns["q"] + begin, log.modulus)
+    """By a turn, two of them, 25 rad, half a turn (4096 of 8192 counts): the motion goes over."""
+    log.modulus = float(log.rng.choice([TURN, 2 * TURN, 25.0, TURN / 2, 2.0]))
+    q = log.columns["q"]
+    edge = log.rng.uniform(q.min(), q.max())
+    log.columns["q"] = np.mod(q - edge, log.modulus)
 
 
 def spikes(log: Log) -> None:

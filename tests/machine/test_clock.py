@@ -41,6 +41,16 @@ def test_a_coarse_clock_is_spread_and_said(rows, origin):
     assert f"coarser than the samples, {rows} rows to a stamp" in said[0]
 
 
+@given(st.integers(2, 30), st.integers(0, 2**32))
+def test_a_row_whose_stamp_is_broken_keeps_its_place(rows, seed):
+    even, rng = np.arange(1500) / RATE, np.random.default_rng(seed)
+    stamps = np.arange(1500) // rows * rows / RATE
+    stamps[rng.integers(rows + 1, 1500 - rows, 8)] = rng.choice([np.nan, 1e12, -5.0], 8)
+    found = clock_of("log", stamps, 1.0, moved(even), [])
+    off = found.seconds - even[found.rows]
+    np.testing.assert_allclose(off, np.median(off), atol=0.1 / RATE)
+
+
 @pytest.mark.parametrize("unit", [1.0, 1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("origin", [0.0, -3.0, 1.7e9])
 def test_any_unit_and_origin(unit, origin):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
+from spirob.errors import DataError
 from spirob.machine import delays
-from spirob.machine.delays import place, usual, valley
+from spirob.machine.delays import partnered, place, usual, valley
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
 from spirob.machine.recording import prepare
@@ -144,3 +145,16 @@ def test_a_delay_by_which_the_motion_turns_is_told(told, odd):
     said = delays.strange(described, [made])
     assert len(said) == odd
     assert all("is it in seconds?" in sentence for sentence in said)
+
+
+def test_a_known_delay_that_leaves_no_row_a_partner_is_refused():
+    t = np.arange(0, 10, 0.01)
+    columns = {"t": t, "q": motion(t), "u": speed(t)}
+    for delay in (1.0, 30.0):
+        rig = RigFile.model_validate(description(known={"delay": delay}))
+        logs = [prepare("log", columns, rig)]
+        if delay < 10.0:
+            assert partnered(rig, logs)[0].pieces
+            continue
+        with pytest.raises(DataError, match=r"known\.delay: 30 s leave no row .* in seconds"):
+            partnered(rig, logs)

@@ -1,5 +1,7 @@
 """A log is cut where it breaks; pieces and logs of which nothing is left are skipped and said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,3 +120,50 @@ def test_the_end_of_a_log_in_pieces_is_held_out():
     assert max(p.seconds[p.use].max() for p in kept.pieces) < begin
     rows = [sum(int(p.use.sum()) for p in r.pieces) for r in (kept, held)]
     assert rows[1] / sum(rows) == pytest.approx(0.3, abs=0.01)
+
+
+def test_a_log_too_short_to_be_divided_is_fitted_as_a_whole_and_said():
+    long = prepare("long", log(), RIG)
+    sparse = replace(prepare("sparse", log(), RIG), every=250)  # 23 rows are compared
+    kept, held, said = split([long, sparse, prepare("short", log(3.0), RIG)], [])
+    assert [r.name for r in held] == ["long (end)"]
+    assert all(r.pieces for r in kept)
+    whole = "too short to be divided; fitted as a whole."
+    assert said[1:] == [f"sparse: {whole}", f"short: {whole}"]
+    with pytest.raises(NothingLeft, match=r"sparse: too short .* 27 rows that are compared"):
+        split([sparse], [])
+
+
+CONTROL = {"control": {"kp": 5.0}, "reference": {"column": "r", "unit": "rad"}}
+
+
+@pytest.mark.parametrize("hurt", ["jump", "spike", "wrap", "slow"])
+def test_a_reference_is_repaired_as_the_position_that_follows_it(hurt):
+    """What a controller asks for follows from the difference of both, as they were logged."""
+    effort = {"unit": "A", "kind": "current", "from": "control"}
+    rig = RigFile.model_validate(description(effort=effort, **CONTROL))
+    columns = log()
+    columns["r"] = columns["q"] + 0.02 * columns.pop("u")
+    clean = prepare("log", {name: v.copy() for name, v in columns.items()}, rig)
+    if hurt == "jump":
+        columns["q"][2750:] += 27.3
+        columns["r"][2750:] += 27.3
+    if hurt == "spike":  # no larger than the position, and large beside what is left to follow
+        columns["r"][2001] = 0.7
+    if hurt == "wrap":
+        columns["q"], columns["r"] = (np.mod(columns[n] + 0.4, 2 * np.pi) for n in "qr")
+    if hurt == "slow":  # two topics, row by row
+        columns["q"][1::2], columns["r"][::2] = np.nan, np.nan
+    made = prepare("log", columns, rig)
+    for piece in made.pieces:
+        there = np.interp(piece.seconds, clean.pieces[0].seconds, clean.pieces[0].effort)
+        assert np.abs(there - piece.effort)[piece.use].max() < 0.02 * np.abs(there).max()
+    assert hurt == "slow" or any("'r'" in s or "'q'" in s for s in made.said)
+
+
+def test_a_position_that_stands_but_for_spikes_is_left_out():
+    still = log()
+    still["q"] = np.full(6000, 1.0)
+    still["q"][[1000, 4000]] = [70.0, -40.0]
+    with pytest.raises(NothingLeft, match="'q' is constant at 1"):
+        prepare("log", still, RIG)

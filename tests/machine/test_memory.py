@@ -103,6 +103,46 @@ def test_parts_of_a_log_tell_the_numbers_of_the_whole(machine, effects, ways, se
             assert parts[name] == pytest.approx(told[name], rel=SHIFTED), (way.__name__, name)
 
 
+HEATING, COOLING = 0.01, 8.0  # 1/(A²·s), s
+
+
+def heated(seed, warmth, heating=HEATING, scale=1.0):
+    """A log of a motor that begins so warm, or whose effort has another scale."""
+    rng, t = np.random.default_rng(seed), 0.01 * np.arange(3000)
+    tones, phases = 2 * np.pi * rng.uniform([0.3, 0.8], [0.4, 1.0]), rng.uniform(0, 6, 2)
+    angle, sizes = np.outer(t, tones) + phases, np.array([1.5, 0.4])
+    q, v, a = (
+        np.sin(angle) @ sizes,
+        np.cos(angle) @ (sizes * tones),
+        -np.sin(angle) @ (sizes * tones**2),
+    )
+    effort = np.empty(len(t))
+    for k, torque in enumerate(0.05 * a + 0.1 * v):
+        effort[k] = torque * (1.0 + warmth)
+        ends = heating * COOLING * effort[k] ** 2
+        warmth = ends + (warmth - ends) * np.exp(-0.01 / COOLING)
+    noise = 1e-3 * rng.standard_normal(len(t))
+    return {"t": t, "q": q, "u": scale * effort + noise}
+
+
+def test_a_motor_that_is_warm_where_a_log_begins_tells_the_same_heat():
+    rig = description(effort={"column": "u", "unit": "A", "kind": "current"})
+    start = {"heating": 0.007, "time": 12.0}
+    logs = [heated(k, warmth) for k, warmth in enumerate((0.0, 0.12, 0.06))]
+    told, left = fitted(rig, logs, ["winding_heating"], start, whole)
+    assert told["heating"] == pytest.approx(HEATING, rel=0.05)
+    assert told["time"] == pytest.approx(COOLING, rel=0.05)
+    assert left < LEFT
+
+
+def test_logs_of_another_scale_are_not_made_alike_by_heat_they_begin_with():
+    rig = description(effort={"column": "u", "unit": "A", "kind": "current"})
+    logs = [heated(k, 0.0, 0.0, scale) for k, scale in enumerate((1.0, 1.1, 0.95))]
+    start = {"heating": 1e-4, "time": 2000.0}
+    _, left = fitted(rig, logs, ["winding_heating"], start, whole)
+    assert left > 5.0 * LEFT
+
+
 def test_a_memory_takes_a_straight_line_through_a_gap_in_as_many_steps():
     starts, steps = np.array([0, 3, 5]), np.array([0.1, 0.1])
     seconds = np.array([0.0, 0.1, 0.2, 0.6, 0.7])

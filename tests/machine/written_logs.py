@@ -11,6 +11,9 @@ import h5py
 import numpy as np
 import pandas as pd
 from mcap.writer import Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as BagWriter
+from rosbags.typesys import Stores, get_typestore
 from scipy.io import savemat
 
 from tests.machine.damages import TURN
@@ -47,7 +50,7 @@ class Kept:
     speed: str  # of SPEEDS, or "" where there is none
     effort: str  # of EFFORTS
     time: str  # of TIMES, or DATES
-    bus: str = ""  # "can", "topic", or "" where logs are tables
+    bus: str = ""  # of BUSES, or "" where logs are tables
 
     def description(self, **more: Any) -> dict[str, Any]:
         """The rig."""
@@ -67,22 +70,20 @@ class Kept:
 
     @property
     def _clock(self) -> str:
-        return self.time if self.time in TIMES and self.bus != "can" else "s"
+        return self.time if self.time in TIMES and self.bus in ("", "topic") else "s"
 
     def _called(self, name: str) -> str:
-        if self.bus == "can" and name == "t":
-            return "time"
-        return f"/axis.{name}" if self.bus == "topic" else name
+        return CALLED.get(self.bus, {}).get(name, name)
 
     def columns(self, log: Mapping[str, np.ndarray]) -> Columns:
-        """Time, position, speed and effort [SI] as this log has them."""
+        """Time, position, speed and effort [SI] and the speed felt, as this log has them."""
         found = {"t": log["t"] / TIMES.get(self._clock, 1.0)}
         if self.position:
             found["q"] = self._cells(log["q"])
         if self.speed:
             found["v"] = log["v"] / SPEEDS[self.speed]
         if self.effort == "control":
-            asked = log["q"] + (log["u"] + DAMPING * log["v"]) / GAIN
+            asked = log["q"] + (log["u"] + DAMPING * log["felt"]) / GAIN
             found["r"] = self._cells(asked)
         else:
             found["u"] = log["u"] / EFFORTS[self.effort][1]
@@ -124,6 +125,15 @@ def _npz(frame: pd.DataFrame, path: Path) -> None:
 
 def _mat(frame: pd.DataFrame, path: Path) -> None:
     savemat(path, {"log": {name: frame[[name]].to_numpy() for name in frame}})
+
+
+def _mat73(frame: pd.DataFrame, path: Path) -> None:
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name in frame:  # a column of MATLAB's is a row of HDF5
+            file[name] = frame[[name]].to_numpy().T
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
 
 
 def _hdf5(frame: pd.DataFrame, path: Path) -> None:
@@ -168,6 +178,32 @@ def _messages(frame: pd.DataFrame, path: Path) -> None:
         writer.finish()
 
 
+def _bag(frame: pd.DataFrame, path: Path, plugin: StoragePlugin) -> None:
+    """A bag of ROS 2: states of a joint, and of what is asked of it; whole stamps, none is NaN."""
+    store, kind = get_typestore(Stores.LATEST), "sensor_msgs/msg/JointState"
+    types = [f"{p}/msg/{t}" for p, t in (("builtin_interfaces", "Time"), ("std_msgs", "Header"))]
+    time, header, state = (store.types[name] for name in (*types, kind))
+    with BagWriter(path, version=9, storage_plugin=plugin) as bag:
+        topic = bag.add_connection("/joint_states", kind, typestore=store)
+        for k, row in enumerate(frame.to_dict("records")):
+            told = min(int(1e9 * np.nan_to_num(row["t"])), 10**9 * (2**31 - 1))
+            both = [
+                np.array([row.get(one, 0.0), row.get(other, 0.0)])
+                for one, other in (("q", "r"), ("v", ""), ("u", ""))
+            ]
+            stamp = time(*divmod(told, 10**9))
+            message = state(header(stamp, "base"), ["axis", "asked"], *both)
+            bag.write(topic, 10**18 + 10**6 * k, store.serialize_cdr(message, kind))
+
+
+def _bag_db3(frame: pd.DataFrame, path: Path) -> None:
+    _bag(frame, path, StoragePlugin.SQLITE3)
+
+
+def _bag_mcap(frame: pd.DataFrame, path: Path) -> None:
+    _bag(frame, path, StoragePlugin.MCAP)
+
+
 # kind -> the ending of its name, who writes it, and whether dates fit in
 FILES: dict[str, tuple[str, Callable[[pd.DataFrame, Path], None], bool]] = {
     "csv": (".csv", _csv, True),
@@ -176,6 +212,7 @@ FILES: dict[str, tuple[str, Callable[[pd.DataFrame, Path], None], bool]] = {
     "parquet": (".parquet", _parquet, True),
     "npz": (".npz", _npz, False),
     "mat": (".mat", _mat, False),
+    "mat 7.3": (".mat", _mat73, False),
     "hdf5": (".h5", _hdf5, False),
     "json": (".json", _json, True),
     "rows": (".json", _rows, True),
@@ -185,6 +222,22 @@ FRAME = "frame"
 BUSES: dict[str, tuple[str, Callable[[pd.DataFrame, Path], None], bool]] = {
     "can": (".log", _frames, False),
     "topic": (".mcap", _messages, False),
+    "ros 2 db3": ("", _bag_db3, False),
+    "ros 2 mcap": ("", _bag_mcap, False),
+}
+IN_BAG = {
+    "t": "/joint_states.header.stamp",
+    "q": "/joint_states.position[axis]",
+    "r": "/joint_states.position[asked]",
+    "v": "/joint_states.velocity[0]",
+    "u": "/joint_states.effort[axis]",
+}
+# bus -> what its logs call the columns, where that is another name
+CALLED: dict[str, dict[str, str]] = {
+    "can": {"t": "time"},
+    "topic": {name: f"/axis.{name}" for name in "tqvur"},
+    "ros 2 db3": IN_BAG,
+    "ros 2 mcap": IN_BAG,
 }
 ON_BUS = "ruvq"  # the position last, at which the others are held
 DBC = "\n".join(

@@ -16,6 +16,7 @@ class WindingHeating(Effect):
     port = "motor.drive_torque"
     reads = {"current": "motor.current"}
     state = {"warmth": 0.0}
+    free = ("warmth",)
     neutral = {"heating": 0.0}
     equation = "upstream/(1 + warmth)"
     evolution = {"warmth": "ρ*current**2 - warmth/T"}
