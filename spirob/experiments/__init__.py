@@ -9,6 +9,8 @@ delay.py, hysteresis.py, extreme_curl.py, single_contact.py, periodic_contact.py
 host_contact.py, host_periodic.py
                 one experiment each: its settings, its trials, its measure
 direct_drive.py   what the two passive ones share;  host_loop.py  what those on the host do
+apparent_period.py  a period of several plays, and how sure it is
+compared.py       whether a model is within a share of the robot, by standard errors of both
 contact_rates.py  how often and how soon contacts are told, over many uncurlings
 
 Measures are pure functions of signals; they do not know who played.  The paper's figure stands

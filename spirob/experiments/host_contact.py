@@ -19,8 +19,9 @@ import numpy as np
 
 from spirob.errors import ConfigError
 from spirob.experiments import BLOCK, Play, Side, Sides, curve, row
+from spirob.experiments.compared import BEYOND, OPEN, SURE, WITHIN, Figure, compared, off, percent
 from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
-from spirob.experiments.host_loop import GainSet, OnHost, or_none
+from spirob.experiments.host_loop import COMPARED, GainSet, OnHost, or_none
 from spirob.experiments.response import smooth
 from spirob.experiments.single_contact import (
     FIGURES,
@@ -37,10 +38,8 @@ from spirob.experiments.single_contact import (
 ORDER = 0.9  # least rank agreement
 APART = 0.3  # most by which a peak of the model may be off
 SMALL = 5.0  # counts; smaller peaks are not compared in size
-SURE = 2.0  # standard errors
-COMPARED = ("robot", "named")  # whose shots are as many as they have to be
 NO_ORDER = "cannot be had"
-WITHIN, BEYOND, NOT_ASKED, OPEN = "within", "beyond", "not asked", "not settled"
+NOT_ASKED = "not asked"
 MODELS = ("base", "named", "single")
 SENSITIVITIES = {
     "peak": "sensitivity along the arm",
@@ -62,16 +61,18 @@ def standard_error(side: Side, at: float, motor: int) -> float:
     return COUNTS_PER_AMPERE * float(np.sqrt(np.var(each, axis=0, ddof=1).mean() / len(each)))
 
 
+def peak(told: Mapping[str, float]) -> Figure:
+    """The peak of a response [counts]."""
+    return Figure(told["peak"], told["peak noise"])
+
+
 def judged(robot: Mapping[str, float], named: Mapping[str, float]) -> str:
     """What two peaks and their standard errors [counts] say of the size at a place."""
-    peak, sure = robot["peak"], SURE * robot["peak noise"]
-    if peak + sure < SMALL:
+    least, sure = robot["peak"], SURE * robot["peak noise"]
+    if least + sure < SMALL:
         return NOT_ASKED
-    ratio = named["peak"] / peak
-    doubt = SURE * np.hypot(named["peak noise"], ratio * robot["peak noise"]) / peak
-    if abs(ratio - 1.0) + doubt <= APART:
-        return WITHIN
-    return BEYOND if abs(ratio - 1.0) - doubt > APART and peak - sure > SMALL else OPEN
+    said = compared(peak(named), peak(robot), APART)
+    return OPEN if said == BEYOND and least - sure <= SMALL else said
 
 
 def played(side: Side) -> int:
@@ -216,11 +217,18 @@ class HostContact(OnHost, SingleContact):
             + (", ".join(f"{self.places[k]:.0%}" for k in told) or "none")
         ]
         for verdict in (BEYOND, OPEN):
-            places = [f"{place:.0%}" for place, said in verdicts.items() if said == verdict]
-            notes += [f"{verdict}: {', '.join(places)}"] if places else []
+            places = [k for k, said in enumerate(verdicts.values()) if said == verdict]
+            each = [self._place(k, robot[k], found["named"][k]) for k in places]
+            notes += [f"{verdict}: {', '.join(each)}"] if each else []
         met = one_verdict(verdicts.values())
         what = f"current peak off the robot's, {one.words}"
         return row(what, "1", off, aim=f"at most {APART}", met=met, note="; ".join(notes))
+
+    def _place(self, k: int, robot: Mapping[str, float], named: Mapping[str, float]) -> str:
+        """A place with the robot's peak there and how far the model's is off."""
+        size, share = peak(robot), off(peak(named), peak(robot))
+        shown = f"{size.value:.2f} ± {size.error:.2f} counts in {robot['shots']:.0f} shots"
+        return f"{self.places[k]:.0%} ({shown}, {percent(share)} off)"
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out, at = [], 100 * np.array(self.places)

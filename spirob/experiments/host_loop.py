@@ -35,6 +35,7 @@ from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RAD
 from spirob.plant.rig import Motor
 
 NOISY = ("robot", "base", "named")  # sides that no two plays of a trial find alike
+COMPARED = ("robot", "named")  # whose plays are as many as they have to be
 LATEST = 5e-3  # s
 REACH = 0.2  # of the nominal resistance and back-EMF
 GRID = 11  # latencies from which one is refined, for b₀ and b₁ have a kink at each whole cycle

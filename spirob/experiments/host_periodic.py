@@ -1,26 +1,32 @@
 """Periodic contact with the current loop on the host: the wheel of `periodic_contact`.
 
-The apparent period is told by two rules: the strongest line of the mean spectrum, of a count at
-least, and the mean interval between peaks that stand out of what the current does without a
-contact.  The arm does not come back alike from hit to hit, so that a few seconds have another line
-each time: the spectrum is Welch's mean over `SEGMENT`, half of each shared with the next.
+The apparent period is told by the two rules of `apparent_period`, the same for robot and models:
+the strongest line of the mean spectrum, of a count at least, and the mean interval between peaks
+that stand out of what the robot's current does without a contact.  A period does not depend on how
+high a peak has to be: the robot has none by the interval where it is another, by more than `ALIKE`,
+between peaks twice as high.  Taken off is the mean of the plays without the wheel.
 
-A rule judges a model where the robot repeats itself by it: where the current shows, every noisy
-side plays each trial `again`, and the robot's plays are asked for no more than a model is, to lie
-within `ALIKE`.  Figures of both rules are means over the plays.
+How often a trial is played follows from its own standard error.  Where the current shows, every
+noisy side plays each trial `least` times.  Then the robot's and the named model's plays at a place
+are doubled until each rule has settled whether the model's period is off by more than `ALIKE`, or
+`most` are played.  Nothing is settled by a robot whose own period is not sure to `ALIKE`.  So a
+comparison is met, missed, "not settled", or the robot has "no period".
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import count, takewhile
 from typing import Any, ClassVar
 
 import numpy as np
 import scipy
 
-from spirob.experiments import Play, Side, Sides, curve, row, within
+from spirob.errors import ConfigError
+from spirob.experiments import Play, Side, Sides, curve, row
+from spirob.experiments.apparent_period import highest, interval, line, mean_spectrum
+from spirob.experiments.compared import BEYOND, OPEN, SURE, WITHIN, Figure, compared, off, percent
 from spirob.experiments.direct_drive import per_unit, reconstructed
-from spirob.experiments.host_loop import NOISY, GainSet, OnHost, or_none
+from spirob.experiments.host_loop import COMPARED, NOISY, GainSet, OnHost, or_none
 from spirob.experiments.periodic_contact import (
     BAND,
     PAPER,
@@ -30,14 +36,12 @@ from spirob.experiments.periodic_contact import (
     in_time,
     seen,
 )
-from spirob.experiments.response import PERIOD, smooth
+from spirob.experiments.response import PERIOD, amplitude, smooth
 
-SEGMENT = 4.0  # s: lines 0.25 Hz apart
 HIGHEST = 12.0  # Hz of the spectrum in the report
-APART = 0.02  # s, least between two peaks
-ALIKE = 0.1  # most by which an apparent period may be off: a model's, and the robot's own again
+ALIKE = 0.1  # most by which a model's apparent period may be off
 LEAST = 1.0  # count, of a line or a peak that shows
-NOT_REPEATED, NOT_VISIBLE = "not repeated", "not visible"
+NO_PERIOD, NOT_VISIBLE = "no period", "not visible"
 SIGNALS = {
     "current": "current",
     "filtered": "filtered",
@@ -49,208 +53,233 @@ SPECTRA = {
     "amplitude of the reconstructed current": "arm_current",
 }
 AS_PAPER = ("filtered", "arm_current")
-AGAIN = "robot again"  # side in a figure
+MET = {WITHIN: True, BEYOND: False}
+HIGHER = 2.0  # times as high: 6 dB
+NONE = Figure(float("nan"), float("nan"))
+Verdict = dict[str, Any]  # aim, met and note of a row; empty where there is nothing to judge
+Told = Mapping[str, Sequence[np.ndarray]]  # side -> what the wheel adds to a signal in each play
 
 
-def highest(values: np.ndarray) -> float:
-    """By how much the highest peak of a signal rises from its surroundings; 0 without any."""
-    _, about = scipy.signal.find_peaks(values, prominence=0.0)
-    return float(np.max(about["prominences"], initial=0.0))
+def steady(interval: Figure, higher: Figure) -> bool:
+    """Whether an interval is about that between peaks `HIGHER` times as high."""
+    return bool(abs(higher.value / interval.value - 1.0) <= ALIKE)
 
 
-def peak_interval(values: np.ndarray, least: float) -> float:
-    """Mean interval [s] between peaks of a signal that rise by `least` from their surroundings.
+def judged(periods: Mapping[str, Figure], plays: int, why: str = "") -> Verdict:
+    """Whether the named model has the robot's period.
 
-    NaN where there are not two.
+    periods  side -> its period [s];  plays  of the robot;  why  it has none, where it has none
+    Nothing where one of the two has not played, or the robot once.
     """
-    peaks, _ = scipy.signal.find_peaks(values, prominence=least, distance=round(APART / PERIOD))
-    return float(np.mean(np.diff(peaks)) * PERIOD) if len(peaks) > 1 else float("nan")
-
-
-def mean_spectrum(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and amplitudes of the lines in Welch's mean spectrum."""
-    n = min(len(values), round(SEGMENT / PERIOD))
-    frequency, power = scipy.signal.welch(
-        values, 1 / PERIOD, nperseg=n, nfft=8 * n, detrend="linear", scaling="spectrum"
-    )
-    return frequency, np.sqrt(2 * power)
-
-
-def mean_line(values: np.ndarray, shortest: float, longest: float) -> tuple[float, float]:
-    """Period [s] within two bounds and amplitude of the strongest of these lines."""
-    frequency, size = mean_spectrum(values)
-    band = (frequency >= 1 / longest) & (frequency <= 1 / shortest)
-    k = int(np.argmax(size[band]))
-    return float(1 / frequency[band][k]), float(size[band][k])
-
-
-def apart(periods: Sequence[float]) -> float:
-    """From the shortest to the longest period of several plays, over their mean; NaN of one."""
-    if len(periods) < 2:
-        return float("nan")
-    return float(np.ptp(periods) / np.mean(periods))
-
-
-def by_side(plays: Sequence[Mapping[str, float]]) -> dict[str, list[float]]:
-    """Side -> its figure in each play."""
-    return {s: [play[s] for play in plays if s in play] for s in plays[0]}
-
-
-def mean(plays: Mapping[str, Sequence[float]]) -> dict[str, float]:
-    """Side -> mean of its plays; NaN where one has none."""
-    return {s: float(np.mean(each)) for s, each in plays.items()}
-
-
-def judged(plays: Mapping[str, Sequence[float]]) -> dict[str, Any]:
-    """Whether the named model has the robot's period, by a rule by which the robot repeats itself.
-
-    plays  side -> its period in each play [s]
-    Nothing where one of the two has no period, or the robot has played once.
-    """
-    told = mean(plays)
-    met: bool | str | None = within(told.get("named"), told.get("robot"), ALIKE)
-    own = apart(plays.get("robot", ()))
-    if met is None or np.isnan(own):
+    if plays < 2 or not {"robot", "named"} <= set(periods):
         return {}
-    each = ", ".join(f"{one:.2f}" for one in plays["robot"])
-    note = f"the robot's own plays: {each} s, {own:.0%} apart"
-    if own > ALIKE:
-        met, note = NOT_REPEATED, f"{note}: not repeated by the robot itself, so judges no model"
-    return {"aim": f"within {ALIKE:.0%}", "met": met, "note": note}
+    robot, named = periods["robot"], periods["named"]
+    aim = f"within {ALIKE:.0%}"
+    if not np.isfinite(robot.value):
+        return {"aim": aim, "met": NO_PERIOD, "note": f"{NO_PERIOD} of the robot's{why}"}
+    if not np.isfinite(named.value):
+        return {"aim": aim, "met": False, "note": f"{NO_PERIOD} of the model's"}
+    said, why = compared(named, robot, ALIKE), OPEN
+    if SURE * robot.error > ALIKE * robot.value:
+        said, why = OPEN, f"{OPEN}, the robot's own is not sure to {ALIKE:.0%}"
+    note = (
+        f"{plays} plays each, standard error {robot.error:.3f} s of the robot's and "
+        f"{named.error:.3f} s of the model's: {percent(off(named, robot))} off"
+    )
+    note = f"{note}; {why}" if said == OPEN else note
+    return {"aim": aim, "met": MET.get(said, said), "note": note}
 
 
 @dataclass(frozen=True, kw_only=True)
 class HostPeriodic(OnHost, PeriodicContact):
-    """The wheel of PeriodicContact under each set of gains."""
+    """The wheel of PeriodicContact under each set of gains.
+
+    least, most  plays of each trial in which the current shows
+    """
 
     title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
     about: ClassVar[str] = (
         "The current follows the arm's own swing between hits of the wheel, for a slow loop on the "
         "host lets the back-EMF through. What (12) feeds forward hides it here as well. "
         "Single dynamics has no motor to be pushed: its current stays the commanded one, 0 counts "
-        "and no period, while its angle swings."
+        "and no period, while its angle swings. Periods and spectra are of all plays of a side; "
+        "what is drawn over time is the first."
     )
     named: ClassVar[str] = "host_peg"
     duration: float = 12.5
-    again: int = 1
+    least: int = 8
+    most: int = 16
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.least <= self.most:
+            raise ConfigError(
+                f"paper.host_periodic.least = {self.least}, most = {self.most}: two plays at "
+                "least, and at most no fewer"
+            )
 
     def more(self, sides: Sides) -> list[Play]:
-        plays = []
-        for one in self.sets:
-            if not self._shows(self._played(sides, one)[0]):
-                continue
-            for place, k in product((None, *self.places), range(1, self.again + 1)):
-                name = self.play_of(one, place, k)
-                if name not in sides:
-                    plays.append(replace(self.play(name, place, one), only=NOISY))
-        return plays
+        shown = [one for one in self.sets if self._shows(sides, one)]
+        return [play for one in shown for play in self._more(sides, one)]
 
-    def _played(self, sides: Sides, one: GainSet) -> list[Sides]:
-        """Each play under one set, named as with the loop in the drive, whose rules it goes by."""
+    def _more(self, sides: Sides, one: GainSet) -> list[Play]:
+        """Of every side to `least`, then as many again of what is open."""
+        trials = (None, *self.places)
+        have = {place: len(self._plays(sides, one, place)["robot"]) for place in trials}
+        wanted = {place: self.least for place in trials if have[place] < self.least}
+        only = NOISY if wanted else COMPARED
+        if not wanted:
+            wanted = {p: min(2 * have[p], self.most) for p in self._open(sides, one)}
         return [
-            {self._name(place): self.at(sides, one, place, k) for place in (None, *self.places)}
-            for k in range(self.again + 1)
-            if self.play_of(one, None, k) in sides
+            replace(self.play(self.play_of(one, place, k), place, one), only=only)
+            for place, plays in wanted.items()
+            for k in range(have[place], plays)
         ]
 
-    def _shows(self, own: Sides) -> bool:
+    def _plays(self, sides: Sides, one: GainSet, place: float | None) -> dict[str, list[Side]]:
+        """Side -> its plays of one trial, in their order."""
+        names = ((k, self.play_of(one, place, k)) for k in count())
+        known = [k for k, _ in takewhile(lambda found: found[1] in sides, names)]
+        plays = [self.at(sides, one, place, k) for k in known]
+        return {s: [play[s] for play in plays if s in play] for s in plays[0]}
+
+    def _free(self, sides: Sides, one: GainSet) -> dict[str, Side]:
+        """Side -> mean of its plays without the wheel."""
+        return {s: Side.mean(plays) for s, plays in self._plays(sides, one, None).items()}
+
+    def _seen(self, sides: Sides, one: GainSet, place: float, signal: str) -> Told:
+        """What the wheel adds to a signal [counts], of all sides that have it."""
+        name, free = "current" if signal == "filtered" else signal, self._free(sides, one)
+        return {
+            s: [seen(hit, free[s], signal, self.begins) for hit in plays]
+            for s, plays in self._plays(sides, one, place).items()
+            if getattr(plays[0], name) is not None
+        }
+
+    def _shows(self, sides: Sides, one: GainSet) -> bool:
         """Whether the robot's current has a line of a count anywhere."""
-        told = [self._lines(own, place, "current")[0].get("robot") for place in self.places]
-        return any(period is not None and np.isfinite(period) for period in told)
+        told = [self._seen(sides, one, p, "current").get("robot") for p in self.places]
+        return any(signals is not None and line(signals, *BAND)[1] >= LEAST for signals in told)
+
+    def _periods(self, told: Told) -> dict[str, Figure]:
+        """Side -> period of its strongest line, where it has a count."""
+        found = {s: line(signals, *BAND) for s, signals in told.items()}
+        return {s: period if size >= LEAST else NONE for s, (period, size) in found.items()}
+
+    def _height(self, free: Side, signal: str) -> float:
+        """Of a peak that noise makes of a difference to the mean without the wheel [counts]."""
+        first = round(1e3 * self.begins)
+        alone = [per_unit(signal) * one.driven(signal, self.motor) for one in free.parts]
+        peaks = [highest(smooth(one, SMOOTHING)[first:]) for one in alone]
+        return float(max(LEAST, np.mean(peaks) * np.sqrt(1 + 1 / len(peaks))))
+
+    def _intervals(
+        self, told: Told, free: Mapping[str, Side], signal: str, times: float = 1.0
+    ) -> dict[str, Figure]:
+        """Side -> interval between peaks so many times as high as the robot's noise.
+
+        As high as its own where the robot has no such signal.
+        """
+        found = {}
+        for s, each in told.items():
+            height = self._height(free["robot" if "robot" in told else s], signal)
+            found[s] = interval([smooth(one, SMOOTHING) for one in each], times * height)
+        return found
+
+    def _judged(
+        self, told: Told, free: Mapping[str, Side]
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """What the line and the interval of a current say of the named model."""
+        if "robot" not in told:
+            return {}, {}
+        plays = len(told["robot"])
+        once, twice = (self._intervals(told, free, "current", k) for k in (1.0, HIGHER))
+        height, robots = self._height(free["robot"], "current"), (once["robot"], twice["robot"])
+        values = [f"{each.value:.2f} s" for each in robots]
+        why = f": {values[0]} between peaks of {height:.1f} counts, {values[1]} of twice that"
+        gaps = once if steady(*robots) else once | {"robot": NONE}
+        return judged(self._periods(told), plays), judged(gaps, plays, why)
+
+    def _open(self, sides: Sides, one: GainSet) -> list[float]:
+        """Places at which a rule has not settled how far the named model is off."""
+        free, places = self._free(sides, one), []
+        for place in self.places:
+            told = self._seen(sides, one, place, "current")
+            said = [rule.get("met") for rule in self._judged(told, free)]
+            places += [place] * (OPEN in said and len(told["robot"]) < self.most)
+        return places
 
     def measure(self, sides: Sides) -> list[dict[str, Any]]:
         rows = []
         for one in self.sets:
-            played = self._played(sides, one)
-            rows.append(self._visible(played[0], one))
+            rows.append(self._visible(sides, one))
             for k, place in enumerate(self.places):
                 for signal in SIGNALS:
-                    if signal == "arm_current" and not self._modelled(played[0], place):
-                        continue
-                    rows += self._told(played, one, k, place, signal)
+                    rows += self._told(sides, one, k, place, signal)
         return rows
 
-    def _visible(self, own: Sides, one: GainSet) -> dict[str, Any]:
+    def _visible(self, sides: Sides, one: GainSet) -> dict[str, Any]:
         """Row of the strongest line nearest to the tip."""
         tip = self.places[-1]
-        hits, free = own[self._name(tip)], own[self._name(None)]
-        sizes = {
-            s: mean_line(seen(hit, free[s], "current", self.begins), *BAND)[1]
-            for s, hit in hits.items()
-        }
+        told = self._seen(sides, one, tip, "current")
+        sizes = {s: line(signals, *BAND)[1] for s, signals in told.items()}
         met = None if "robot" not in sizes else sizes["robot"] >= LEAST or NOT_VISIBLE
         what = f"strongest line of current, {one.words}, at {tip:.0%}"
         return row(what, "counts", sizes, aim=f"at least {LEAST:g} count", met=met)
 
-    def _period(self, values: np.ndarray) -> float:
-        period, size = mean_line(values, *BAND)
-        return period if size >= LEAST else float("nan")
-
     def _told(
-        self, played: list[Sides], one: GainSet, k: int, place: float, signal: str
+        self, sides: Sides, one: GainSet, k: int, place: float, signal: str
     ) -> list[dict[str, Any]]:
-        _, sizes, lines = self._lines(played[0], place, signal)
-        periods = by_side([self._lines(own, place, signal)[0] for own in played])
-        gaps = by_side([self._gaps(own, place, signal) for own in played])
-        shown, intervals = (or_none(mean(plays)) for plays in (periods, gaps))
+        told, free = self._seen(sides, one, place, signal), self._free(sides, one)
+        if signal == "arm_current" and not set(told) - {"single"}:
+            return []  # no model has played
+        periods, gaps = self._periods(told), self._intervals(told, free, signal)
+        shown, intervals = (
+            or_none({s: each.value for s, each in of.items()}) for of in (periods, gaps)
+        )
         hidden = [s for s, period in shown.items() if period != "none" and np.isnan(period)]
         note = f"not visible, no line of one count: {', '.join(hidden)}" if hidden else ""
         at = f"{SIGNALS[signal]}, {one.words}, at {place:.0%}"
         as_paper = signal in AS_PAPER and len(self.places) == len(PAPER)
-        compared = as_paper and len(hidden) < len(periods.keys() - {"single"})
-        paper = PAPER[k] if compared else None
-        line, gap = (judged(plays) if signal == "current" else {} for plays in (periods, gaps))
+        beside = as_paper and len(hidden) < len(periods.keys() - {"single"})
+        about = {"paper": PAPER[k] if beside else None, "note": note}
+        strongest, mean = self._judged(told, free) if signal == "current" else ({}, {})
+        swings = {s: float(np.mean([_swing(v) for v in each])) for s, each in told.items()}
+        lines = {
+            s: float(np.mean([amplitude(v, self.period) for v in each])) for s, each in told.items()
+        }
         return [
-            row(f"apparent period of {at}", "s", shown, **{"paper": paper, "note": note, **line}),
-            row(f"interval between peaks of {at}", "s", intervals, **gap),
-            row(f"swing of {at}", "counts", sizes),
+            row(f"apparent period of {at}", "s", shown, **about | strongest),
+            row(f"interval between peaks of {at}", "s", intervals, **mean),
+            row(f"swing of {at}", "counts", swings),
             row(f"line at 1/T of {at}", "counts", lines),
         ]
-
-    def _modelled(self, own: Sides, place: float) -> bool:
-        """Whether a side has an i**."""
-        return any(side.arm_current is not None for side in own[self._name(place)].values())
-
-    def _gaps(self, own: Sides, place: float, signal: str) -> dict[str, float]:
-        """The interval between peaks [s] of each side that has the signal."""
-        name = "current" if signal == "filtered" else signal
-        free = own[self._name(None)]
-        return {
-            s: self._gap(hit, free[s], signal)
-            for s, hit in own[self._name(place)].items()
-            if getattr(hit, name) is not None
-        }
-
-    def _gap(self, hit: Side, free: Side, signal: str) -> float:
-        values = smooth(seen(hit, free, signal, self.begins), SMOOTHING)
-        alone = smooth(per_unit(signal) * free.driven(signal, self.motor), SMOOTHING)
-        noise = highest(alone[round(1e3 * self.begins) :]) * np.sqrt(2)  # of a difference
-        return peak_interval(values, max(LEAST, noise))
 
     def curves(self, sides: Sides) -> list[dict[str, Any]]:
         out = []
         one = self.slowest
-        free = self.at(sides, one, None)
+        free = self._free(sides, one)
         for place in self.places:
-            for s, hit in self.at(sides, one, place).items():
-                play = f"{one.words}, at {place:.0%}"
+            play = f"{one.words}, at {place:.0%}"
+            for s, hits in self._plays(sides, one, place).items():
+                hit = hits[0]
                 angle = seen(hit, free[s], "displacement", self.begins)[:SHOWN]
                 time = np.arange(len(angle)) * PERIOD
                 out.append(curve(play, "angle", "counts", s, time, angle, 10))
                 out += in_time(play, s, hit, free[s], self.begins)
                 for quantity, signal in SPECTRA.items():
                     name = reconstructed(hit) if signal == "arm_current" else signal
-                    out.append(self._spectrum(play, quantity, s, hit, free[s], name))
-            for own in self._played(sides, one)[1:]:
-                hit, alone = (own[self._name(p)]["robot"] for p in (place, None))
-                about = play, "amplitude of the current", AGAIN
-                out.append(self._spectrum(*about, hit, alone, "current"))
+                    each = [seen(hit, free[s], name, self.begins) for hit in hits]
+                    out.append(_spectrum(play, quantity, s, each))
         return out
 
-    def _spectrum(
-        self, play: str, quantity: str, side: str, hit: Side, free: Side, signal: str
-    ) -> dict[str, Any]:
-        """Figure of the mean spectrum of a signal."""
-        frequency, size = mean_spectrum(seen(hit, free, signal, self.begins))
-        low = (frequency > 0.0) & (frequency <= HIGHEST)
-        return curve(play, quantity, "counts", side, frequency[low], size[low], 2)
+
+def _swing(values: np.ndarray) -> float:
+    """√2 times the deviation from a straight line."""
+    return float(np.sqrt(2) * scipy.signal.detrend(values).std())
+
+
+def _spectrum(play: str, quantity: str, side: str, signals: Sequence[np.ndarray]) -> dict[str, Any]:
+    """Figure of the mean spectrum of all plays."""
+    frequency, size = mean_spectrum(signals)
+    low = (frequency > 0.0) & (frequency <= HIGHEST)
+    return curve(play, quantity, "counts", side, frequency[low], size[low], 2)

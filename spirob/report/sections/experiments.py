@@ -67,7 +67,6 @@ def _cell(value: Any) -> str:
 
 LOOKS = {
     "robot": ("robot", MEASURED, "solid"),
-    "robot again": ("robot, again", MEASURED, "dot"),
     "base": ("base model", BASE, "solid"),
     "named": ("with effect", NAMED, "solid"),
     "single": ("single dynamics", NEUTRAL, "dot"),
