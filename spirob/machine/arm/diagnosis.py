@@ -28,7 +28,7 @@ from spirob.machine.arm import kept
 from spirob.machine.arm.description import ArmFile, described
 from spirob.machine.arm.preparation import Settled, settled, settled_with
 from spirob.machine.arm.replay import arm_trial
-from spirob.machine.arm.roles import block, roles
+from spirob.machine.arm.rows import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.loading import chosen
 from spirob.plant import Plant
