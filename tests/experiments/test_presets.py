@@ -24,8 +24,10 @@ COLUMNS = {"what", "unit", "robot", "base", "named", "single", "paper", "aim", "
 PASSIVE = ("single_contact", "periodic_contact", "host_contact", "host_periodic")
 
 
-def test_all_experiments_are_played():
-    assert set(composed(ROOT, [])["paper"]) == set(EXPERIMENTS)
+def test_what_is_played_by_default_is_found():
+    """An experiment that goes missing must not take its tests with it."""
+    assert len(EXPERIMENTS) >= 8
+    assert set(composed(ROOT, [])["paper"]) <= set(EXPERIMENTS)
 
 
 def preset(name):

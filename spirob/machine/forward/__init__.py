@@ -5,7 +5,7 @@ in the motion.
 
 axis.py    a rig's axis, ready to be run by the effort that acted
 torque.py  its torque, compiled, and its steps in time
-Here: a prediction, and how far it is from the measured motion, over stretches from a measured state
+Here: a prediction, and how far it is from the measured motion, from measured states on
 """
 
 from collections.abc import Mapping
