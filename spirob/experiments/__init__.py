@@ -1,13 +1,13 @@
 """The paper's experiments: what is played, and what is measured on each side that played it.
 
 Here: one side of one trial, robot, model or baseline, as signals; what an experiment is; plans in
-plain data; the table of all of them.
+plain data.
+
+A file with a class of its own name (`delay.py`, `Delay`) is an experiment: its settings, its
+trials, its measure.  No list names it.  What they share:
 
 response.py       when a signal answers, and by how much; the detector's answer to a contact, while
                   a trial is played
-delay.py, hysteresis.py, extreme_curl.py, single_contact.py, periodic_contact.py, active_contact.py,
-host_contact.py, host_periodic.py
-                one experiment each: its settings, its trials, its measure
 direct_drive.py   what the two passive ones share;  host_loop.py  what those on the host do
 apparent_period.py  a period of several plays, and how sure it is
 compared.py       whether a model is within a share of the robot, by standard errors of both
@@ -22,6 +22,7 @@ import importlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
+from pkgutil import iter_modules
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -97,16 +98,6 @@ class Side:
         return moving_average(one, WINDOW, signal) if signal == "filtered" else one
 
 
-EXPERIMENTS = (
-    "delay",
-    "hysteresis",
-    "extreme_curl",
-    "single_contact",
-    "periodic_contact",
-    "active_contact",
-    "host_contact",
-    "host_periodic",
-)
 GIVEN = ("geometry", "told")  # what is no setting
 BLOCK = 3  # shots of one part of a mean
 LIMIT = 5.0  # A, of every command: the paper's saturation
@@ -209,12 +200,22 @@ class Experiment(ABC):
         """What the report draws: `{play, quantity, unit, side, x, y}`, thinned."""
 
 
+def experiments() -> dict[str, type[Experiment]]:
+    """All experiments by name: a file here that holds a class of its own name is one."""
+    found = {}
+    for name in (info.name for info in iter_modules(__path__)):
+        module = importlib.import_module(f"{__name__}.{name}")
+        kind = getattr(module, name.title().replace("_", ""), None)
+        if isinstance(kind, type) and issubclass(kind, Experiment):
+            found[name] = kind
+    return found
+
+
 def experiment_from(name: str, given: Any, geometry: Geometry = PUBLISHED) -> Experiment:
     """An experiment with the settings of a preset; raises ConfigError naming experiment and key."""
-    if name not in EXPERIMENTS:
-        raise ConfigError(f"no experiment '{name}'; known: {', '.join(EXPERIMENTS)}")
-    module = importlib.import_module(f"spirob.experiments.{name}")
-    kind: type[Experiment] = getattr(module, name.title().replace("_", ""))
+    if name not in (every := experiments()):
+        raise ConfigError(f"no experiment '{name}'; known: {', '.join(every)}")
+    kind = every[name]
     if not isinstance(given, Mapping):
         raise ConfigError(f"paper.{name} must be a mapping of settings, not {given!r}")
     known = {about.name: about for about in fields(kind) if about.name not in GIVEN}

@@ -30,7 +30,7 @@ from spirob.identify.residual import Filter, Residual
 from spirob.identify.scaling import Scaling
 from spirob.logs import read_parquet
 from spirob.logs.parquet import read_table
-from spirob.machine.arm.kept import again
+from spirob.machine.arm.replay import again
 from spirob.machine.rig import NUMBERS
 from spirob.plant import Plant, Rig
 from spirob.robot import MOTORS, Scene

@@ -24,7 +24,8 @@ The inverse model, which tells the effort that a motion asks for:
     memory.py, swings.py           what they remember through gaps, and begin with
 The search, by the rules of `spirob.diagnosis`:
     diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on
-    axis.py, judging.py            fit, search; judge, and which law a verdict asks for
+    axis.py, judging.py            fit, search; judge, which law a verdict asks for, and whether a
+                                   law does better than the names
     models.py                      sets of effects, each fitted in full
     candidates.py, laws/           which effects can act; laws that a plain axis has instead
     screening.py                   which absent effects explain what is left

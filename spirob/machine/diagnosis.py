@@ -155,7 +155,7 @@ def _arm(
 ) -> Diagnosis:
     """Diagnose our arm from logs of somebody else."""
     from spirob.machine.arm import diagnosis as arm
-    from spirob.machine.arm import kept
+    from spirob.machine.arm.replay import table_of
 
     settings = Settings(**asdict(rig.criteria), intervals=False, always=False)
     trials, said = arm.read(rig, train, test)
@@ -167,5 +167,5 @@ def _arm(
         arm.parameters(found),
         "",
         laws(heldout, last.effects, last.fit.changes, "m"),
-        heldout=kept.rows(heldout.trials),
+        heldout=table_of(heldout.trials),
     )

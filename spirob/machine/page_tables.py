@@ -17,8 +17,7 @@ from spirob.diagnosis.search import Found
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem
-from spirob.machine.forward import Forward, Prediction
-from spirob.machine.forward.errors import WINDOW
+from spirob.machine.forward import WINDOW, Forward, Prediction
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
 

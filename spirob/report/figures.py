@@ -144,14 +144,14 @@ def roc(signal: Mapping[str, Any]) -> go.Figure:
         points = signal[domain]["roc"]
         figure.add_scatter(
             x=[max(point["alarms"], none) for point in points],
-            y=[point["hits"] for point in points],
+            y=[100 * point["hits"] for point in points],
             mode="lines+markers",
             name=name,
             line={"color": colour, "width": 1.5},
             marker={"color": colour, "size": 4},
             customdata=[[point["alarms"], point["scale"]] for point in points],
-            hovertemplate="%{y:.0%} told, %{customdata[0]:.2g} false alarms a minute<br>thresholds "
-            "%{customdata[1]:.2g} times the paper's<extra>" + name + "</extra>",
+            hovertemplate="%{y:.0f} % told, %{customdata[0]:.2g} false alarms a minute<br>"
+            "thresholds %{customdata[1]:.2g} times the paper's<extra>" + name + "</extra>",
         )
     for rules, domain in product(THRESHOLDS, DOMAINS):
         (how, _, symbol), (name, colour) = THRESHOLDS[rules], DOMAINS[domain]
@@ -159,11 +159,11 @@ def roc(signal: Mapping[str, Any]) -> go.Figure:
         edge = {"color": INK, "width": 1}
         figure.add_scatter(
             x=[max(found["alarms"], none)],
-            y=[found["hits"][WITHIN]],
+            y=[100 * found["hits"][WITHIN]],
             mode="markers",
             name=f"{how}, {name}",
             marker={"color": colour, "symbol": symbol, "size": 13, "line": edge},
-            hovertemplate="%{y:.0%} told<extra>" + f"{how}, {name}</extra>",
+            hovertemplate="%{y:.0f} % told<extra>" + f"{how}, {name}</extra>",
         )
     shown = [decade for decade in DECADES if decade > 1.5 * none]
     figure.update_xaxes(
@@ -173,7 +173,7 @@ def roc(signal: Mapping[str, Any]) -> go.Figure:
         ticktext=["0", *(f"{decade:g}" for decade in shown)],
         zeroline=False,
     )
-    figure.update_yaxes(title_text=f"contacts {HITS}", range=[-0.03, 1.05], tickformat=".0%")
+    figure.update_yaxes(title_text=f"contacts {HITS}", range=[-3, 105], ticksuffix=" %")
     return figure
 
 
@@ -189,15 +189,15 @@ def hits_along(signal: Mapping[str, Any]) -> go.Figure:
     for name, look, parts in _lines(signal):
         figure.add_scatter(
             x=[100 * part["place"] for part in parts],
-            y=[part["hits"][WITHIN] for part in parts],
+            y=[100 * part["hits"][WITHIN] for part in parts],
             name=name,
             customdata=[part["contacts"] for part in parts],
-            hovertemplate="%{x:.0f} % of the length: %{y:.0%} of %{customdata} told"
+            hovertemplate="%{x:.0f} % of the length: %{y:.0f} % of %{customdata} told"
             f"<extra>{name}</extra>",
             **look,
         )
     _place_axis(figure)
-    figure.update_yaxes(title_text=HITS, range=[-0.03, 1.05], tickformat=".0%")
+    figure.update_yaxes(title_text=HITS, range=[-3, 105], ticksuffix=" %")
     return figure
 
 

@@ -90,11 +90,12 @@ def unit_text(unit: str) -> str:
 
 
 def percent(share: float | None) -> str:
-    """A share of one in per cent, with a decimal only below ten."""
+    """A share of one in per cent, of two digits below ten: 58 %, 5.3 %, 0.24 %."""
     if share is None or not is_number(share):
         return MISSING
     value = 100 * share
-    return f"{fixed(value, 1 if 0 < abs(value) < 9.95 else 0)} %"
+    decimals = sum(0 < abs(value) < least for least in (9.95, 0.995))
+    return f"{fixed(value, decimals)} %"
 
 
 def prose(text: str) -> str:

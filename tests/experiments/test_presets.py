@@ -11,16 +11,23 @@ from pipeline.checks import check
 from pipeline.config import composed
 from pipeline.schema import validated
 from spirob.errors import ConfigError
-from spirob.experiments import EXPERIMENTS, SIDES, Side, experiment_from, repeating
+from spirob.experiments import SIDES, Side, experiment_from, experiments, repeating
 from spirob.plant.plant import Motion
 from spirob.trials import Trial
 
 ROOT = Path(__file__).parents[2]
-CONF = ROOT / "conf" / "paper" / "settings"
+CONF = ROOT / "conf" / "paper"
+EXPERIMENTS = experiments()
 COLUMNS = {"what", "unit", "robot", "base", "named", "single", "paper", "aim", "met", "note"}
 
 
 PASSIVE = ("single_contact", "periodic_contact", "host_contact", "host_periodic")
+
+
+def test_what_is_played_by_default_is_found():
+    """An experiment that goes missing must not take its tests with it."""
+    assert len(EXPERIMENTS) >= 8
+    assert set(composed(ROOT, [])["paper"]) <= set(EXPERIMENTS)
 
 
 def preset(name):

@@ -11,7 +11,7 @@ from spirob.cli.main import main
 from spirob.errors import ExportError
 from spirob.export.arm import corrected_arm
 from spirob.export.corrected import read_document
-from spirob.machine.arm import kept
+from spirob.machine.arm.replay import lasting, table_of
 from tests.documents import document
 from tests.export.test_arm_heldout import COMPILER, arm_of
 from tests.logs.hostile import parquet_bomb
@@ -31,11 +31,11 @@ def home(tmp_path_factory):
         "rig": {},
         "effects": [e.name() for e in model.effects],
         "changes": model.changes,
-        "trials": kept.told([trial]),
+        "trials": lasting([trial]),
     }
     said = document(rig="spirob", model=told)
     (folder / "diagnosis.json").write_text(json.dumps(said))
-    kept.rows([trial]).to_parquet(folder / "heldout.parquet")
+    table_of([trial]).to_parquet(folder / "heldout.parquet")
     return folder, trial
 
 

@@ -19,7 +19,7 @@ def test_a_law_is_shown_with_what_switches_it_on(data):
     told = {**data.diagnosis, "verdict": "unknown", "composed": LAW}
     shown = replace(data, diagnosis=told)
     page = render(shown, [Composed()])
-    assert LAW["sentence"] in page
+    assert LAW["sentence"].replace("%", " %") in page
     assert "plant.effects=[data/diagnosis/law.py]" in page
     assert Composed().get_context(shown)["plot"].label.endswith("over position")
 

@@ -17,8 +17,14 @@ SECTIONS = {section.name: section for section in discover()}
 BY_NAME = pytest.mark.parametrize("name", SECTIONS)
 
 
+RIG = [s for s in discover("rig") if s.name in ("verdict", "repairs")]
+
+
 def text(name, data):
-    section = SECTIONS[name]
+    return rendered(SECTIONS[name], data)
+
+
+def rendered(section, data):
     context = section.get_context(data)
     if why := section.absent(context):
         return why
@@ -97,11 +103,29 @@ def test_the_verdict_tells_what_a_name_was_worth_on_a_trial_of_its_own(data, hol
 
 
 def test_the_verdict_says_what_counts_as_an_effect_and_why(data):
-    floor = {"share": 0.0072, "reason": "19 builds leave up to 0.72 % of the effort."}
+    floor = {"share": 0.0072, "reason": "19 builds leave up to 0.72% of the effort."}
     shown = text("verdict", replace(data, diagnosis={**data.diagnosis, "floor": floor}))
-    assert "The least that counts as an effect is 0.7 %: 19 builds leave" in shown
+    assert "The least that counts as an effect is 0.72 %: 19 builds leave up to 0.72 % of" in shown
     unmeasured = {k: v for k, v in data.diagnosis.items() if k != "floor"}
     assert "counts as an effect is" not in text("verdict", replace(data, diagnosis=unmeasured))
+
+
+TOLD = "In 0.24% of the time 3.5% of it are left."  # as sentences of a diagnosis are written
+SENTENCES = ("sentence", "explanation", "next_experiment")
+
+
+def test_every_section_writes_per_cent_in_one_way(data):
+    diagnosis = data.diagnosis | dict.fromkeys(SENTENCES, TOLD) | {"atlas_sentences": [TOLD]}
+    diagnosis |= {"depends": {"sentence": TOLD}}
+    diagnosis |= {"repairs": [TOLD], "excluded": {"creep": TOLD}}
+    diagnosis |= {"floor": {"share": 0.003, "reason": TOLD}}
+    diagnosis |= {"asked": {"experiment": "fast moves", "before": TOLD}}
+    shown = replace(data, diagnosis=diagnosis)
+    pages = [spirob.report.render(shown), *(rendered(s, shown) for s in RIG)]
+    for page in pages:
+        seen = re.sub(r"<(script|style).*?</\1>|<[^>]*>", " ", page, flags=re.DOTALL)
+        assert re.findall(r".{0,40}\d(?:&nbsp;)?%", seen) == []
+    assert sum(page.count("0.24 % of the time 3.5 %") for page in pages) >= 9
 
 
 @BY_NAME

@@ -34,14 +34,14 @@ def test_the_matrix_holds_every_count():
         ["1", "3", "0", "1", "0"],
         ["0", "0", "0", "0", "5"],
     ]
-    assert heat.z[0][0] == pytest.approx(0.8)
+    assert heat.z[0][0] == pytest.approx(80.0)
 
 
 def test_bins_without_robots_are_not_drawn():
-    assert trial.reliability(TRIAL["reliability"]).data[1].x == (0.71, 0.98)
+    assert trial.reliability(TRIAL["reliability"]).data[1].x == pytest.approx((71, 98))
     figure = trial.strength([*TRIAL["strength"], {"low": 0, "high": 0.1, "n": 0}])
-    assert figure.data[0].x == pytest.approx((0.25, 0.55))
-    assert figure.data[0].error_y.arrayminus == pytest.approx((0.21, 0.15))
+    assert figure.data[0].x == pytest.approx((25, 55))
+    assert figure.data[0].error_y.arrayminus == pytest.approx((21, 15))
 
 
 @pytest.mark.parametrize("absent", ["confusion", "reliability", "strength"])

@@ -47,7 +47,8 @@ def test_chosen_numbers_carry_no_zeros():
 
 
 def test_shares_and_signs():
-    assert [percent(s) for s in (0.58, 0.06, 0.0, None)] == ["58 %", "6.0 %", "0 %", "–"]
+    shares = (0.58, 0.0996, 0.06, 0.0024, 0.0, None)
+    assert [percent(s) for s in shares] == ["58 %", "10 %", "6.0 %", "0.24 %", "0 %", "–"]
     assert fixed(-1e-9, 3) == "0.000"
     assert shown("m") == ("mm", 1e3)
 

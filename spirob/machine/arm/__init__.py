@@ -4,15 +4,13 @@ description.py  a whole description: two motors, which machine they drive, what 
                 columns the two motors have; filter and rows of what is compared; what holds the
                 model to a measured motion; what is known of its numbers, and which are fitted
 replay.py       a log as a trial that the model can play again; at rest, under which currents, with
-                the rotors where in a turn
-rows.py         which of its cycles are left out; rows that the arm's numbers determine, whichever
-                its hinges
-roles.py        which logs, or parts of one, are fitted, chosen by, held out; a part of a log,
-                played from rest and compared from where it begins
+                the rotors where in a turn; held-out trials as plain data beside a diagnosis, and as
+                trials again
+rows.py         which logs, or blocks of one, are fitted, chosen by, held out; which cycles of them
+                are left out; those that the arm's numbers determine, whichever its hinges
 preparation.py  what the search stands on: the arm's shape, and the rows that count
 shape.py        holes and stiffness of an arm of another design, searched for; the lowest valley of
                 a cost over a few numbers; what of its build the logs tell beyond tolerances
-kept.py         its held-out trials as plain data beside a diagnosis, and as trials again
 diagnosis.py    the arm's own search and verdict, as the document of a rig; what the page shows
                 besides: overlay and fitted numbers
 """

@@ -24,11 +24,10 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import SENSE, SUSPECTS, Filter, Residual, explained
 from spirob.logs.readers import Table
-from spirob.machine.arm import kept
 from spirob.machine.arm.description import ArmFile, described
 from spirob.machine.arm.preparation import Settled, settled, settled_with
-from spirob.machine.arm.replay import arm_trial
-from spirob.machine.arm.roles import block, roles
+from spirob.machine.arm.replay import arm_trial, lasting
+from spirob.machine.arm.rows import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.loading import chosen
 from spirob.plant import Plant
@@ -220,7 +219,7 @@ def _standing(rig: ArmFile, found: Searched) -> dict[str, Any]:
         "rig": rig.arm,
         "effects": [e.name() for e in there],
         "changes": {n: v for n, v in values.items() if n.partition(".")[0] in owners},
-        "trials": kept.told(found.models.heldout.trials),
+        "trials": lasting(found.models.heldout.trials),
     }
 
 

@@ -5,15 +5,21 @@ the current that was measured and what holds the model to the motion that was me
 one the measured current alone.  What is added is the model's own error, in ampere (`description`);
 beside it the length that the other motor winds in is compared.  Of a motor whose command is in the
 log, that is given.
+
+Held-out trials are kept as plain data beside a diagnosis (`table_of`, `lasting`), and are trials
+`again` from it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from spirob.control import CURRENT, DISPLACEMENT, Schedule
+from spirob.control import CURRENT, DISPLACEMENT, MODES, Schedule
 from spirob.errors import DataError, MissingChannel
-from spirob.identify.measurement import Measurement
+from spirob.identify.measurement import MEASURED, Measurement
 from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rows import usable
@@ -28,6 +34,8 @@ SURE = 3.0  # deviations of a mean, beyond which it is another
 BEGUN = 50  # cycles of 1 ms at the beginning, in which the arm has to stand
 FIRST = 3  # samples at least that say whether there is a current before any change of it
 SPARE = 1.25  # of the stroke: holes, drums and where the arm begins are known less well than that
+PLAYED = ("reference", "reference_rate")
+NAMES = {number: name for name, number in MODES.items()}
 APART = 5  # samples, between which noise has nothing in common at 200 Hz and more
 
 
@@ -209,3 +217,62 @@ def _currents(name: str, current: np.ndarray, rig: ArmFile, said: list[str]) -> 
         f"{name}: '{columns[m]}' is constant at {current[0, m]:.3g} A, taken as commanded."
         for m in stuck
     ]
+
+
+def table_of(trials: Sequence[Measurement]) -> pd.DataFrame:
+    """The table of `heldout.parquet`, a row for each cycle.
+
+    It holds the trial's number, whether the cycle is compared, and of each motor its signals and
+    what holds the model to the log.
+    """
+    parts = []
+    for k, trial in enumerate(trials):
+        own = {"trial": k, "use": True if trial.use is None else trial.use}
+        both = {name: getattr(trial, name) for name in MEASURED}
+        both |= {name: getattr(trial.schedule, name) for name in PLAYED}
+        pairs = {
+            f"{n} of {motor}": x[:, m] for n, x in both.items() for m, motor in enumerate(MOTORS)
+        }
+        parts.append(pd.DataFrame(pairs).assign(**own))
+    return pd.concat(parts, ignore_index=True)
+
+
+def lasting(trials: Sequence[Measurement]) -> list[dict[str, Any]]:
+    """What stays the same in each trial."""
+    return [
+        {
+            "name": t.name,
+            "mode": [NAMES[int(mode)] for mode in t.schedule.mode],
+            "current_limit": t.schedule.current_limit.tolist(),
+            "held": None if t.schedule.held is None else t.schedule.held.tolist(),
+            "first_angle": list(t.first_angle),
+        }
+        for t in trials
+    ]
+
+
+def again(table: pd.DataFrame, known: Sequence[Mapping[str, Any]]) -> list[Measurement]:
+    """The trials of a table; raises KeyError, TypeError or ValueError where something is off."""
+    found = []
+    for k, about in enumerate(known):
+        own = table[table["trial"] == k]
+        both = {
+            n: own[[f"{n} of {m}" for m in MOTORS]].to_numpy(float) for n in (*MEASURED, *PLAYED)
+        }
+        if not len(own) or not all(np.isfinite(x).all() for x in both.values()):
+            raise ValueError(f"trial {k} has no finite rows")
+        reference, rate = (both[name] for name in PLAYED)
+        schedule = Schedule(
+            np.array([MODES[mode] for mode in about["mode"]]),
+            reference,
+            rate,
+            np.array(about["current_limit"], float),
+            None if about["held"] is None else np.array(about["held"], float),
+        )
+        first = tuple(map(float, about["first_angle"]))
+        use = own["use"].to_numpy(bool)
+        current, displacement, velocity = (both[n] for n in MEASURED)
+        signals = current, displacement, velocity
+        trial = Measurement(str(about["name"]), "heldout", *signals, schedule, Scene(), first)
+        found.append(replace(trial, use=use))
+    return found

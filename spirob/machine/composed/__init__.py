@@ -6,7 +6,6 @@ terms.py, grammar.py      terms, the shapes that it is made of; those from which
 draft.py, greedy.py       terms beside a fitted model; one added after the other
 law.py                    a draft as a law of its own
 composing.py, arm.py      all of this of a rig, and of the arm
-rival.py                  whether it does better than the names that were found
 writing.py                as an effect file, and in words
 """
 

@@ -114,7 +114,7 @@ def confusion(table: Mapping[str, Mapping[str, int]]) -> go.Figure:
     rows, columns = list(table), answers(table)
     totals = [max(sum(table[kind].values()), 1) for kind in rows]
     counts = [[table[kind].get(said, 0) for said in columns] for kind in rows]
-    shares = [[n / total for n in line] for line, total in zip(counts, totals, strict=True)]
+    shares = [[100 * n / total for n in line] for line, total in zip(counts, totals, strict=True)]
     figure = blank(190 + ROW * len(rows))
     figure.add_heatmap(
         z=shares,
@@ -124,11 +124,11 @@ def confusion(table: Mapping[str, Mapping[str, int]]) -> go.Figure:
         texttemplate="%{text}",
         colorscale=[[0.0, "var(--surface)"], [1.0, NAMED]],
         zmin=0.0,
-        zmax=1.0,
+        zmax=100.0,
         xgap=1,
         ygap=1,
         showscale=False,
-        hovertemplate="hidden: %{y}<br>said: %{x}<br>%{text} of the row, %{z:.0%}<extra></extra>",
+        hovertemplate="hidden: %{y}<br>said: %{x}<br>%{text} of the row, %{z:.0f} %<extra></extra>",
     )
     figure.update_yaxes(title_text="hidden", autorange="reversed", showgrid=False, dtick=1)
     figure.update_xaxes(title_text="said", tickangle=-60, showgrid=False, dtick=1)
@@ -151,8 +151,8 @@ def reliability(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
     """Share of right names in each bin of the said probability, with the line of a true one."""
     figure = blank(330)
     figure.add_scatter(
-        x=[0, 1],
-        y=[0, 1],
+        x=[0, 100],
+        y=[0, 100],
         mode="lines",
         name="as sure as right",
         line={"color": NEUTRAL, "width": 1, "dash": "dot"},
@@ -160,20 +160,20 @@ def reliability(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
     )
     kept = [one for one in bins if one.get("n") and one.get("right") is not None]
     figure.add_scatter(
-        x=[one["said"] for one in kept],
-        y=[one["right"] for one in kept],
+        x=[100 * one["said"] for one in kept],
+        y=[100 * one["right"] for one in kept],
         error_y=_interval(kept, "right"),
         mode="markers+text",
         name="robots, their number beside",
         text=[str(one["n"]) for one in kept],
         textposition="middle right",
         marker={"color": NAMED, "size": 10, "symbol": "diamond"},
-        customdata=[[one["low"], one["high"]] for one in kept],
-        hovertemplate="said %{x:.0%}, right %{y:.0%} of %{text}<br>"
-        "bin %{customdata[0]:.0%} to %{customdata[1]:.0%}<extra></extra>",
+        customdata=[[100 * one["low"], 100 * one["high"]] for one in kept],
+        hovertemplate="said %{x:.0f} %, right %{y:.0f} % of %{text}<br>"
+        "bin %{customdata[0]:.0f} % to %{customdata[1]:.0f} %<extra></extra>",
     )
-    figure.update_xaxes(title_text="probability said", range=[0, 1.08], tickformat=".0%")
-    figure.update_yaxes(title_text="share that was right", range=[-0.03, 1.08], tickformat=".0%")
+    figure.update_xaxes(title_text="probability said", range=[0, 108], ticksuffix=" %")
+    figure.update_yaxes(title_text="share that was right", range=[-3, 108], ticksuffix=" %")
     return figure
 
 
@@ -181,11 +181,11 @@ def strength(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
     """Rate of right names in each bin of what knowing the effect leaves of the held-out error."""
     figure = blank(330)
     kept = [one for one in bins if one.get("n") and one.get("value") is not None]
-    middle = [(one["low"] + one["high"]) / 2 for one in kept]
-    half = [(one["high"] - one["low"]) / 2 for one in kept]
+    middle = [50 * (one["low"] + one["high"]) for one in kept]
+    half = [50 * (one["high"] - one["low"]) for one in kept]
     figure.add_scatter(
         x=middle,
-        y=[one["value"] for one in kept],
+        y=[100 * one["value"] for one in kept],
         mode="markers+text",
         name="rate and its 95 % interval, number of robots beside",
         text=[str(one["n"]) for one in kept],
@@ -193,15 +193,15 @@ def strength(bins: Sequence[Mapping[str, Any]]) -> go.Figure:
         marker={"color": BASE, "size": 9},
         error_x={"type": "data", "array": half, "color": NEUTRAL, "thickness": 1, "width": 0},
         error_y=_interval(kept, "value"),
-        hovertemplate="%{x:.0%} left: named rightly %{y:.0%} of %{text}<extra></extra>",
+        hovertemplate="%{x:.0f} % left: named rightly %{y:.0f} % of %{text}<extra></extra>",
     )
-    figure.update_xaxes(title_text="held-out error left when it is known", tickformat=".0%")
-    figure.update_yaxes(title_text="named rightly", range=[-0.03, 1.08], tickformat=".0%")
+    figure.update_xaxes(title_text="held-out error left when it is known", ticksuffix=" %")
+    figure.update_yaxes(title_text="named rightly", range=[-3, 108], ticksuffix=" %")
     return figure
 
 
 def _interval(bins: Sequence[Mapping[str, Any]], key: str) -> dict[str, Any]:
-    """Bars of the 95 % interval about each rate."""
-    above = [max(one.get("high_ci", one[key]) - one[key], 0) for one in bins]
-    below = [max(one[key] - one.get("low_ci", one[key]), 0) for one in bins]
+    """Bars of the 95 % interval about each rate, in per cent."""
+    above = [100 * max(one.get("high_ci", one[key]) - one[key], 0) for one in bins]
+    below = [100 * max(one[key] - one.get("low_ci", one[key]), 0) for one in bins]
     return {"type": "data", "array": above, "arrayminus": below, "color": INK, "width": 4}

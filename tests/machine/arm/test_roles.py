@@ -14,7 +14,7 @@ from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.diagnosis import overlay
 from spirob.machine.arm.replay import arm_trial
-from spirob.machine.arm.roles import Part, block, roles
+from spirob.machine.arm.rows import Part, block, roles
 from spirob.plant import Plant
 from tests.machine.arm.elsewhere import long_log, rig, tables
 

@@ -7,9 +7,8 @@ import numpy as np
 
 from spirob.effects import find_effects
 from spirob.machine.body import RigidBody
-from spirob.machine.forward import Forward
+from spirob.machine.forward import Forward, horizons
 from spirob.machine.forward.axis import Axis, BodyTable, drive_reading
-from spirob.machine.forward.errors import horizons
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

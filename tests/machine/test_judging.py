@@ -6,7 +6,7 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
-from spirob.machine.composed.rival import may_outdo, numbers, outdone
+from spirob.machine.judging import may_outdo, numbers, outdone
 
 
 def model(*names, told=(), left=1.0):
