@@ -1,10 +1,12 @@
 """How sure a name may be, learned from cases whose truth is known: `certainty.json`.
 
-    python -m spirob.campaign.calibration name cases.jsonl arms.jsonl [--out certainty.json]
+    python -m spirob.campaign.calibration name reports/campaign/*.jsonl --out certainty.json
+    python -m spirob.campaign.calibration arm reports/trial/typical.jsonl --out certainty.json
 
 A logistic regression on the figures of `certainty`, over all chosen effects of all cases, whatever
 their verdict: of "the name is right", or of "it says at least a part of what is right", which is
-what its "kin" is judged by.  It is judged on each simulator by a fit to the others.
+what its "kin" is judged by.  It is judged on each simulator by a fit to the others; of arms, which
+one emulator plays, on each robot by a fit to the others.
 """
 
 import argparse
@@ -24,28 +26,29 @@ from spirob.files import write_text
 
 STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken
-ARM = "emulated arm"
 Line = Mapping[str, Any]
-Chosen = tuple[Mapping[str, float], str, str]  # figures; right, near or wrong; simulator
+Chosen = tuple[Mapping[str, float], str, str]  # figures; right, near or wrong; machines
 Cases = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def effects(lines: Sequence[Line], of: str = "name") -> Cases:
-    """Figures (n, 6), whether it is right (n,) and simulator (n,) of all chosen effects.
+    """Figures (n, 6), whether it is right (n,) and whose (n,) of all chosen effects.
 
     lines  of the campaign of rigs, or results of the trial of arms
-    of     "name" or "kin"
+    of     "name", "arm" or "kin"
+
+    Whose is the simulator of a rig, or "emulated arm/" and the number of one robot.
 
     A name that says a part of what is hidden is neither right nor wrong, and left out; of its kin
     it is right.  What is withheld whatever its figures are is left out of both.
     """
     found = [chosen for line in lines for chosen in (_arm if "evidence" in line else _rig)(line)]
-    counted = {"name": ("right", "wrong"), "kin": ("right", "near", "wrong")}[of]
+    counted = ("right", "near", "wrong") if of == "kin" else ("right", "wrong")
     names = FIGURES[of]
     kept = [one for one in found if one[1] in counted and set(names) <= set(one[0])]
-    figures, said, simulators = zip(*kept, strict=True)
+    figures, said, whose = zip(*kept, strict=True)
     rows = np.array([[one[name] for name in names] for one in figures])
-    return rows, np.array(said) != "wrong", np.array(simulators)
+    return rows, np.array(said) != "wrong", np.array(whose)
 
 
 def _rig(line: Line) -> Iterator[Chosen]:
@@ -63,7 +66,11 @@ def _arm(line: Line) -> Iterator[Chosen]:
     right = answers(line["kind"])
     for name, one in line["evidence"]["first"].items():
         if one["probability"] > 0.0:
-            yield one["figures"], "right" if name in right else "wrong", ARM
+            yield (
+                one["figures"],
+                "right" if name in right else "wrong",
+                f"emulated arm/{line['robot']}",
+            )
 
 
 def read(paths: Sequence[Path]) -> list[Line]:
@@ -76,11 +83,12 @@ def digest(paths: Sequence[Path]) -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
-def learned(rows: np.ndarray, right: np.ndarray, simulators: np.ndarray) -> dict[str, Any]:
+def learned(rows: np.ndarray, right: np.ndarray, whose: np.ndarray) -> dict[str, Any]:
     """Means, scales, weights and bias of the regression.
 
     Each simulator weighs alike: how many cases of it were played says nothing of other machines.
     """
+    simulators = [one.split("/")[0] for one in whose]
     kinds, number, counts = np.unique(simulators, return_inverse=True, return_counts=True)
     weights = len(right) / (len(kinds) * counts[number])
     scaler = StandardScaler().fit(rows)
@@ -91,12 +99,12 @@ def learned(rows: np.ndarray, right: np.ndarray, simulators: np.ndarray) -> dict
     return told | {"bias": float(f"{model.intercept_[0]:.9g}")}
 
 
-def left_out(rows: np.ndarray, right: np.ndarray, simulators: np.ndarray) -> np.ndarray:
-    """Probability of each name by a fit to the other simulators, (n,)."""
+def left_out(rows: np.ndarray, right: np.ndarray, whose: np.ndarray) -> np.ndarray:
+    """Probability of each name by a fit to the other simulators, or robots, (n,)."""
     found = np.empty(len(right))
-    for one in np.unique(simulators):
-        own = simulators == one
-        fit = learned(rows[~own], right[~own], simulators[~own])
+    for one in np.unique(whose):
+        own = whose == one
+        fit = learned(rows[~own], right[~own], whose[~own])
         scaled = (rows[own] - fit["mean"]) / fit["scale"]
         found[own] = 1.0 / (1.0 + np.exp(-(scaled @ fit["weights"] + fit["bias"])))
     return found
@@ -118,23 +126,23 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="where its numbers are put")
     given = parser.parse_args()
     lines = read(given.cases)
-    rows, right, simulators = effects(lines, given.of)
-    stated = left_out(rows, right, simulators)
+    rows, right, whose = effects(lines, given.of)
+    stated = left_out(rows, right, whose)
     sure = stated >= 0.9
     print(
         f"{len(lines)} cases, {len(right)} names, {right.mean():.0%} right; calibration error "
-        f"{calibration_error(stated, right):.3f} on simulators left out; "
+        f"{calibration_error(stated, right):.3f} on simulators or robots left out; "
         f"{np.sum(sure & ~right)} of {np.sum(sure)} sure names wrong"
     )
     if given.out:
         about = {
-            "cases": [path.name for path in given.cases],
+            "cases": [f"{path.parent.name}/{path.name}" for path in given.cases],
             "sha256": digest(given.cases),
             "seeds": sorted({line["seed"] for line in lines}),
             "figures": list(FIGURES[given.of]),
         }
         whole = json.loads(given.out.read_text()) if given.out.exists() else {}
-        whole[given.of] = about | learned(rows, right, simulators)
+        whole[given.of] = about | learned(rows, right, whose)
         write_text(given.out, json.dumps(whole, indent=1) + "\n")
 
 

@@ -3,9 +3,11 @@
     p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
 
 x are figures of what a search shows of one chosen effect (`figures`), seven in all and six in each
-of two regressions: of the name itself, and of its kin, which is right where the name or one that
-says a part of the same is.  w, m, s stand in `certainty.json` beside this file, with the cases that
-they were learned from (`spirob.campaign.calibration`).  Logarithms are natural, errors squared:
+of three regressions: of the name itself, on rigs and on a simulated "arm", whose few trials and
+many numbers give intervals of another width; and of its kin, which is right where the name or one
+that says a part of the same is.  w, m, s stand in `certainty.json` beside this file, with the cases
+that they were learned from (`spirob.campaign.calibration`).  Logarithms are natural, errors
+squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the
@@ -35,6 +37,7 @@ from spirob.identify.fit import Fit
 LEARNED = json.loads(Path(__file__).with_name("certainty.json").read_text())
 FIGURES = {
     "name": ("fall_heldout", "ahead_heldout", "left", "sharp", "place", "late"),
+    "arm": ("fall_heldout", "ahead_heldout", "left", "sharp", "place", "late"),
     "kin": ("fall_heldout", "ahead_of_kin", "left", "sharp", "place", "late"),
 }
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
@@ -44,7 +47,10 @@ MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less 
 
 
 def probability(figures: Mapping[str, float], of: str = "name") -> float:
-    """How likely a name with these figures is right, as it was in the campaign; or its "kin"."""
+    """How likely a name with these figures is right, as it was in the campaign.
+
+    of  "name", on an "arm", or its "kin"
+    """
     x, learned = np.array([figures[name] for name in FIGURES[of]]), LEARNED[of]
     mean, scale, weights = (np.array(learned[key]) for key in ("mean", "scale", "weights"))
     return float(1.0 / (1.0 + np.exp(-(learned["bias"] + weights @ ((x - mean) / scale)))))

@@ -103,7 +103,10 @@ class Predictor(Protocol):
     tried  names of the effects -> model
     progress  is told each step of a search
     promised  share of the least effect that a screening has to promise for a fit to be worth it
+    certainty  by which regression of `certainty` a name is likely
     """
+
+    certainty: str = "name"
 
     train: Problem
     heldout: Problem

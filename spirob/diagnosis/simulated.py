@@ -75,12 +75,12 @@ def scores(model: Model, residuals: Mapping[str, Problem]) -> dict[str, Score]:
 class Simulated(Predictor):
     """Fits sets of effects to an arm's trials, and keeps every model.
 
-    residuals  by role; one plant holds all candidates, at their neutral numbers
-    names      fitted with every set;  begun  the fit of these alone
+    residuals  by role; one plant holds all candidates;  names  fitted with every set
+    begun      the fit of these alone
     measure    the floor of a machine with such a fit; None: that of the settings stands
     """
 
-    promised = 0.0  # far from its optimum a simulation shows little of an effect
+    promised, certainty = 0.0, "arm"  # far from its optimum a simulation shows little of an effect
 
     def __init__(
         self,
@@ -96,7 +96,7 @@ class Simulated(Predictor):
         self.progress: Callable[[str], None] = lambda text: None
         self.size = effort_rms(self.validate)
         self.tried: dict[frozenset[str], Model] = {}
-        self._seen: set[str] = set()  # names of effects
+        self._seen: set[str] = set()
         self.added((), begun.fit)
         stated = Floor(settings.floor, "")
         self._alone = self._beside = measure(begun.fit) if measure else stated

@@ -142,7 +142,7 @@ def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:
     for effect in found.chosen.effects:
         name, shown = effect.name(), figures(ended, effect)
         denied = shown["fall_heldout"] <= -np.log1p(-veto) or (off and is_dry(effect))
-        own = 0.0 if denied else probability(shown)
+        own = 0.0 if denied else probability(shown, ended.search.models.certainty)
         one = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
         unsure = 0.0 < own < LIKELY
         weighed[name] = _with_kin(one, kin(ended.search, found.chosen, effect)) if unsure else one

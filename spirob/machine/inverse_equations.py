@@ -15,10 +15,9 @@ model knows nothing of a measured effort.  Where it is compared with one, e₀, 
 
 since the inverse is no fair judge of P: in a dead band one torque has many efforts, and where iron
 is full a torque may have none.  The current that P reads, which fills the iron and heats the
-winding, is e₀ and does not move with e: P' is then the torque of an ampere as the motor stood, and
-no number sends it astray.  That makes errors of full iron smaller than they are, so those of trials
-held out are by what an ampere more gives, e₀ being what P remembers, such as heat.  The kernels are
-those of the library, run over the measured signals.
+winding, is e₀ and does not move with e: P' is then the torque of an ampere as the motor stood.
+That makes errors of full iron smaller than they are, so those of trials held out are by what an
+ampere more gives, e₀ being what P remembers, such as heat.  The kernels are those of the library.
 """
 
 from collections.abc import Hashable, Mapping, Sequence
@@ -167,8 +166,8 @@ class AskedEffort(Kernels):
 
     def tip_mass(self, p: np.ndarray) -> float:
         """What the body carries at its tip [kg]."""
-        carried = self.present("body.tip_mass", p)
-        return float(sum(e.kernel(**self.values(e, p)) for e in carried))
+        tips = self.present("body.tip_mass", p)
+        return float(sum(e.kernel(**self.values(e, p)) for e in tips))
 
     def signals(self, motion: Motion, load: np.ndarray, p: np.ndarray) -> dict[str, np.ndarray]:
         """What kernels may read, each (n,)."""

@@ -1,11 +1,13 @@
 """What stands of a search: the verdict, and where it asks for one a law.
 
 A name stands for a cause, a law for a shape; where both tell the same, the name is preferred.  But
-where something is left beside the names that follows from the motion, a law of what they are meant
+where something is left beside the names that follows from the motion, or is far more than noise, a
+law of what they are meant
 to explain, composed beside the fitted numbers alone, may be plainer than the names and what is
 composed beside them, and predict as well.  The names then only imitate it (`outdone`).
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,7 +20,7 @@ from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
 from spirob.machine.flexible import RigCeiling
-from spirob.machine.leftovers import structured
+from spirob.machine.leftovers import noisy, structured
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
 from spirob.machine.plausibility import doubts, only_of_logs
@@ -112,12 +114,13 @@ def _in_all_logs(judged: Judged) -> Judged:
 def _beside_laws(judged: Judged) -> Judged:
     """With the law of what a name leaves; without the name where a law alone outdoes both."""
     search, found, verdict = judged.search, judged.found, judged.verdict
-    left = structured(search.models, found.chosen, judged.rest)
+    models, chosen = search.models, found.chosen
+    left = structured(models, chosen, judged.rest) or noisy(models, chosen)
     if verdict.kind not in ("named", "undecided") or not left:
         return judged
-    beside = composed(search, found, found.chosen)
-    alone = composed(search, found, found.rungs[0], partial(may_outdo, found.chosen, beside))
-    if alone is None or not outdone(search.worth, found.chosen, beside, alone):
+    beside = composed(search, found, chosen)
+    alone = composed(search, found, found.rungs[0], partial(may_outdo, chosen))
+    if alone is None or not outdone(search.worth, chosen, beside, alone):
         return replace(judged, law=beside)
     return _by_law(judged, alone, OUTDONE)
 
@@ -139,37 +142,39 @@ def outdone(worth: Worth, named: Model, beside: Composed | None, alone: Composed
     named   the model with the names;  beside  the law of what it leaves
     alone   the law of what the fitted numbers leave
 
-    With the names and the law beside them clearly better, they are not outdone.
+    No plainer it may be where beside their law no number of the names is told, or where it halves
+    what they leave together.  Where they are better by a size that counts, they are not outdone.
     """
     richer = beside.model if beside else named
-    return (
-        alone is not None
-        and worth.halves(named, alone.model)
-        and numbers(alone.model) + TERM <= numbers(richer)
-        and not worth.clearly(alone.model, richer)
-    )
+    if alone is None or not worth.halves(named, alone.model):
+        return False
+    idle = numbers(richer, named.names) == 0 or worth.halves(richer, alone.model)
+    plain = numbers(alone.model) + (0 if idle else TERM) <= numbers(richer)
+    return plain and not worth.matters(alone.model, richer)
 
 
-def may_outdo(named: Model, beside: Composed | None, draft: Draft) -> bool:
-    """Whether a draft is plain enough and leaves little enough to be such a law."""
-    plainer = draft.richness + TERM <= numbers(beside.model if beside else named)
-    return plainer and draft.mean_square < named.mean_square
+def may_outdo(named: Model, draft: Draft) -> bool:
+    """Whether a draft leaves little enough to be such a law."""
+    return draft.mean_square < named.mean_square
 
 
-def numbers(model: Model) -> int:
-    """Numbers of its effects that a model tells, and one more for each that remembers.
+def numbers(model: Model, names: Collection[str] | None = None) -> int:
+    """Numbers of its effects, or of the named ones, that a model tells.
 
-    Told is an amplitude whose interval holds no neutral value, and what shapes such a one.
+    Told is an amplitude whose interval holds no neutral value, and what shapes such a one.  One
+    more is counted for each effect that is told and remembers.
     """
     count = 0
     for effect in model.effects:
-        names = {f: f"{effect.name()}.{f}" for f in effect.fitted()}
-        found = {f: model.fit.estimates[n] for f, n in names.items() if n in model.fit.estimates}
+        if names is not None and effect.name() not in names:
+            continue
+        full = {f: f"{effect.name()}.{f}" for f in effect.fitted()}
+        found = {f: model.fit.estimates[n] for f, n in full.items() if n in model.fit.estimates}
         told = [
             f
             for f, zero in effect.neutral.items()
             if f in found and not found[f].low <= zero <= found[f].high
         ]
         shapes = {shape for field in told for shape in shaping(effect, field)}  # type: ignore[arg-type] # a class is hashable
-        count += len(told) + len(shapes & set(found)) + bool(effect.state)
+        count += len(told) + len(shapes & set(found)) + bool(told and effect.state)
     return count

@@ -128,3 +128,9 @@ def unexplained(models: "Models", model: Model) -> bool:
     """
     left = np.sqrt(model.heldout_square)
     return bool(left > max(MUCH * models.size, NOISY * _noise(models)))
+
+
+def noisy(models: "Models", model: Model) -> bool:
+    """Whether most of the squared error is no noise of the sensors, and its size counts."""
+    least = max(TWICE * models.least, NOISY * float(noise_floor(models.train)))
+    return bool(model.heldout_square >= least**2)

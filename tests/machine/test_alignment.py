@@ -67,14 +67,15 @@ def test_rows_without_a_partner_are_not_compared():
 
 def test_a_log_that_a_delay_leaves_nothing_of_is_compared_whole():
     rig = RigFile.model_validate(description(known={"delay": 4.0}))
-    log = log_of(rig)
-    assert partnered(rig, [log])[0] is log
+    log, longer = log_of(rig), log_of(rig, 20.0)
     assert inside(log, FARTHEST).pieces
     assert not inside(log, 4.0).pieces
+    assert inside(longer, 4.0).pieces
+    assert partnered(rig, [log, longer])[0] is log
 
 
-def log_of(rig):
-    t = np.arange(0, 8, 2e-3)
+def log_of(rig, seconds=8.0):
+    t = np.arange(0, seconds, 2e-3)
     return prepare("log", {"t": t, "q": np.sin(W * t), "u": np.cos(W * t)}, rig)
 
 

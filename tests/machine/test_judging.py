@@ -19,7 +19,10 @@ def model(*names, told=(), left=1.0):
             low, high = (1.0, 2.0) if full in told else (zero - 1.0, zero + 1.0)
             estimates[full] = Estimate(0.5 * (low + high), low, high, about.unit, False)
     return SimpleNamespace(
-        effects=effects, fit=SimpleNamespace(estimates=estimates), mean_square=left
+        effects=effects,
+        names=frozenset(names),
+        fit=SimpleNamespace(estimates=estimates),
+        mean_square=left,
     )
 
 
@@ -39,6 +42,13 @@ def test_numbers_are_those_that_are_told_and_their_shapes():
     assert bristle.state
     told = [f"presliding_friction.{f}" for f in bristle.neutral]
     assert numbers(model("presliding_friction", told=told)) == len(bristle.parameters()) + 1
+    assert numbers(model("presliding_friction")) == 0
+    both = model("presliding_friction", "quadratic_drag", told=("quadratic_drag.drag",))
+    assert numbers(both) == numbers(both, {"quadratic_drag"}) == 1
+    assert numbers(both, {"presliding_friction"}) == 0
+
+
+LEAST = 0.02  # squared size of the least that counts
 
 
 class Stub:
@@ -47,8 +57,12 @@ class Stub:
     def halves(self, before, after):
         return after.mean_square < 0.5 * before.mean_square
 
-    def clearly(self, before, after):
-        return after.mean_square < 0.9 * before.mean_square
+    def matters(self, before, after):
+        return before.mean_square - after.mean_square > LEAST
+
+
+def leaving(left, of):
+    return SimpleNamespace(model=SimpleNamespace(**{**vars(of), "mean_square": left}))
 
 
 @pytest.mark.parametrize(
@@ -57,24 +71,31 @@ class Stub:
         (ONE_WAVE, 0.1, 0.1, True),
         (ONE_WAVE, 0.1, None, True),  # nothing is composed beside the names
         (ONE_WAVE, 0.6, 0.6, False),  # it leaves too much
-        (ONE_WAVE, 0.1, 0.05, False),  # the names with their law leave less
+        (ONE_WAVE, 0.1, 0.09, True),  # the names with their law leave less, by nothing that counts
+        (ONE_WAVE, 0.1, 0.05, False),  # by what counts
         (THREE_WAVES, 0.1, 0.1, False),  # it is no plainer
+        (THREE_WAVES, 0.1, 0.3, True),  # but leaves less than half
     ],
 )
 def test_a_plainer_law_that_halves_what_is_left_outdoes_names(alone, left, beside_left, out):
-    law = SimpleNamespace(model=SimpleNamespace(**{**vars(alone), "mean_square": left}))
-    beside = None
-    if beside_left is not None:
-        beside = SimpleNamespace(
-            model=SimpleNamespace(**{**vars(THREE_WAVES), "mean_square": beside_left})
-        )
+    law = leaving(left, alone)
+    beside = leaving(beside_left, THREE_WAVES) if beside_left is not None else None
     assert outdone(Stub(), THREE_WAVES, beside, law) is out
     assert not outdone(Stub(), THREE_WAVES, beside, None)
 
 
-@pytest.mark.parametrize(
-    ("richness", "left", "may"), [(3, 0.9, True), (9, 0.1, False), (3, 1.1, False)]
-)
-def test_a_draft_that_cannot_is_not_fitted(richness, left, may):
-    draft = SimpleNamespace(richness=richness, mean_square=left)
-    assert may_outdo(THREE_WAVES, None, draft) is may
+def test_names_that_tell_nothing_beside_their_law_are_outdone_by_one_no_plainer():
+    named = model("tip_payload", left=1.0)
+    together = model("tip_payload", "cogging", told=("cogging.sine", "cogging.cosine"), left=0.1)
+    law = leaving(0.1, ONE_WAVE)
+    assert outdone(Stub(), named, leaving(0.1, together), law)
+    payload = [f"tip_payload.{field}" for field in all_effects()["tip_payload"].neutral]
+    told = model(
+        "tip_payload", "cogging", told=("cogging.sine", "cogging.cosine", *payload), left=0.1
+    )
+    assert not outdone(Stub(), named, leaving(0.1, told), law)
+
+
+@pytest.mark.parametrize(("left", "may"), [(0.9, True), (1.1, False)])
+def test_a_draft_that_leaves_more_than_the_names_is_not_fitted(left, may):
+    assert may_outdo(THREE_WAVES, SimpleNamespace(mean_square=left)) is may
