@@ -1,7 +1,7 @@
 """How sure a name may be, learned from cases whose truth is known: `certainty.json`.
 
-    python -m spirob.campaign.calibration name reports/campaign/*.jsonl --out certainty.json
-    python -m spirob.campaign.calibration arm reports/trial/typical.jsonl --out certainty.json
+    python -m spirob.campaign.calibration name cases.jsonl fresh.jsonl [--out certainty.json]
+    python -m spirob.campaign.calibration arm arms.jsonl typical.jsonl [--out certainty.json]
 
 A logistic regression on the figures of `certainty`, over all chosen effects of all cases, whatever
 their verdict: of "the name is right", or of "it says at least a part of what is right", which is
@@ -27,7 +27,7 @@ from spirob.files import write_text
 STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken
 Line = Mapping[str, Any]
-Chosen = tuple[Mapping[str, float], str, str]  # figures; right, near or wrong; machines
+Chosen = tuple[Mapping[str, float], str, str]  # figures; right, near or wrong; whose
 Cases = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 

@@ -107,7 +107,6 @@ class Predictor(Protocol):
     """
 
     certainty: str = "name"
-
     train: Problem
     heldout: Problem
     progress: Callable[[str], None]

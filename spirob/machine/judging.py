@@ -112,16 +112,19 @@ def _in_all_logs(judged: Judged) -> Judged:
 
 
 def _beside_laws(judged: Judged) -> Judged:
-    """With the law of what a name leaves; without the name where a law alone outdoes both."""
+    """With the law of what a name leaves; without the name where a law alone outdoes both.
+
+    Where much is left that does not follow from the motion, only the latter is asked.
+    """
     search, found, verdict = judged.search, judged.found, judged.verdict
     models, chosen = search.models, found.chosen
-    left = structured(models, chosen, judged.rest) or noisy(models, chosen)
-    if verdict.kind not in ("named", "undecided") or not left:
+    follows = structured(models, chosen, judged.rest)
+    if verdict.kind not in ("named", "undecided") or not (follows or noisy(models, chosen)):
         return judged
     beside = composed(search, found, chosen)
     alone = composed(search, found, found.rungs[0], partial(may_outdo, chosen))
     if alone is None or not outdone(search.worth, chosen, beside, alone):
-        return replace(judged, law=beside)
+        return replace(judged, law=beside) if follows else judged
     return _by_law(judged, alone, OUTDONE)
 
 

@@ -126,11 +126,9 @@ def unexplained(models: "Models", model: Model) -> bool:
 
     Blows, chatter and memories do not follow from the motion of this moment.
     """
-    left = np.sqrt(model.heldout_square)
-    return bool(left > max(MUCH * models.size, NOISY * _noise(models)))
+    return noisy(models, model) and bool(np.sqrt(model.heldout_square) > MUCH * models.size)
 
 
 def noisy(models: "Models", model: Model) -> bool:
-    """Whether most of the squared error is no noise of the sensors, and its size counts."""
-    least = max(TWICE * models.least, NOISY * float(noise_floor(models.train)))
-    return bool(model.heldout_square >= least**2)
+    """Whether most of the squared held-out error is no noise, and its size counts."""
+    return bool(np.sqrt(model.heldout_square) > NOISY * _noise(models))
