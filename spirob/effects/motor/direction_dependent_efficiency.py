@@ -10,7 +10,8 @@ class DirectionDependentEfficiency(Effect):
     """η → η·(1 + x·b), b = (1 - tanh(ω/ω_0)·sgn i)/2: 0 while driving, 1 while driven.
 
     A constant η in τ = η·G·k_t·i makes energy out of nothing when the load drives the motor: the
-    gear's losses then help the motor to hold, η·(1 + x) = 1/η_back ≥ 1.
+    gear's losses then help the motor to hold, η·(1 + x) = 1/η_back ≥ 1.  Losses in proportion f to the
+    motor's torque make 1 + x = (1 + f)/(1 - f); x ends at 9, where f is 0.8.
     """
 
     port = "winch.efficiency"
@@ -34,7 +35,7 @@ class DirectionDependentEfficiency(Effect):
     needs = "paying out under load, beside winding in"
     references = ("Wang, Kim, Directional efficiency in geared transmissions, ICRA (2015)",)
 
-    back_excess: float = bounded(0.3, 0.0, 1.5, "1", "x", "extra torque passed while driven")
+    back_excess: float = bounded(0.3, 0.0, 9.0, "1", "x", "extra torque passed while driven")
 
     @staticmethod
     def kernel(upstream, speed, rest_speed, current, back_excess):

@@ -7,7 +7,10 @@ from spirob.parameter import bounded
 
 
 class TorqueConstantSaturation(Effect):
-    """τ → τ/√(1 + s·i²): linear for small currents, level at 1/√s of them, never falling."""
+    """τ → τ/√(1 + s·i²): linear for small currents, level at 1/√s of them, never falling.
+
+    At most s·i² = 9 at the usual current: a third of its torque is left then.
+    """
 
     port = "motor.drive_torque"
     reads = {"current": "motor.current"}
@@ -24,7 +27,7 @@ class TorqueConstantSaturation(Effect):
     needs = "currents up to the rated one"
     references = ("Hendershot, Miller, Design of Brushless Permanent-Magnet Machines (2010)",)
 
-    saturation: float = bounded(0.005, 0.0, 0.5, "1/A²", "s", "loss of torque per current squared")
+    saturation: float = bounded(0.005, 0.0, 9.0, "1/A²", "s", "loss of torque per current squared")
 
     @staticmethod
     def kernel(upstream, current, saturation):

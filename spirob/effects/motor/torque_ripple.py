@@ -12,7 +12,8 @@ class TorqueRipple(Effect):
     A weak magnet shows once a turn, an offset of a phase current once and its gain twice an
     electrical turn, so a second wave of an order of its own (κN) stands beside the first.  What k_t
     does it does again with the next turn, so no wave is slower than that (0.9: a fit's margin);
-    slower ones stand for anything smooth, such as a drum that grows.
+    slower ones stand for anything smooth, such as a drum that grows.  A wave as large as k_t would turn
+    it round: its amplitudes end at 1.
     """
 
     port = "motor.drive_torque"
@@ -35,10 +36,10 @@ class TorqueRipple(Effect):
     needs = "several periods of the angle at two loads"
     references = ("Jahns, Soong, IEEE Trans. Industrial Electronics 43 (1996)",)
 
-    sine: float = bounded(0.03, -0.3, 0.3, "1", "a", "relative amplitude in phase")
-    cosine: float = bounded(0.0, -0.3, 0.3, "1", "b", "relative amplitude in quadrature")
-    second_sine: float = bounded(0.0, -0.3, 0.3, "1", "a_2", "second wave in phase")
-    second_cosine: float = bounded(0.0, -0.3, 0.3, "1", "b_2", "second wave in quadrature")
+    sine: float = bounded(0.03, -1.0, 1.0, "1", "a", "relative amplitude in phase")
+    cosine: float = bounded(0.0, -1.0, 1.0, "1", "b", "relative amplitude in quadrature")
+    second_sine: float = bounded(0.0, -1.0, 1.0, "1", "a_2", "second wave in phase")
+    second_cosine: float = bounded(0.0, -1.0, 1.0, "1", "b_2", "second wave in quadrature")
     order: float = bounded(6.0, 0.9, 100.0, "1", "N", "periods in a turn of the rotor", log=True)
     ratio: float = bounded(2.0, 1.0, 1e3, "1", "κ", "order of the second wave over N", log=True)
 

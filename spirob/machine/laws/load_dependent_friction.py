@@ -11,7 +11,8 @@ class LoadDependentFriction(Effect):
     """τ = -m·|τ_load - μ·J·a|·tanh(ω/(σ·ω_0)); ω_0 as in `coulomb_friction`.
 
     Of an axis whose body nobody described τ_load holds all that is moved; μ is the share of its
-    inertia J that turns ahead of the gear, and presses on no teeth.
+    inertia J that turns ahead of the gear, and presses on no teeth.  A screw that passes η of its
+    torque to a load loses m = 1/η - 1 of that: m ends at 4, where η is a fifth.
     """
 
     port = "motor.torque"
@@ -31,7 +32,7 @@ class LoadDependentFriction(Effect):
     needs = OfTendon.needs
     references = OfTendon.references
 
-    loss_ratio: float = bounded(0.05, 0.0, 0.6, "1", "m", "lost part of the load torque")
+    loss_ratio: float = bounded(0.05, 0.0, 4.0, "1", "m", "lost part of the load torque")
     softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")
     rotor_share: float = bounded(
         0.3, 0.0, 1.0, "1", "μ", "share of the inertia that moves with the motor"
