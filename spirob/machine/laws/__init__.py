@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from spirob.effects import Effect, all_effects
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
+from spirob.machine.laws.direction_dependent_efficiency import DirectionDependentEfficiency
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.laws.load_dependent_friction import LoadDependentFriction
 from spirob.machine.laws.presliding_friction import PreslidingFriction
@@ -27,7 +28,8 @@ LOAD_SIDE: dict[str, type[Effect]] = {
     law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
 }
 FRICTION: dict[str, type[Effect]] = {
-    law.name(): law for law in (PreslidingFriction, StribeckFriction)
+    law.name(): law
+    for law in (PreslidingFriction, StribeckFriction, DirectionDependentEfficiency)
 }
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
 LOSSES: dict[str, type[Effect]] = {LoadDependentFriction.name(): LoadDependentFriction}

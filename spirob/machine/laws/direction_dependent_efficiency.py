@@ -1,0 +1,56 @@
+"""A gear that passes torque differently when the load drives, and turns that round over a way."""
+
+import math
+
+from spirob.effects.effect import Effect
+from spirob.effects.motor.direction_dependent_efficiency import (
+    DirectionDependentEfficiency as OfTendon,
+)
+from spirob.parameter import bounded
+
+
+class DirectionDependentEfficiency(Effect):
+    """η → η·(1 + x·(1 - z·sgn i)/2), dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z)/δ; ω_0 as in `Coulomb`.
+
+    The losses of a gear are friction of its teeth, which turns round over a way as any dry friction
+    does; x as in `OfTendon`.  The update is exact for a constant speed within the step.
+    """
+
+    port = OfTendon.port
+    reads = OfTendon.reads
+    state = {"mobilised": 0.0}
+    neutral = OfTendon.neutral
+    equation = "upstream*(1 + x*(1 - mobilised*sign(current))/2)"
+    evolution = {"mobilised": "Abs(speed)*(tanh(speed/(σ*rest_speed)) - mobilised)/δ"}
+    title = OfTendon.title
+    signature = OfTendon.signature
+    explanation = OfTendon.explanation
+    tell_apart = OfTendon.tell_apart
+    needs = OfTendon.needs
+    references = OfTendon.references
+
+    back_excess: float = bounded(0.3, 0.0, 9.0, "1", "x", "extra torque passed while driven")
+    softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")
+    presliding: float = bounded(
+        0.2, 1e-5, 10.0, "rad", "δ", "angle in which the losses turn round", log=True
+    )
+
+    @staticmethod
+    def kernel(
+        upstream,
+        speed,
+        rest_speed,
+        current,
+        mobilised,
+        back_excess,
+        softness,
+        presliding,
+        dt,
+    ):
+        """Torque at the drum over torque at the rotor and gear ratio [-], and the next share."""
+        sign = 0.0
+        if current != 0.0:
+            sign = math.copysign(1.0, current)
+        target = math.tanh(speed / (softness * rest_speed))
+        mobilised = target + (mobilised - target) * math.exp(-abs(speed) * dt / presliding)
+        return upstream * (1.0 + 0.5 * back_excess * (1.0 - sign * mobilised)), mobilised
