@@ -13,11 +13,12 @@ where m is what the fitted numbers, dry friction, a weight and one effect of the
 the measured motion, linear in its amplitudes; e is the measured effort.  A delay turns inertia into
 friction and friction into a spring, so it is told apart from what is missing only beside what may
 be missing, and by bounds: an inertia or a friction below zero is none.  A law that holds a time or
-a memory is late by itself, and no judge of it.  Shifting the effort changes no column, so all
+a memory is late by itself, and no judge of it; one that turns round over a way is none where that
+is short.  Shifting the effort changes no column, so all
 delays cost little more than one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,10 +28,13 @@ from spirob.effects import Effect
 from spirob.errors import DataError
 from spirob.machine.flexible import bounded
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.laws import shares_inertia
 from spirob.machine.recording import Recording
 from spirob.machine.rig import Bounded, RigFile
+from spirob.machine.scaling import ways
 from spirob.machine.screening import Screening
 from spirob.machine.shapes import counts_periods, starts
+from spirob.parameter import Parameter
 
 # So far apart two channels of one log may be: a sample for the effort held over a cycle, one for
 # the drive's answer, one for the order of logging; of a slow log the last alone
@@ -222,19 +226,33 @@ def _laws(
     high = np.hstack([screening.room[1][own], free])
     made = [_Law(base.T @ base, base.T @ residuals, low, high)]
     signals = {name: values[rows] for name, values in screening.signals.items()}
-    momentary = [e for e in effects if not e.state and e.port not in SIGNS]
+    momentary = [e for e in effects if _is_momentary(e)]
     looks = residuals[:, :: max(1, residuals.shape[1] // LOOKS)].T
     for effect in momentary:
         about = {f: problem.table.about[f"{effect.name()}.{f}"] for f in effect.parameters()}
         waves = any(counts_periods(effect, f) for f in about if f not in effect.neutral)
         known: dict[tuple[object, ...], np.ndarray] = {}
         for residual in looks if waves else looks[:1]:
-            for shape in starts(effect, about, residual, signals):
+            for shape in _at_once(effect, about, starts(effect, about, residual, signals)):
                 probed = screening.probe(effect, shape, known)
                 columns = np.hstack([base, probed.columns[rows]])
                 edges = np.hstack([low, probed.low]), np.hstack([high, probed.high])
                 made.append(_Law(columns.T @ columns, columns.T @ residuals, *edges))
     return made
+
+
+def _is_momentary(effect: type[Effect]) -> bool:
+    """Whether a law holds no time, and no memory but of a way."""
+    remembers = effect.state and (not ways(effect) or shares_inertia(effect))
+    return not remembers and effect.port not in SIGNS
+
+
+def _at_once(
+    effect: type[Effect], about: Mapping[str, Parameter], shapes: Sequence[dict[str, float]]
+) -> list[dict[str, float]]:
+    """These shapes, each once, with the shortest way to turn round."""
+    short = {name: about[name].low for name in ways(effect)}
+    return list({tuple(at.values()): at for at in (shape | short for shape in shapes)}.values())
 
 
 def _common(problem: InverseProblem, model: Model) -> np.ndarray:

@@ -140,7 +140,7 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
     if any(dimensions(about.unit) == HEAT for about in effect.parameters().values()):
         return _of_heat(effect, found, sizes)
     for name, about in found.items():
-        if effect.state and dimensions(effect.parameters()[name].unit) == {"angle": 1}:
+        if name in ways(effect):
             if shares_inertia(effect):
                 low, high = PLAY * sizes.stroke, BRISTLE * sizes.stroke
                 found[name] = replace(about, low=low, high=high, nominal=2.0 * low)
@@ -154,6 +154,12 @@ def parameters(effect: type[Effect], sizes: Sizes) -> dict[str, Parameter]:
             low = max(about.low, least)
             found[name] = replace(about, low=low, nominal=max(about.nominal, low))
     return found
+
+
+def ways(effect: type[Effect]) -> list[str]:
+    """Its numbers that are an angle over which a memory turns round; without that it has none."""
+    about = effect.parameters() if effect.state else {}
+    return [name for name, one in about.items() if dimensions(one.unit) == {"angle": 1}]
 
 
 def _of_heat(

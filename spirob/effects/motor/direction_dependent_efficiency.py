@@ -10,8 +10,8 @@ class DirectionDependentEfficiency(Effect):
     """η → η·(1 + x·b), b = (1 - tanh(ω/ω_0)·sgn i)/2: 0 while driving, 1 while driven.
 
     A constant η in τ = η·G·k_t·i makes energy out of nothing when the load drives the motor: the
-    gear's losses then help the motor to hold, η·(1 + x) = 1/η_back ≥ 1.  Losses in proportion f to the
-    motor's torque make 1 + x = (1 + f)/(1 - f); x ends at 9, where f is 0.8.
+    gear's losses then help the motor to hold, η·(1 + x) = 1/η_back ≥ 1.  Losses in proportion f
+    to the motor's torque make 1 + x = (1 + f)/(1 - f); x ends at 9, where f is 0.8.
     """
 
     port = "winch.efficiency"

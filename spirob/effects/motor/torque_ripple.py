@@ -12,8 +12,8 @@ class TorqueRipple(Effect):
     A weak magnet shows once a turn, an offset of a phase current once and its gain twice an
     electrical turn, so a second wave of an order of its own (κN) stands beside the first.  What k_t
     does it does again with the next turn, so no wave is slower than that (0.9: a fit's margin);
-    slower ones stand for anything smooth, such as a drum that grows.  A wave as large as k_t would turn
-    it round: its amplitudes end at 1.
+    slower ones stand for anything smooth, such as a drum that grows.  A wave as large as k_t
+    would turn it round: its amplitudes end at 1.
     """
 
     port = "motor.drive_torque"

@@ -28,8 +28,7 @@ LOAD_SIDE: dict[str, type[Effect]] = {
     law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
 }
 FRICTION: dict[str, type[Effect]] = {
-    law.name(): law
-    for law in (PreslidingFriction, StribeckFriction, DirectionDependentEfficiency)
+    law.name(): law for law in (PreslidingFriction, StribeckFriction, DirectionDependentEfficiency)
 }
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
 LOSSES: dict[str, type[Effect]] = {LoadDependentFriction.name(): LoadDependentFriction}
