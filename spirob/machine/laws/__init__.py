@@ -5,7 +5,8 @@ described; here they are the torque that the motor feels.  Their names are the l
 same effect.
 
 backlash.py, gear_compliance.py  between motor and load; `load_side/` for a sensor at the load
-load_dependent_friction.py       of an axis whose motor's own inertia no gear carries
+direction_dependent_efficiency.py, load_dependent_friction.py  losses that turn round over a way,
+                                 the latter of an axis whose motor's own inertia no gear carries
 presliding_friction.py, stribeck_friction.py  bristles that are damped, or carry a Stribeck curve:
                                  in a loop of a millisecond they would be too stiff for the arm
 tip_payload.py                   weight on a lever that no model file describes

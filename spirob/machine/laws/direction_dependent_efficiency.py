@@ -10,16 +10,20 @@ from spirob.parameter import bounded
 
 
 class DirectionDependentEfficiency(Effect):
-    """η → η·(1 + x·(1 - z·sgn i)/2), dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z)/δ; ω_0 as in `Coulomb`.
+    """η → η·(1 + x·(1 - z·sgn i)/2), dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z)/δ.
 
     The losses of a gear are friction of its teeth, which turns round over a way as any dry friction
-    does; x as in `OfTendon`.  The update is exact for a constant speed within the step.
+    does; x is the library's, ω_0 the speed at which the rig counts as standing.  The update is exact for a constant speed within the step.
     """
 
-    port = OfTendon.port
-    reads = OfTendon.reads
+    port = "winch.efficiency"
+    reads = {
+        "speed": "motor.speed",
+        "rest_speed": "motor.rest_speed",
+        "current": "motor.current",
+    }
     state = {"mobilised": 0.0}
-    neutral = OfTendon.neutral
+    neutral = {"back_excess": 0.0}
     equation = "upstream*(1 + x*(1 - mobilised*sign(current))/2)"
     evolution = {"mobilised": "Abs(speed)*(tanh(speed/(σ*rest_speed)) - mobilised)/δ"}
     title = OfTendon.title

@@ -14,6 +14,7 @@ from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
 
 DT = 1e-3
+PIPED = {"winch.efficiency": ["upstream"], "motor.torque": []}
 
 
 LAWS = [*AXIS.values(), *LEVER.values(), *FRICTION.values(), *LOAD_SIDE.values(), *LOSSES.values()]
@@ -60,9 +61,28 @@ def test_they_take_the_place_of_the_laws_of_a_tendon():
 def test_what_turns_ahead_of_a_gear_rubs_on_no_teeth():
     signals = {"speed": np.ones(3), "rest_speed": np.full(3, 1e-3)}
     signals |= {"load": np.array([1.0, 0.4, -0.6]), "inertia_torque": np.full(3, 0.8)}
-    numbers = {"loss_ratio": 0.1, "softness": 1.0, "rotor_share": 0.5}
+    numbers = {"loss_ratio": 0.1, "softness": 1.0, "rotor_share": 0.5, "presliding": 1e-5}
     torque, _ = run(LOSSES["load_dependent_friction"], numbers, signals, DT)
     np.testing.assert_allclose(torque, [-0.06, 0.0, -0.1], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["load_dependent_friction", "direction_dependent_efficiency"])
+def test_losses_by_load_turn_round_over_their_way(name):
+    law, way, step = (LOSSES | FRICTION)[name], 0.3, 1e-4
+    turned = 2.0 * np.arange(1, 10_001) * step  # rad after a reversal, at 2 rad/s
+    speed = np.concatenate([np.full(100_000, -2.0), np.full(10_000, 2.0)])
+    signals = {"speed": speed, "rest_speed": 1e-3, "load": 1.0, "inertia_torque": 0.0}
+    signals |= {"upstream": 1.0, "current": 1.0}
+    signals = {n: np.broadcast_to(signals[n], len(speed)) for n in (*law.reads, *PIPED[law.port])}
+    numbers = {n: about.nominal for n, about in law.parameters().items()} | {"presliding": way}
+    strength = next(iter(law.neutral))
+    out, _ = run(law, numbers | {strength: 0.4}, signals, step)
+    mobilised = 1.0 - 2.0 * np.exp(-turned / way)
+    expected = {
+        "load_dependent_friction": -0.4 * mobilised,
+        "direction_dependent_efficiency": 1.0 + 0.2 * (1.0 - mobilised),
+    }
+    np.testing.assert_allclose(out[100_000:], expected[name], atol=1e-9)
 
 
 def test_the_share_is_fitted_only_where_a_load_may_hold_some_of_the_motor_s_inertia():
