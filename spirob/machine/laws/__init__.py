@@ -29,10 +29,13 @@ LOAD_SIDE: dict[str, type[Effect]] = {
     law.name(): law for law in (load_side.Backlash, load_side.GearCompliance)
 }
 FRICTION: dict[str, type[Effect]] = {
-    law.name(): law for law in (PreslidingFriction, StribeckFriction, DirectionDependentEfficiency)
+    law.name(): law for law in (PreslidingFriction, StribeckFriction)
 }
 LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
-LOSSES: dict[str, type[Effect]] = {LoadDependentFriction.name(): LoadDependentFriction}
+LOSSES: dict[str, type[Effect]] = {
+    law.name(): law for law in (LoadDependentFriction, DirectionDependentEfficiency)
+}
+SHARE = "rotor_share"  # of the moved inertia that is the motor's own
 TURNED = 1.0  # rad: over less, a weight on a lever is a spring with an offset
 INERTIA = "N·m·s²/rad"  # of a number that says how much of the moved inertia is the load's
 
@@ -58,11 +61,11 @@ def for_axis(
 
 def _carried(law: type[Effect]) -> type[Effect]:
     """The same of a load that holds nothing of the motor's."""
-    own = {"__module__": law.__module__, "__doc__": law.__doc__, "held": {"rotor_share"}}
+    own = {"__module__": law.__module__, "__doc__": law.__doc__, "held": {SHARE}}
     return type(law.__name__, (law,), own | {"kernel": staticmethod(law.kernel)})
 
 
-_CARRIED = {name: _carried(law) for name, law in LOSSES.items()}
+_CARRIED = {n: _carried(w) if SHARE in w.parameters() else w for n, w in LOSSES.items()}
 
 
 def by_module() -> dict[str, type[Effect]]:

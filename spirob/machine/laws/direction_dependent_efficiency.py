@@ -13,7 +13,8 @@ class DirectionDependentEfficiency(Effect):
     """η → η·(1 + x·(1 - z·sgn i)/2), dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z)/δ.
 
     The losses of a gear are friction of its teeth, which turns round over a way as any dry friction
-    does; x is the library's, ω_0 the speed at which the rig counts as standing.  The update is exact for a constant speed within the step.
+    does; x is the library's, ω_0 the speed at which the rig counts as standing.  The update is
+    exact for a constant speed within the step.
     """
 
     port = "winch.efficiency"
