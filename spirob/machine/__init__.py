@@ -34,7 +34,7 @@ What is left, doubted and shown:
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
     masses.py                      does a body of the model file weigh what the effort says
-    differing.py                   do logs differ by a number of their own
+    differing.py, turns.py         do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward
     result.py, document.py, page_tables.py
                                    what was found, as plain data and for the page

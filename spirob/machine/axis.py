@@ -36,6 +36,7 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
+from spirob.machine.turns import counted_alike
 
 SHORTER = "fewer or slower rows make it shorter."
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"
@@ -93,7 +94,7 @@ def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str)
 
 def _found(ready: Ready) -> Searched:
     """The whole search: about its delay, within its bounds, with numbers of logs, by the sensor."""
-    placed = _placed(ready)
+    placed = counted_alike(_placed(ready))
     search, gate = search_of(placed)
     if another_unit((search.models.train, search.models.heldout)):  # no law means anything
         return Searched(placed, search, gate, Found([search.models.fitted((), {})]))

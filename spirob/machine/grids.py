@@ -1,7 +1,7 @@
 """From the columns of a log to even grids, one for each piece between what breaks it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -145,6 +145,7 @@ class Logged:
     columns  by what they are: position, velocity, effort, reference, `joint ...`; those of an arm
              are `left.position` and so on
     cells    of each as they were logged, (N,);  values  of each in its unit, (N,)
+    moduli   of positions that wrap, in their units; told by `even_grids`
     """
 
     where: str
@@ -153,6 +154,7 @@ class Logged:
     columns: Mapping[str, Column]
     cells: Mapping[str, np.ndarray]
     values: Mapping[str, np.ndarray]
+    moduli: dict[str, float] = field(default_factory=dict)
 
 
 def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.ndarray]]]:
@@ -175,6 +177,8 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
         checks.moving(log.where, log.columns[key].column, found.values)  # without its spikes
         if key == "position" and "reference" in values:
             values["reference"] = _followed(log, values, found, known, clock, said)
+        if found.modulus:
+            log.moduli[key] = found.modulus
         values[key][known] = found.values
         broken[known[found.jumps] - 1] = True
     aside = ASIDE if "position" in values else ()

@@ -67,6 +67,15 @@ class Ready:
         )
         return replace(told, own=own, possible=possible, excluded=excluded)
 
+    def with_logs(self, train: list[Recording], test: list[Recording]) -> "Ready":
+        """The same machine by these logs, whose motion may be of another size."""
+        sizes, rest = sizes_of(self.rig, self.body, train)
+        sized = replace(self, train=train, test=test, sizes=sizes, rest_speed=rest)
+        own, possible, excluded = library(
+            self.rig, self.body, train, self.held, sizes, self.without
+        )
+        return replace(sized, own=own, possible=possible, excluded=excluded)
+
     def told(self, **changes: Any) -> "Ready":
         """The same with more told of the rig."""
         return replace(self, rig=self.rig.model_copy(update=changes))

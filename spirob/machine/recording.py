@@ -66,7 +66,8 @@ class Piece:
 class Recording:
     """A trial: its pieces, sample period [s], filter, and what was repaired while reading it.
 
-    log  file that it is of, where its own name says which part of it
+    log   file that it is of, where its own name says which part of it
+    turn  [m or rad] after which its position begins again; 0 where it does not
     """
 
     name: str
@@ -76,6 +77,7 @@ class Recording:
     pieces: list[Piece]
     said: list[str]
     log: str = ""
+    turn: float = 0.0
 
     def worth(self, pieces: list[Piece]) -> list[Piece]:
         """The pieces of which some rows are compared."""
@@ -133,7 +135,9 @@ def prepare(
     cells = {key: np.asarray(columns[c.column], float) for key, c in inside.items()}
     values = {key: _scaled(column, columns) for key, column in inside.items()}
     stamps = np.asarray(columns[rig.time.column], float)
-    period, grids = even_grids(Logged(name, rig.time, stamps, inside, cells, values), said)
+    log = Logged(name, rig.time, stamps, inside, cells, values)
+    period, grids = even_grids(log, said)
+    turn = abs(_si(rig, "position")) * log.moduli.get("position", 0.0)
     for grid in grids:
         grid |= {key: _si(rig, key) * grid[key] for key in inside if key in grid}
     period, grids = _no_finer(name, period, grids, rig, said)
@@ -150,9 +154,10 @@ def prepare(
         effort = max((grid["effort"] for grid in grids), key=len)
         every = thinned(name, rig.filter.decimate, effort, cutoff, period, said)
     lost: Counter[str] = Counter()
-    full = checks.saturated([_commanded(grid) for grid in grids], rig)
+    duty = [g["effort"] / g["supply"] if "supply" in g else g["effort"] for g in grids]
+    full = checks.saturated(duty, rig)
     pieces = [_piece(*one, rig, period, cutoff, lost) for one in zip(grids, full, strict=True)]
-    made = Recording(name, period, cutoff, every, pieces, said, name)
+    made = Recording(name, period, cutoff, every, pieces, said, name, turn)
     return replace(made, pieces=_kept(made, rig, lost))
 
 
@@ -233,11 +238,6 @@ def _computed(name: str, rig: RigFile) -> list[str]:
             f"{name}: its effort was not logged but computed from the controller's gains and error."
         )
     return said
-
-
-def _commanded(grid: Mapping[str, np.ndarray]) -> np.ndarray:
-    """The effort, of a duty cycle its share of the supply."""
-    return grid["effort"] / grid["supply"] if "supply" in grid else grid["effort"]
 
 
 def _piece(

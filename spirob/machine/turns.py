@@ -1,0 +1,139 @@
+"""Whole turns between logs: a position that begins again after a turn tells none of them.
+
+Each log of such a sensor is unwrapped from where it begins, so logs of a motion over several turns
+may be some turns apart.  What depends on the place (a spring, a tight spot) is then another curve
+in each.  The turn is taken by which one curve tells the most of all logs: what the fitted numbers
+leave of the effort, as a piecewise linear function of the place, beside and times the speed and
+its sign,
+
+    argmin over k of  Σ (r - f_0(q + k·T) - v·f_1(q + k·T) - tanh(v/ω_0)·f_2(q + k·T))²
+
+with f of the logs before, the one of the longest way first, then again with that of all others.
+Rows where these never were count as they are.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.preparation import Ready, search_of
+from spirob.machine.recording import Recording
+
+KNOTS = 8  # in a turn: what changes faster comes round with it
+MOST = 20  # turns that a log is looked for, either way
+PASSES = 3  # over fits of the numbers
+ROUNDS = 2  # the logs that come first have seen little of the way
+TELLS = 0.5  # of the squared residual: less says nothing of the turn
+PRIOR = 1e-3  # of the columns' mean square, against what few rows tell
+
+
+@dataclass(frozen=True)
+class _Log:
+    """Rows of one log: place, speed over its RMS, its smooth sign, residual; (n,) each."""
+
+    q: np.ndarray
+    v: np.ndarray
+    sign: np.ndarray
+    residual: np.ndarray
+
+    def moved(self, way: float) -> "_Log":
+        """The same from another turn."""
+        return replace(self, q=self.q + way)
+
+
+def counted_alike(ready: Ready) -> Ready:
+    """Logs of one position count their turns alike, where what depends on the place tells how.
+
+    Numbers that were fitted to uneven turns are fitted anew, and it is asked again.  Held-out logs
+    are counted, too: a number of turns is no law that they could judge.
+    """
+    turn = max(r.turn for r in [*ready.train, *ready.test])
+    if not turn or len({r.log for r in [*ready.train, *ready.test]}) < 2:
+        return ready
+    counted, moves = ready, Counter[str]()
+    for _ in range(PASSES):
+        more = _uneven(counted, turn)
+        if not more:
+            break
+        moves.update(more)
+        ways = {name: k * turn for name, k in more.items()}
+        train, test = ([_shifted(r, ways) for r in rs] for rs in (counted.train, counted.test))
+        counted = counted.with_logs(train, test)
+    told = ", ".join(f"{name} {k:+d}" for name, k in sorted(moves.items()) if k)
+    said = f"Turns that a wrapping position does not tell were counted by the effort: {told}."
+    return replace(counted, said=[*ready.said, said]) if told else ready
+
+
+def _uneven(ready: Ready, turn: float) -> dict[str, int]:
+    """Logs that are whole turns further on than they say, by what the fitted numbers leave."""
+    models = search_of(ready)[0].models
+    bare = models.fitted((), {})
+    logs = _logs(models.train, bare.fit.residual)
+    logs |= {n: log for n, log in _logs(models.heldout, bare.heldout).items() if n not in logs}
+    return {name: k for name, k in turns(list(logs.items()), turn).items() if k}
+
+
+def turns(logs: Sequence[tuple[str, _Log]], turn: float) -> dict[str, int]:
+    """Whole turns by which each log, by name, is further on than it says."""
+    (first, begin), *others = sorted(logs, key=lambda one: -float(np.ptp(one[1].q)))
+    found, placed = {first: 0}, {first: begin}
+    for _ in range(ROUNDS):
+        for name, log in others:
+            known = [one for other, one in placed.items() if other != name]
+            found[name] = _best(known, log, turn)
+            placed[name] = log.moved(found[name] * turn)
+    return found
+
+
+def _best(known: Sequence[_Log], log: _Log, turn: float) -> int:
+    """The turn at which the curves of the known logs tell the most of another; 0 in doubt."""
+    low = min(float(one.q.min()) for one in known)
+    high = max(float(one.q.max()) for one in known)
+    columns = np.vstack([_columns(one, low, high, turn) for one in known])
+    wanted = np.concatenate([one.residual for one in known])
+    power = PRIOR * np.mean(columns**2, axis=0) * len(columns) + 1e-300
+    curves = np.linalg.solve(columns.T @ columns + np.diag(power), columns.T @ wanted)
+    ends = (low - float(log.q.max())) / turn, (high - float(log.q.min())) / turn
+    tried = range(max(int(np.ceil(ends[0])), -MOST), min(int(np.floor(ends[1])), MOST) + 1)
+    left = {0: float(np.sum(log.residual**2))}
+    for k in tried:
+        there = log.moved(k * turn)
+        told = _columns(there, low, high, turn) @ curves
+        left[k] = float(np.sum((log.residual - told) ** 2))
+    best = min(left, key=lambda k: (left[k], abs(k)))
+    enough = TELLS * min(left[0], float(np.sum(log.residual**2)))
+    return best if left[best] < enough else 0
+
+
+def _columns(log: _Log, low: float, high: float, turn: float) -> np.ndarray:
+    """Piecewise linear functions of the place between two ends, zero beyond, (n, 3·knots)."""
+    count = max(2, round(KNOTS * (high - low) / turn) + 1)
+    at = (log.q - low) / (high - low) * (count - 1)
+    hats = np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(count)))
+    hats[(at < 0.0) | (at > count - 1)] = 0.0
+    return np.hstack([hats, log.v[:, None] * hats, log.sign[:, None] * hats])
+
+
+def _logs(problem: InverseProblem, residual: np.ndarray) -> dict[str, _Log]:
+    """Rows of each log, by name; parts of one log are one."""
+    signals = problem.signals()
+    v = signals["speed"] / max(problem.sizes.speed, 1e-300)
+    sign = np.tanh(signals["speed"] / problem.rest_speed)
+    names = np.repeat([r.log for r in problem.recordings], np.diff(problem.edges))
+    return {
+        str(name): _Log(signals["position"][rows], v[rows], sign[rows], residual[rows])
+        for name in dict.fromkeys(names.tolist())
+        for rows in [names == name]
+    }
+
+
+def _shifted(recording: Recording, ways: Mapping[str, float]) -> Recording:
+    way = ways.get(recording.log, 0.0)
+    pieces = [
+        replace(p, q=p.q + way, reference=None if p.reference is None else p.reference + way)
+        for p in recording.pieces
+    ]
+    return replace(recording, pieces=pieces) if way else recording
