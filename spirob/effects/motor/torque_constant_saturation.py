@@ -9,7 +9,8 @@ from spirob.parameter import bounded
 class TorqueConstantSaturation(Effect):
     """τ → τ/√(1 + s·i²): linear for small currents, level at 1/√s of them, never falling.
 
-    At most s·i² = 9 at the usual current: a third of its torque is left then.
+    At most s·i² = 1 at the usual current: an ampere more gives a third of the first one's torque
+    there, and nobody runs a motor beyond.
     """
 
     port = "motor.drive_torque"
@@ -27,7 +28,7 @@ class TorqueConstantSaturation(Effect):
     needs = "currents up to the rated one"
     references = ("Hendershot, Miller, Design of Brushless Permanent-Magnet Machines (2010)",)
 
-    saturation: float = bounded(0.005, 0.0, 9.0, "1/A²", "s", "loss of torque per current squared")
+    saturation: float = bounded(0.005, 0.0, 1.0, "1/A²", "s", "loss of torque per current squared")
 
     @staticmethod
     def kernel(upstream, current, saturation):
