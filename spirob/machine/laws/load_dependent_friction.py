@@ -15,8 +15,8 @@ class LoadDependentFriction(Effect):
     for a constant speed within the step.
 
     Of an axis whose body nobody described τ_load holds all that is moved; μ is the share of its
-    inertia J that turns ahead of the gear, and presses on no teeth.  A screw that passes η of its
-    torque to a load loses m = 1/η - 1 of that: m ends at 4, where η is a fifth.
+    inertia J that turns ahead of the gear, and presses on no teeth.  At m = 1 a
+    gear holds its load by itself, and no load drives it back: m ends there.
     """
 
     port = "motor.torque"
@@ -38,7 +38,7 @@ class LoadDependentFriction(Effect):
     needs = OfTendon.needs
     references = OfTendon.references
 
-    loss_ratio: float = bounded(0.05, 0.0, 4.0, "1", "m", "lost part of the load torque")
+    loss_ratio: float = bounded(0.05, 0.0, 1.0, "1", "m", "lost part of the load torque")
     softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")
     rotor_share: float = bounded(
         0.3, 0.0, 1.0, "1", "μ", "share of the inertia that moves with the motor"
