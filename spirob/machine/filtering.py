@@ -182,17 +182,26 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
 
 
 def thinned(
-    name: str, asked: int, effort: np.ndarray, cutoff: float, period: float, said: list[str]
+    name: str,
+    every: tuple[int, int],
+    effort: np.ndarray,
+    cutoff: float,
+    period: float,
+    said: list[str],
 ) -> int:
-    """Of how many rows one is compared: as asked, as far as the effort's band (n,) allows."""
+    """Of how many rows one is compared: as asked where the effort's band (n,) allows, or as usual.
+
+    every  as asked, and as usual
+    """
+    asked, usual = every
     edge = BELOW * min(cutoff, SLOWEST * _band(effort, period))
     most = max(1, int(min(ALIAS / (edge * period), len(effort)))) if edge > 0.0 else asked
     if asked > most:
         said.append(
             f"{name}: a filter.decimate of {asked} leaves {ALIAS / (asked * period):.2g} Hz of an "
-            f"effort that needs {edge:.2g} Hz; {most} is used."
+            f"effort that needs {edge:.2g} Hz; {usual} is used, as usual."
         )
-    return min(asked, most)
+    return asked if asked <= most else usual
 
 
 def noise_in_effort(noise: float, effort: np.ndarray, a: np.ndarray) -> float:

@@ -57,6 +57,7 @@ def _first(error: ValidationError) -> str:
 
 
 LONGEST = 15.0  # s of computing: an import and a compilation take two or three
+WAITED = 2.0  # times that by the clock, on a busy machine
 STEP, SAMPLES = 1e-3, 100  # s, and how many of them
 BEYOND = 1e3  # times the declared span, as far as the signals of any machine go
 
@@ -89,45 +90,63 @@ def chosen(found: Sequence[str]) -> list[type[Effect]]:
 
 
 def tried(path: str, kernel: bool) -> None:
-    """Run a file apart, within bounds of time and memory.
+    """Run a file and its kernel apart, within bounds of time and memory.
 
-    kernel  the kernel has to run as well
+    kernel  it has to run as a diagnosis runs it, compiled and beyond its bounds; else it has to be
+            able to run at all
 
     Raises MissingLog or DataError where there is no file to read, EffectError where running fails.
     """
     checked(path, "effect file")
     try:
-        loading, running = apart(_trial, path, LONGEST)
+        loading, own, running = apart(_trial, path, LONGEST, longest=WAITED * LONGEST)
     except Crashed:
         raise EffectError(
-            f"effect file '{path}' does not end in {LONGEST:.0f} s of computing, or brings down "
-            "the process that runs it"
+            f"effect file '{path}' does not end in {LONGEST:.0f} s of computing or "
+            f"{WAITED * LONGEST:.0f} s in all, or brings down the process that runs it"
         ) from None
     except ValueError as error:
         raise EffectError(f"effect file '{path}': {error}") from None
-    if loading or (kernel and running):
-        raise EffectError(loading or f"effect file '{path}': {running}")
+    said = own or (running if kernel else "")
+    if loading or said:
+        raise EffectError(loading or f"effect file '{path}': {said}")
 
 
-def _trial(path: str, longest: float) -> tuple[str, str]:
-    """What fails when the file is loaded, and when its kernel runs; empty where nothing does."""
+def _trial(path: str, longest: float) -> tuple[str, str, str]:
+    """What fails when the file is loaded, in its kernel itself, and when that runs compiled.
+
+    Empty where nothing does.
+    """
     if hasattr(signal, "setitimer"):  # ends this process, even inside compiled code
         signal.setitimer(signal.ITIMER_PROF, longest)
     try:
         (effect,) = load_file(Path(path)).values()
     except (EffectError, KeyboardInterrupt) as error:
-        return str(error) or f"effect file '{path}' fails: {type(error).__name__}", ""
+        return str(error) or f"effect file '{path}' fails: {type(error).__name__}", "", ""
     try:
         _run(effect)
     except Exception as error:
-        return "", str(error) or type(error).__name__
-    return "", ""
+        return "", _own_error(effect), str(error) or type(error).__name__
+    return "", "", ""
+
+
+def _own_error(effect: type[Effect]) -> str:
+    """What the kernel itself says, interpreted; empty where only its compilation fails."""
+    numbers = {name: about.nominal for name, about in effect.parameters().items()}
+    try:
+        replay.run(
+            effect, numbers, replay.motion(effect, np.random.default_rng(0), SAMPLES, STEP), STEP
+        )
+    except Exception as error:
+        return f"its kernel fails: {type(error).__name__}: {error}".rstrip(": ")
+    return ""
 
 
 def _run(effect: type[Effect]) -> None:
     """The kernel, compiled as in a diagnosis, over the bounds of its numbers and signals.
 
-    Beyond them it has to come to an end; what it gives there is nobody's business.
+    Beyond them it has to come to an end; what it gives there is nobody's business.  Raises
+    EffectError where it gives no number at its nominal ones.
     """
     rng = np.random.default_rng(0)
     loop = loop_of(effect)
@@ -138,6 +157,10 @@ def _run(effect: type[Effect]) -> None:
         reads = np.array([inputs[name] for name in effect.reads]).reshape(-1, SAMPLES)
         loop(out, whole, step, anew, begin, inputs.get("upstream", out), reads, values)
 
+    nominal = np.array([about.nominal for about in effect.parameters().values()])
+    over(replay.motion(effect, np.random.default_rng(0), SAMPLES, STEP), nominal)
+    if not np.all(np.isfinite(out)):
+        raise EffectError("its kernel gives no finite number at its nominal numbers")
     for numbers in replay.corners(effect, rng):
         values = np.array([numbers[name] for name in effect.parameters()])
         wild = replay.extremes(effect, rng, SAMPLES)

@@ -22,7 +22,7 @@ from spirob.errors import ConfigError
 LARGEST = 2**20  # bytes of a model file
 MESHES = 2**23  # bytes of all its meshes
 MOST_JOINTS = 64
-MOST_BODIES = 4 * MOST_JOINTS  # inverse dynamics runs through all of them at every sample
+MOST_BODIES = 2 * MOST_JOINTS  # inverse dynamics runs through all of them at every sample
 MOST_ELEMENTS = 4096
 MOST_TIES = 2 * MOST_JOINTS  # tendons and equalities, each of which is solved for
 BARE = {

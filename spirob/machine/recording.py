@@ -152,7 +152,7 @@ def prepare(
     every = max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
     if rig.filter.decimate is not None:
         effort = max((grid["effort"] for grid in grids), key=len)
-        every = thinned(name, rig.filter.decimate, effort, cutoff, period, said)
+        every = thinned(name, (rig.filter.decimate, every), effort, cutoff, period, said)
     lost: Counter[str] = Counter()
     duty = [g["effort"] / g["supply"] if "supply" in g else g["effort"] for g in grids]
     full = checks.saturated(duty, rig)
@@ -278,21 +278,21 @@ def _cutoff(
     asked: float | None,
     said: list[str],
 ) -> float:
-    """The cutoff that is asked for as far as it can be, or else the usual one [Hz]."""
+    """The cutoff that is asked for where it can be, or else the usual one [Hz]."""
     longest = max(grids, key=lambda grid: len(grid["time"]))
+    usual = usual_cutoff(*_differentiated(longest), longest["effort"], period)
     if asked is None:
-        return usual_cutoff(*_differentiated(longest), longest["effort"], period)
+        return usual
     if asked * period * len(longest["time"]) < LEAST:
         raise DataError(
             f"{name}: filter.cutoff of {asked:.3g} Hz leaves nothing of "
             f"{period * len(longest['time']):.3g} s; give {LEAST} periods of it at least"
         )
-    if asked * period > ALIAS:
-        said.append(
-            f"{name}: a cutoff of {asked:.3g} Hz is beyond what {1 / period:.4g} samples a "
-            f"second hold; {ALIAS / period:.3g} Hz are used."
-        )
-    return min(asked, ALIAS / period)
+    if asked * period <= ALIAS:
+        return asked
+    beyond = f"a cutoff of {asked:.3g} Hz is beyond what {1 / period:.4g} samples a second hold"
+    said.append(f"{name}: {beyond}; the usual {usual:.3g} Hz are used.")
+    return usual
 
 
 def _agreed(

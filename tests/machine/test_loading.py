@@ -49,8 +49,9 @@ def test_a_description_names_files_beside_or_below_itself(tmp_path):
         ("x = 1", "defines no effect"),
         (GOOD.replace(KERNEL, "return torque / (speed - speed)"), "kernel fails: ZeroDivision"),
         (GOOD.replace(KERNEL, "raise ValueError('no')"), "kernel fails: "),
-        (GOOD.replace(KERNEL, "return absent(speed)"), "kernel fails: TypingError"),
-        (GOOD.replace(KERNEL, "return torque, speed"), "kernel fails: TypingError"),
+        (GOOD.replace(KERNEL, "return absent(speed)"), "kernel fails: NameError"),
+        (GOOD.replace(KERNEL, "return torque, speed"), "kernel fails: "),
+        ("import math\n" + GOOD.replace(KERNEL, "return speed * math.nan"), "no finite number"),
     ],
 )
 def test_a_file_that_fails_is_a_sentence(tmp_path, text, sentence):

@@ -28,12 +28,18 @@ class Crashed(ValueError):
     """The reader's process ended without an answer."""
 
 
-def apart(function: Callable[..., Any], *arguments: Any, needs: Sequence[str] = ()) -> Any:
+def apart(
+    function: Callable[..., Any],
+    *arguments: Any,
+    needs: Sequence[str] = (),
+    longest: float = LONGEST,
+) -> Any:
     """`function(*arguments)` of a module's top level, run apart with a gigabyte at most.
 
-    needs  further modules to load before the first process is forked
+    needs    further modules to load before the first process is forked
+    longest  s that it may take by the clock
     Raises the DataError that it raises, ValueError for any other, and Crashed where its process
-    dies or takes longer than a minute.
+    dies or takes longer.
     """
     methods = multiprocessing.get_all_start_methods()
     context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
@@ -45,8 +51,8 @@ def apart(function: Callable[..., Any], *arguments: Any, needs: Sequence[str] = 
         process.start()
     there.close()
     try:
-        if not here.poll(LONGEST):
-            raise Crashed("reading it takes longer than a minute")
+        if not here.poll(longest):
+            raise Crashed(f"reading it takes longer than {longest:.0f} s")
         done, value = here.recv()
     except (EOFError, OSError):
         raise Crashed("its content brings the reader down") from None
