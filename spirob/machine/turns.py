@@ -31,7 +31,7 @@ PRIOR = 1e-3  # of the columns' mean square, against what few rows tell
 
 
 @dataclass(frozen=True)
-class _Log:
+class Log:
     """Rows of one log: place, speed over its RMS, its smooth sign, residual; (n,) each."""
 
     q: np.ndarray
@@ -39,7 +39,7 @@ class _Log:
     sign: np.ndarray
     residual: np.ndarray
 
-    def moved(self, way: float) -> "_Log":
+    def moved(self, way: float) -> "Log":
         """The same from another turn."""
         return replace(self, q=self.q + way)
 
@@ -76,7 +76,7 @@ def _uneven(ready: Ready, turn: float) -> dict[str, int]:
     return {name: k for name, k in turns(list(logs.items()), turn).items() if k}
 
 
-def turns(logs: Sequence[tuple[str, _Log]], turn: float) -> dict[str, int]:
+def turns(logs: Sequence[tuple[str, Log]], turn: float) -> dict[str, int]:
     """Whole turns by which each log, by name, is further on than it says."""
     (first, begin), *others = sorted(logs, key=lambda one: -float(np.ptp(one[1].q)))
     found, placed = {first: 0}, {first: begin}
@@ -88,7 +88,7 @@ def turns(logs: Sequence[tuple[str, _Log]], turn: float) -> dict[str, int]:
     return found
 
 
-def _best(known: Sequence[_Log], log: _Log, turn: float) -> int:
+def _best(known: Sequence[Log], log: Log, turn: float) -> int:
     """The turn at which the curves of the known logs tell the most of another; 0 in doubt."""
     low = min(float(one.q.min()) for one in known)
     high = max(float(one.q.max()) for one in known)
@@ -108,7 +108,7 @@ def _best(known: Sequence[_Log], log: _Log, turn: float) -> int:
     return best if left[best] < enough else 0
 
 
-def _columns(log: _Log, low: float, high: float, turn: float) -> np.ndarray:
+def _columns(log: Log, low: float, high: float, turn: float) -> np.ndarray:
     """Piecewise linear functions of the place between two ends, zero beyond, (n, 3·knots)."""
     count = max(2, round(KNOTS * (high - low) / turn) + 1)
     at = (log.q - low) / (high - low) * (count - 1)
@@ -117,14 +117,14 @@ def _columns(log: _Log, low: float, high: float, turn: float) -> np.ndarray:
     return np.hstack([hats, log.v[:, None] * hats, log.sign[:, None] * hats])
 
 
-def _logs(problem: InverseProblem, residual: np.ndarray) -> dict[str, _Log]:
+def _logs(problem: InverseProblem, residual: np.ndarray) -> dict[str, Log]:
     """Rows of each log, by name; parts of one log are one."""
     signals = problem.signals()
     v = signals["speed"] / max(problem.sizes.speed, 1e-300)
     sign = np.tanh(signals["speed"] / problem.rest_speed)
     names = np.repeat([r.log for r in problem.recordings], np.diff(problem.edges))
     return {
-        str(name): _Log(signals["position"][rows], v[rows], sign[rows], residual[rows])
+        str(name): Log(signals["position"][rows], v[rows], sign[rows], residual[rows])
         for name in dict.fromkeys(names.tolist())
         for rows in [names == name]
     }

@@ -8,7 +8,7 @@ import pytest
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.turns import MOST, _Log, turns
+from spirob.machine.turns import MOST, Log, turns
 from tests.machine.rigs import description
 
 TURN = 2 * np.pi
@@ -22,7 +22,7 @@ def log(ends, force, seed=0, rows=2000):
     q = 0.5 * (low + high) + 0.5 * (high - low) * np.sin(t + 0.8 * np.sin(2.3 * t))
     v = np.gradient(q, t)
     residual = force(q, v) + 0.01 * rng.standard_normal(rows)
-    return _Log(q, v / 4.0, np.tanh(v / 0.01), residual)
+    return Log(q, v / 4.0, np.tanh(v / 0.01), residual)
 
 
 def spring(q, v):
