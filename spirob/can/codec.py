@@ -37,6 +37,12 @@ class Scale:
             return values
         return values * self.factor + self.offset
 
+    def single(self, raw: float) -> float:
+        """The value of one number, with the same bits."""
+        if self.factor == 1 and self.offset == 0:
+            return float(raw)
+        return float(raw) * self.factor + self.offset
+
 
 class Codec:
     """All messages of a DBC file, by name.
@@ -82,8 +88,13 @@ class Codec:
 
     def decode(self, message: str, payload: bytes) -> dict[str, float]:
         """One payload; raises DataError where it is too short."""
-        many = self.decode_many(message, np.frombuffer(payload, np.uint8)[None, :])
-        return {name: float(values[0]) for name, values in many.items()}
+        found = self._layouts[message]
+        if found is None or len(payload) < found[0].itemsize:
+            many = self.decode_many(message, np.frombuffer(payload, np.uint8)[None, :])
+            return {name: float(values[0]) for name, values in many.items()}
+        layout, scales = found
+        raw = np.frombuffer(payload, layout, 1)[0].item()
+        return {name: one.single(r) for (name, one), r in zip(scales.items(), raw, strict=True)}
 
     def decode_many(self, message: str, payloads: np.ndarray) -> dict[str, np.ndarray]:
         """Signals of many payloads, (n, size) uint8, each (n,) float.
