@@ -44,6 +44,18 @@ HOLD_VOLTAGE = 10  # and with its last voltage, which does not know what current
 IDLE = encode_command((0.0,) * len(MOTORS))
 
 
+class Message(can.Message):
+    """A message that python-can copies for each receiver at a third of the cost."""
+
+    def __deepcopy__(self, memo: dict[int, Any] | None) -> "Message":
+        return Message(
+            timestamp=self.timestamp,
+            arbitration_id=self.arbitration_id,
+            is_extended_id=self.is_extended_id,
+            data=bytes(self.data),
+        )
+
+
 class DriveNode:
     """Two drives that share one command frame.
 
@@ -94,7 +106,7 @@ class DriveNode:
             if self._wire:
                 feedback = self._wire.sensed(drive - 1, feedback)
             self._bus.send(
-                can.Message(
+                Message(
                     timestamp=self.now_ns / SECOND_NS,
                     arbitration_id=self.feedback_id + drive,
                     is_extended_id=False,
@@ -208,7 +220,7 @@ class EmulatedRobot:
 
 
 def _message(frame: CanFrame) -> can.Message:
-    return can.Message(
+    return Message(
         timestamp=frame.stamp_ns / SECOND_NS,
         arbitration_id=frame.arbitration_id,
         is_extended_id=False,
