@@ -124,9 +124,11 @@ def structured(models: "Models", model: Model, rest: RigCeiling) -> bool:
 def unexplained(models: "Models", model: Model) -> bool:
     """Whether far more is left than any noise, though no signal of this moment explains it.
 
-    Blows, chatter and memories do not follow from the motion of this moment.
+    Blows, chatter and memories do not follow from the motion of this moment.  What is left of the
+    held-out logs counts beside their own effort: they may be gentler than those that were fitted.
     """
-    return noisy(models, model) and bool(np.sqrt(model.heldout_square) > MUCH * models.size)
+    size = float(np.sqrt(np.mean(models.heldout.measured() ** 2)))
+    return noisy(models, model) and bool(np.sqrt(model.heldout_square) > MUCH * size)
 
 
 def noisy(models: "Models", model: Model) -> bool:

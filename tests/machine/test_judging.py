@@ -2,10 +2,12 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
+from spirob.machine import leftovers
 from spirob.machine.judging import may_outdo, numbers, outdone
 
 
@@ -99,3 +101,15 @@ def test_names_that_tell_nothing_beside_their_law_are_outdone_by_one_no_plainer(
 @pytest.mark.parametrize(("left", "may"), [(0.9, True), (1.1, False)])
 def test_a_draft_that_leaves_more_than_the_names_is_not_fitted(left, may):
     assert may_outdo(THREE_WAVES, SimpleNamespace(mean_square=left)) is may
+
+
+@pytest.mark.parametrize("gentler", [1.0, 0.3, 3.0])
+@pytest.mark.parametrize(("left", "counts"), [(0.15, True), (0.05, False)])
+def test_what_is_left_counts_beside_the_effort_of_the_held_out_logs(
+    gentler, left, counts, monkeypatch
+):
+    monkeypatch.setattr(leftovers, "noise_floor", lambda problem: 1e-3)
+    heldout = SimpleNamespace(measured=lambda: np.full(10, gentler))
+    models = SimpleNamespace(train=None, heldout=heldout, size=1.0, least=1e-3)
+    model = SimpleNamespace(heldout_square=(left * gentler) ** 2)
+    assert leftovers.unexplained(models, model) is counts
