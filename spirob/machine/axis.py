@@ -67,7 +67,7 @@ def diagnose_recordings(
 
     work = Work()
     with one_thread():
-        judged = judged_of(_found(told(train, test)))
+        judged = _about_its_law(judged_of(_found(told(train, test))))
         said = untaught(judged.search, judged.chosen, judged.verdict)
         if said and judged.done.is_long:
             judged = judged.noted(f"{said} {UNTRIED}")
@@ -206,6 +206,35 @@ def _once_more(done: Searched) -> Searched:
         other = _searched(_about(done.ready, delay))
         done = other if done.search.worth.matters(done.chosen, other.chosen) else done
     return done
+
+
+def _about_its_law(judged: Judged) -> Judged:
+    """The verdict about another delay, where nothing is named and all of it explains more there.
+
+    The delay was placed beside laws of the library.  What a law composed since says of it, and the
+    usual one, are looked at, too.
+    """
+    done = judged.done
+    if judged.verdict.kind != "unknown" or judged.verdict.doubts or not done.ready.untold:
+        return judged
+    fitted, usual = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
+    others = [usual] if usual.low > fitted.high or usual.high < fitted.low else []
+    if judged.law is not None:
+        anew = _place_beside(done.search, judged.law.model)
+        others = [anew, *others] if anew not in (fitted, *others) else others
+    if others and done.is_long:
+        return judged.noted(f"Not looked for about another delay. {UNTRIED}")
+    for delay in others:
+        again = judged_of(_searched(_about(done.ready, delay)))
+        better = done.search.worth.halves(judged.explained, again.explained)
+        judged = again if better and not again.verdict.doubts else judged
+    return judged
+
+
+def _place_beside(search: RigSearch, model: Model) -> Bounded:
+    """Where a composed law, the last effect of a model, places the delay."""
+    problem = search.models.train.beside(model.effects[-1])
+    return place(problem, model, search.models.folds, ())
 
 
 def _fits_better(done: Searched, told: Ready, delay: Bounded | None = None) -> bool:

@@ -79,6 +79,11 @@ class Judged:
     def chosen(self) -> Model:
         return self.found.chosen
 
+    @property
+    def explained(self) -> Model:
+        """The model with all that is told: the law, where there is one."""
+        return self.law.model if self.law else self.chosen
+
     def noted(self, said: str) -> "Judged":
         """The same with a further note."""
         return replace(self, done=self.done.noted(said))
