@@ -10,11 +10,11 @@ from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Model, alike
 from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Found, Search
-from spirob.diagnosis.verdict import TWICE
+from spirob.diagnosis.verdict import TWICE, likely
 from spirob.effects import Effect
 from spirob.errors import NothingLeft
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import DELAY, as_usual, place, widened
+from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, widened
 from spirob.machine.differing import differing
 from spirob.machine.document import heldout, plain, rig_document, standing
 from spirob.machine.inverse import Work
@@ -79,8 +79,11 @@ def diagnose_recordings(
 
 
 def _says_more(again: Judged, judged: Judged) -> bool:
-    """Whether a verdict has another word than *unknown*, or a law where the other has none."""
-    return again.verdict.kind != "unknown" or (again.law is not None and judged.law is None)
+    """Whether a verdict by more data has names, all of the other's, or a law where it has none."""
+    if again.verdict.kind == "unknown":
+        return judged.verdict.kind == "unknown" and again.law is not None and judged.law is None
+    told = {*likely(again.verdict.weighed), *again.verdict.equivalents, *again.verdict.rivals}
+    return told.issuperset(likely(judged.verdict.weighed))
 
 
 def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str) -> Judged | None:
@@ -211,24 +214,44 @@ def _once_more(done: Searched) -> Searched:
 def _about_its_law(judged: Judged) -> Judged:
     """The verdict about another delay, where nothing is named and all of it explains more there.
 
-    The delay was placed beside laws of the library.  What a law composed since says of it, and the
-    usual one, are looked at, too.
+    The delay was placed beside laws of the library.  What a law composed since says of it, the
+    usual one and none at all are looked at, too.
     """
     done = judged.done
     if judged.verdict.kind != "unknown" or judged.verdict.doubts or not done.ready.untold:
         return judged
-    fitted, usual = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
-    others = [usual] if usual.low > fitted.high or usual.high < fitted.low else []
-    if judged.law is not None:
-        anew = _place_beside(done.search, judged.law.model)
-        others = [anew, *others] if anew not in (fitted, *others) else others
+    others = _other_delays(judged)
     if others and done.is_long:
         return judged.noted(f"Not looked for about another delay. {UNTRIED}")
     for delay in others:
         again = judged_of(_searched(_about(done.ready, delay)))
-        better = done.search.worth.halves(judged.explained, again.explained)
-        judged = again if better and not again.verdict.doubts else judged
+        judged = again if _outdoes(again, judged) else judged
     return judged
+
+
+def _outdoes(again: Judged, judged: Judged) -> bool:
+    """Whether less than half is left; of the held-out logs alone, where the others do not tell."""
+    worth, before, after = judged.search.worth, judged.explained, again.explained
+    alike = not worth.matters(after, before) and worth.refuted(before, after)
+    return not again.verdict.doubts and (alike or worth.halves(before, after))
+
+
+def _other_delays(judged: Judged) -> list[Bounded]:
+    """Where the delay may be, but not where it was fitted: by the law, as usual, and none."""
+    done = judged.done
+    fitted, usual = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
+    others = [usual] if usual.low > fitted.high or usual.high < fitted.low else []
+    if judged.law is not None:
+        anew = _place_beside(done.search, judged.law.model)
+        known = any(_as_wide(anew, other) for other in (fitted, *others))
+        others = others if known else [*others, anew]
+    found = judged.explained.fit.changes[DELAY]
+    return others if abs(found) <= AS_LOGGED.high else [*others, AS_LOGGED]
+
+
+def _as_wide(one: Bounded, other: Bounded) -> bool:
+    """Whether two delays have the same bounds: what is searched in them hardly differs."""
+    return (one.low, one.high) == (other.low, other.high)
 
 
 def _place_beside(search: RigSearch, model: Model) -> Bounded:

@@ -41,6 +41,7 @@ from spirob.parameter import Parameter
 ROWS, FEW = 3.2, 1.5
 LEAST, LONG = 1e-3, 0.02  # s: always possible, and beyond which it takes a slow log
 DELAY = "rig.delay"
+AS_LOGGED = Bounded(nominal=0.0, low=-LEAST, high=LEAST)  # to fit where a log means what it says
 FARTHEST = 0.06  # s; public logs of real machines hold 16 to 50 ms
 # of the delay by which a time acts there
 SIGNS = {"sensing.current": 1.0, "sensing.report": 1.0, "sensing.frame": -1.0}

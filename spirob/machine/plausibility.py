@@ -127,15 +127,17 @@ def _heavy(search: RigSearch, chosen: Model) -> list[str]:
 
 
 def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
-    """That held-out logs show what the fitted ones do not, where no name stands; else empty.
+    """That held-out logs show what the fitted ones do not; empty where that brings no name.
 
-    They leave twice what data left out of the fitted logs do, by more than counts.  Doubts stand,
-    but those about a log that alone goes its way: what friction does there, no other can say.
+    They leave twice what data left out of the fitted logs do, by more than counts.  A name is asked
+    again where it leaves nothing that counts of the fitted logs.  Doubts stand, but those about a
+    log that alone goes its way: what friction does there, no other can say.
     """
     left, held = chosen.mean_square, chosen.heldout_square
     differ = held > TWICE**2 * left and held - left > search.worth.least**2
     alone = ways_apart(search.models.train, search.models.heldout)
-    if verdict.kind != "unknown" or not differ or (verdict.doubts and not alone):
+    enough = verdict.kind != "unknown" and left > search.worth.least**2
+    if verdict.kind == "nothing_missing" or enough or not differ or (verdict.doubts and not alone):
         return ""
     return (
         f"The held-out logs leave {np.sqrt(held / left):.2g} times the error that is left of what "

@@ -1,4 +1,4 @@
-"""Where nothing is named, the delay is sought once more, beside the law that was composed."""
+"""Where nothing is named, the delay is sought again: beside the law, as usual, and as logged."""
 
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -21,6 +21,15 @@ class Verdict:
 
 
 @dataclass(frozen=True)
+class Left:
+    """What a model leaves, held out too, and the delay that it was fitted with."""
+
+    square: float
+    heldout: float
+    fit: object
+
+
+@dataclass(frozen=True)
 class Judged:
     """A verdict about a delay, and what is left of it; the law leaves as much."""
 
@@ -31,14 +40,24 @@ class Judged:
     untold: bool = True
     is_long: bool = False
     said: str = ""
+    heldout: float = 1.0
 
     @property
     def explained(self):
-        return self.left
+        changes = {axis.DELAY: self.delay.nominal}
+        return Left(self.left, self.heldout, SimpleNamespace(changes=changes))
+
+    @property
+    def search(self):
+        return self.done.search
 
     @property
     def done(self):
-        worth = SimpleNamespace(halves=lambda before, after: after < 0.5 * before)
+        worth = SimpleNamespace(
+            halves=lambda before, after: after.square < 0.5 * before.square,
+            matters=lambda before, after: after.square < 0.9 * before.square,
+            refuted=lambda one, other: other.heldout < 0.5 * one.heldout,
+        )
         rig = SimpleNamespace(fit={"delay": self.delay})
         train = [SimpleNamespace(period=PERIOD)]
         ready = SimpleNamespace(untold=self.untold, rig=rig, train=train)
@@ -58,7 +77,9 @@ def about(monkeypatch):
     """Judges about the delays that are looked at; the law of any says ELSEWHERE."""
 
     def judged(first, **answers):
-        found = {USUAL: answers.get("usual"), ELSEWHERE: answers.get("elsewhere")}
+        poor = Judged(USUAL, 1.0)
+        found = {USUAL: answers.get("usual", poor), ELSEWHERE: answers.get("elsewhere", poor)}
+        found[axis.AS_LOGGED] = answers.get("as_logged", poor)
         monkeypatch.setattr(axis, "_place_beside", lambda search, model: ELSEWHERE)
         monkeypatch.setattr(axis, "_about", lambda ready, delay: delay)
         monkeypatch.setattr(axis, "_searched", lambda delay: delay)
@@ -85,6 +106,18 @@ def test_without_a_law_the_usual_delay_is_looked_at(about):
     assert about(Judged(NEARBY, 1.0), usual=better) is better
 
 
+def test_a_log_may_mean_what_it_says(about):
+    better = Judged(axis.AS_LOGGED, 0.1, law=LAW)
+    assert about(Judged(NEARBY, 1.0), as_logged=better) is better
+
+
+def test_held_out_logs_decide_where_the_others_do_not_tell(about):
+    first, alike = Judged(NEARBY, 1.0), Judged(axis.AS_LOGGED, 1.05, heldout=0.4)
+    assert about(first, as_logged=alike) is alike
+    assert about(first, as_logged=Judged(axis.AS_LOGGED, 1.2, heldout=0.4)) is first
+    assert about(first, as_logged=Judged(axis.AS_LOGGED, 1.05, heldout=0.6)) is first
+
+
 @pytest.mark.parametrize(
     "first",
     [
@@ -101,3 +134,37 @@ def test_nothing_is_searched_again_without_a_reason(first, about):
 
 def test_a_search_that_took_long_says_what_it_left_out(about):
     assert "delay" in about(Judged(NEARBY, 1.0, law=LAW, is_long=True)).said
+
+
+@dataclass(frozen=True)
+class Told:
+    """A verdict with the names that it finds likely, and whether a law is composed."""
+
+    kind: str
+    names: tuple[str, ...] = ()
+    rivals: tuple[str, ...] = ()
+    law: object = None
+
+    @property
+    def verdict(self):
+        weighed = {name: SimpleNamespace(together=0.9) for name in self.names}
+        return SimpleNamespace(
+            kind=self.kind, weighed=weighed, equivalents=[], rivals=list(self.rivals)
+        )
+
+
+@pytest.mark.parametrize(
+    ("again", "judged", "more"),
+    [
+        (Told("named", ("a",)), Told("unknown"), True),
+        (Told("named", ("a", "b")), Told("named", ("a",)), True),
+        (Told("undecided", ("b",), ("a",)), Told("named", ("a",)), True),
+        (Told("named", ("b",)), Told("named", ("a",)), False),
+        (Told("nothing_missing"), Told("named", ("a",)), False),
+        (Told("unknown", law=LAW), Told("named", ("a",)), False),
+        (Told("unknown", law=LAW), Told("unknown"), True),
+        (Told("unknown", law=LAW), Told("unknown", law=LAW), False),
+    ],
+)
+def test_more_data_takes_no_name_away(again, judged, more):
+    assert axis._says_more(again, judged) == more
