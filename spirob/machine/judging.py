@@ -7,7 +7,7 @@ to explain, composed beside the fitted numbers alone, may be plainer than the na
 composed beside them, and predict as well.  The names then only imitate it (`outdone`).
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,7 +15,7 @@ from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
-from spirob.diagnosis.verdict import Verdict, concluded, judge
+from spirob.diagnosis.verdict import Verdict, Weighed, concluded, judge, likely
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
@@ -92,7 +92,7 @@ class Judged:
 def judged_of(done: Searched) -> Judged:
     """The verdict on a search, and the law that it asks for."""
     search = done.search
-    ended, weighed = concluded(search, done.found, lambda model: is_bent(search, model))
+    ended, weighed = confirmed(*concluded(search, done.found, lambda m: is_bent(search, m)))
     rest = search.models.ceiling(ended.found.chosen)
     verdict = judge(ended, weighed, doubts(search, ended.found, rest))
     judged = Judged(done, ended.found, verdict, rest)
@@ -135,13 +135,32 @@ def _beside_laws(judged: Judged) -> Judged:
 
 def _by_law(judged: Judged, law: Composed, said: str) -> Judged:
     """No name, and a law that does better than any."""
-    search, weighed = judged.search, judged.verdict.weighed
-    named = {n: replace(one, probability=0.0, together=0.0) for n, one in weighed.items()}
-    bare = search.narrowed(judged.found, [])
-    ended = Ended(search, bare, search.models.left(bare.chosen))
-    verdict = judge(ended, named, lacking=True)
+    search = judged.search
+    ended, unnamed = _nameless(search, judged.found, judged.verdict.weighed)
+    verdict = judge(ended, unnamed, lacking=True)
     verdict = replace(verdict, explanation=f"{verdict.explanation} {said}")
+    bare = ended.found
     return Judged(judged.done, bare, verdict, search.models.ceiling(bare.chosen), law)
+
+
+def confirmed(ended: Ended, weighed: Mapping[str, Weighed]) -> tuple[Ended, Mapping[str, Weighed]]:
+    """What stands of a search, without its names where the held-out logs deny them as a whole.
+
+    What is likely may lower the held-out error only beside what is not.
+    """
+    bare, chosen = ended.found.rungs[0], ended.found.chosen
+    if not likely(weighed) or not ended.search.worth.denied(bare, chosen):
+        return ended, weighed
+    return _nameless(ended.search, ended.found, weighed)
+
+
+def _nameless(
+    search: RigSearch, found: Found, weighed: Mapping[str, Weighed]
+) -> tuple[Ended, dict[str, Weighed]]:
+    """A search without any of its names; the weighed are told as unlikely."""
+    unnamed = {n: replace(one, probability=0.0, together=0.0) for n, one in weighed.items()}
+    bare = search.narrowed(found, [])
+    return Ended(search, bare, search.models.left(bare.chosen)), unnamed
 
 
 def outdone(worth: Worth, named: Model, beside: Composed | None, alone: Composed | None) -> bool:

@@ -5,10 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.criteria import Criteria, Worth
+from spirob.diagnosis.search import Found
+from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
 from spirob.machine import leftovers
-from spirob.machine.judging import may_outdo, numbers, outdone
+from spirob.machine.judging import confirmed, may_outdo, numbers, outdone
 
 
 def model(*names, told=(), left=1.0):
@@ -113,3 +117,25 @@ def test_what_is_left_counts_beside_the_effort_of_the_held_out_logs(
     models = SimpleNamespace(train=None, heldout=heldout, size=1.0, least=1e-3)
     model = SimpleNamespace(heldout_square=(left * gentler) ** 2)
     assert leftovers.unexplained(models, model) is counts
+
+
+@pytest.mark.parametrize(("heldout", "stands"), [(0.5, True), (0.97, False), (1.2, False)])
+def test_names_that_the_held_out_logs_deny_as_a_whole_do_not_stand(heldout, stands):
+    bare, chosen = SimpleNamespace(heldout_square=1.0), SimpleNamespace(heldout_square=heldout)
+    search = SimpleNamespace(
+        worth=Worth(Criteria(), 0.1),
+        models=SimpleNamespace(left=lambda model: None),
+        narrowed=lambda found, names: Found([found.rungs[0]]),
+    )
+    told = {"cogging": Weighed(0.8, 0.9)}
+    ended, weighed = confirmed(Ended(search, Found([bare, chosen]), None), told)
+    assert ended.found.chosen is (chosen if stands else bare)
+    assert weighed["cogging"].probability == (0.8 if stands else 0.0)
+
+
+def test_what_is_unlikely_anyway_stays_the_nearest():
+    bare, chosen = SimpleNamespace(heldout_square=1.0), SimpleNamespace(heldout_square=1.2)
+    search = SimpleNamespace(worth=Worth(Criteria(), 0.1))
+    ended = Ended(search, Found([bare, chosen]), None)
+    told = {"cogging": Weighed(0.3, 0.4)}
+    assert confirmed(ended, told) == (ended, told)

@@ -1,16 +1,18 @@
 """A sign, or a drift, is blamed only where it makes the model fit."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
+from spirob.machine import plausibility
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.leftovers import drifting
 from spirob.machine.models import Models
-from spirob.machine.plausibility import _turned
+from spirob.machine.plausibility import _turned, untaught
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -71,3 +73,26 @@ def test_friction_that_a_model_lacks_is_no_drift():
     )
     train = search.models.train
     assert drifting(train, train, search.models.fitted((), {}), 0.001) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "left", "heldout", "said"),
+    [
+        ("unknown", 0.3, 0.9, True),
+        ("named", 0.05, 0.9, True),  # the fitted logs leave less than the least that counts, 0.1
+        ("undecided", 0.05, 0.9, True),
+        ("named", 0.3, 0.9, False),
+        ("nothing_missing", 0.05, 0.9, False),
+        ("unknown", 0.3, 0.5, False),
+        ("named", 0.01, 0.05, False),
+    ],
+)
+def test_held_out_logs_that_show_more_are_told_where_that_may_bring_a_name(
+    monkeypatch, kind, left, heldout, said
+):
+    monkeypatch.setattr(plausibility, "ways_apart", lambda train, heldout: False)
+    models = SimpleNamespace(train=None, heldout=None)
+    search = SimpleNamespace(models=models, worth=SimpleNamespace(least=0.1))
+    chosen = SimpleNamespace(mean_square=left**2, heldout_square=heldout**2)
+    told = untaught(search, chosen, SimpleNamespace(kind=kind, doubts=()))
+    assert bool(told) == said
