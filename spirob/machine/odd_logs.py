@@ -199,14 +199,17 @@ def _of_another_unit(
 ) -> str:
     """Which unit of its position or effort makes a log fit the others' numbers; empty for none.
 
+    Not of its position where another force, payload or zero explains as much.
+
     share  that they explain as it is logged
     """
-    own = design(1.0) @ found
+    own = design(1.0)
     by_unit = {("position", t): explained(measured, design(t) @ found) for t in UNITS_APART}
-    by_unit |= {("effort", t): explained(t * measured, own) for t in EFFORTS_APART}
+    by_unit |= {("effort", t): explained(t * measured, own @ found) for t in EFFORTS_APART}
     signal, times = max(by_unit, key=lambda one: by_unit[one])
     most = by_unit[signal, times]
-    if most < FAMILIAR or 1.0 - most > HALF * (1.0 - share):
+    other = share if signal == "effort" else max(share, _carried(measured, own, found))
+    if most < FAMILIAR or 1.0 - most > HALF * (1.0 - other):
         return ""
     told = f"{most:.0%} of the variance is explained, as by another unit"
     return f"with its {signal} times {times:.4g} {told}"
@@ -223,14 +226,19 @@ def _of_another_sign(
     turned = {"effort": explained(-measured, own @ found)}
     turned["position"] = explained(measured, design(-1.0) @ found)
     most = max(turned.values())
-    resists, rest = own[:, :RESISTING] @ found[:RESISTING], own[:, RESISTING:]
-    carried = rest @ np.linalg.lstsq(rest, measured - resists, rcond=None)[0]
-    other = max(share, explained(measured, resists + carried))
+    other = max(share, _carried(measured, own, found))
     if most < FAMILIAR or 1.0 - most > HALF * (1.0 - other):
         return ""
     either = [name for name, one in turned.items() if HALF * (1.0 - one) <= 1.0 - most]
     signals = " or ".join(f"its {name}'s" for name in either)
     return f"with {signals} sign turned {most:.0%} of the variance is explained"
+
+
+def _carried(measured: np.ndarray, own: np.ndarray, found: np.ndarray) -> float:
+    """Share that the others' inertia and friction explain beside its own force and weight."""
+    resists, rest = own[:, :RESISTING] @ found[:RESISTING], own[:, RESISTING:]
+    carried = rest @ np.linalg.lstsq(rest, measured - resists, rcond=None)[0]
+    return explained(measured, resists + carried)
 
 
 def explained(measured: np.ndarray, modelled: np.ndarray) -> float:

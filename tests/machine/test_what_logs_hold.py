@@ -163,3 +163,13 @@ def test_a_held_out_log_of_another_sign_teaches_nothing(tmp_path):
     found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:], without=OTHERS)
     assert found.verdict == "unknown"
     assert not any("they show what these do not" in text for text in found.notes)
+
+
+def test_a_zero_that_moved_in_the_held_out_log_alone_is_no_other_unit(tmp_path):
+    rig = RigFile.model_validate(description())
+    made = [weighted("tones", 2740 + k) for k in range(3)]
+    made[2]["q"] += 0.5
+    logs = [prepare(f"{k}", columns, rig) for k, columns in enumerate(made)]
+    found = diagnose_recordings(rig, tmp_path, logs[:2], logs[2:], without=OTHERS)
+    assert {f.name for f in found.findings} == {"coulomb_friction", "tip_payload"}
+    assert any("a number of their own, zero" in text for text in found.notes)
