@@ -117,8 +117,8 @@ def test_a_log_turned_round_is_told_before_a_payload_is_fitted_to_it(column, nam
     assert re.match(rf"log1: .* explain 0% .*; with .*{name}'s .*sign turned (9\d|100)%", said)
 
 
-@pytest.mark.parametrize("zero", [0.0, 0.3, 0.6, 1.0, np.pi])
-def test_a_lever_that_was_mounted_otherwise_has_no_sign_turned_and_no_other_unit(zero):
+@pytest.mark.parametrize("zero", [0.0, 1.0, np.pi])
+def test_a_lever_that_was_mounted_otherwise_has_no_sign_turned(zero):
     for weight in (0.5, 5.0):
         assert another_unit([lifting(weight=weight, zero=zero)]) == ""
 
