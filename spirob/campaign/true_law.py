@@ -126,7 +126,7 @@ def _turned(v: np.ndarray, period: float, turn: Turn) -> np.ndarray:
     if kind == "speed":
         return np.asarray(np.tanh(v / size))
     if kind == "way":
-        return along("bristle", v, size, np.array([0, len(v)]), np.array([period]))
+        return along("bristle", v, [size], np.array([0, len(v)]), np.array([period]))[0]
     return _row(v, period, size, SPRINGS)
 
 

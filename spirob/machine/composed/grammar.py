@@ -3,15 +3,15 @@
 They are shapes of one signal and products of two.  A place may be a power, a spot, a wave or a
 curve; a speed has its direction, powers, fading and saturation; time drifts, comes again or decays;
 a load counts with sign or without; and what remembers is a bristle, a spring that yields, or what
-follows a signal slowly.  Numbers of a shape start from a grid; those of waves where the residual's
-spectrum has peaks.
+follows a signal slowly or rings after the motion turns.  Numbers of a shape start from a grid;
+those of waves where the residual's spectrum has peaks, of ringing where it explains most of it.
 """
 
 import numpy as np
 
 from spirob.diagnosis.orders import peaks, spectrum
 from spirob.machine.composed.terms import WAY, Shape, Term
-from spirob.machine.composed.track import Ranges
+from spirob.machine.composed.track import Ranges, along
 
 KNOTS = "k"  # of a curve
 SPOTS, WIDTHS = 16, (0.06, 0.15, 0.35)  # places of a spot; its half widths over half of the way
@@ -26,12 +26,17 @@ DECAYS = (0.1, 0.3, 1.0)  # of the same
 WAYS = (0.01, 0.03, 0.1, 0.3, 0.8)  # of half of the way, in which a bristle turns round
 SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
+SHARES = (0.03, 0.3)  # of the largest load, that a friction at the fastest is
+SHORTEST, LONGEST = 4.0, 0.1  # period of what rings: in samples, of the longest trial
+FINE = 1.12  # from one such period to the next
+FADES = (0.5, 2.0)  # periods in which it fades
 
 
 def _one(kind: str, of: str, *parts: str) -> Shape:
     return Shape(kind, of, parts)
 
 
+STANDING = "speed/rest_speed"  # within one
 DIRECTION = _one(WAY, "speed", "way")
 ONE_WAY = {"forward": "Max(0.0, way)", "backward": "Min(0.0, way)"}
 PLAIN = {
@@ -71,7 +76,7 @@ def terms(
         own = _places(ranges, carried, signals) if placed else []
         found += [Term((speed, s)) for s in (*own, *times)]
     found += _loads(ranges) + _memories(ranges, placed)
-    return found
+    return [*found, _ringing(ranges, residual, signals)]
 
 
 def _carried(
@@ -176,7 +181,10 @@ def _swells(ranges: Ranges) -> list[Shape]:
 def _loads(ranges: Ranges) -> list[Term]:
     odd, even = _speeds(ranges, odd=True), _speeds(ranges, odd=False)
     weight, pull = PLAIN["weight"], PLAIN["pull"]
+    text, box = "Abs(pull + m*line)", ((0.0, 4.0),)
+    passed = [Shape("passed", "load", (text,), (("m", m),), box) for m in SHARES]
     return [
+        *(Term((DIRECTION, s)) for s in passed),
         Term((weight,)),
         Term((pull,)),
         Term((PLAIN["hard"],)),
@@ -207,6 +215,37 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
             if name == "heat":
                 found.append(Term((shape, PLAIN["pull"])))
     return found
+
+
+def _ringing(ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]) -> Term:
+    """What rings after the motion turns, begun where it explains most of the residual."""
+    time = signals["time"]
+    between = np.diff(time)
+    step = float(np.median(between[between > 0.0]))
+    starts = np.concatenate([[0], np.flatnonzero(between <= 0.0) + 1, [len(time)]])
+    steps = np.full(len(starts) - 1, step)
+    since, side = along("turn", signals["speed"] / ranges.rest_speed, (), starts, steps)
+    longest = max(LONGEST * ranges.long, 2.0 * SHORTEST * step)
+    count = int(np.log(longest / (SHORTEST * step)) / np.log(FINE)) + 1
+    best, at = -1.0, (longest, longest)
+    for period in np.geomspace(SHORTEST * step, longest, count):
+        for fade in FADES:
+            wave = side * np.exp(-since / (fade * period) + 2j * np.pi * since / period)
+            share = _explained(residual, np.column_stack([wave.real, wave.imag]))
+            best, at = max((best, at), (share, (float(period), fade * float(period))))
+    fading = "side*exp(-since/d)"
+    parts = f"{fading}*cos(2*pi*since/T)", f"{fading}*sin(2*pi*since/T)"
+    numbers = ("T", at[0]), ("d", at[1])
+    box = ((SHORTEST * step, 2.0 * longest), (SHORTEST * step, ranges.long))
+    return Term((Shape("ringing", "memory", parts, numbers, box, "turn", STANDING),))
+
+
+def _explained(residual: np.ndarray, columns: np.ndarray) -> float:
+    """Square of what the columns, (N, k), explain of the residual."""
+    columns = columns / (np.linalg.norm(columns, axis=0) + 1e-300)
+    along_them = columns.T @ residual
+    inner = columns.T @ columns + 1e-9 * np.eye(columns.shape[1])
+    return float(along_them @ np.linalg.solve(inner, along_them))
 
 
 def bristled(term: Term, ranges: Ranges) -> list[Term]:

@@ -32,7 +32,7 @@ HELD = {  # name in the texts -> symbol, unit, meaning
 }
 BRAKING = {"way", "line", "drag", "power", "fading", "settling", "bristle", "spring"}
 BRAKING |= {"forward fading", "backward fading"}
-WAVES = ("wave", "chirp", "tide")
+WAVES = ("wave", "chirp", "tide", "ringing")
 ALONE = (("bristle",), ("spring",))  # memories that take energy out of every closed motion
 NEVER_BELOW = {"steady", "spot", "turning spot", "decay", "weight", "far2", "late", "late2"}
 

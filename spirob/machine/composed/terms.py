@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.machine.composed.track import Ranges, Track, evaluated
+from spirob.machine.composed.track import MEMORIES, Ranges, Track, evaluated
 
 WAY = "way"  # the kind of a direction
 
@@ -39,6 +39,7 @@ NUMBERS = {
     "b": Number("start", "b", "1", "angle of the wave at time 0", log=False),
     "d": Number("decay", "d", "s", "time in which it decays"),
     "r": Number("reach", "r", "rad", "way over which it turns round"),
+    "m": Number("drag", "m", "1", "friction at the fastest, of the largest load", log=False),
     "e": Number("delay", "e", "s", "time in which it follows"),
 }
 
@@ -141,9 +142,9 @@ class Term:
         known = {**track.values(ranges), **self.numbers}
         if (shape := self.memory) is not None:
             followed = _evaluated(shape.followed, known)
-            reach = dict(shape.numbers)["e" if shape.memory == "slow" else "r"]
-            kept = track.remembered(shape.memory, followed, reach)
-            known |= {"slow" if shape.memory == "slow" else "bend": kept}
+            own = dict(shape.numbers)
+            numbers = [own[key] for key in MEMORIES[shape.memory].numbers.values()]
+            known |= track.remembered(shape.memory, followed, numbers)
         n = len(track.signals["speed"])
         return [np.broadcast_to(_evaluated(part, known), (n,)) for part in self.parts]
 

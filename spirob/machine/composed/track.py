@@ -1,11 +1,11 @@
 """The signals that a composed law may read, and memories that follow them.
 
 Signals run along all trials, in the sizes in which they count.  Memories are bristles that turn
-round over a way, and what follows a signal slowly; each is advanced exactly over a step, along a
-motion here and, in the same words, in a written law.
+round over a way, what follows a signal slowly, and the time since the motion turned; each is
+advanced exactly over a step, along a motion here and, in the same words, in a written law.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from types import CodeType
@@ -17,33 +17,41 @@ from numba import njit
 from spirob.machine.inverse import InverseProblem
 from spirob.ports import SIGNALS as PORT_SIGNALS
 
+LONG = 1e3  # s since a turn that never was
+
 
 @dataclass(frozen=True)
 class Memory:
     """One kind of memory.
 
-    lines      that advance `name` over `dt` in a kernel; {reach} is its number
-    evolution  rate of change, in the same names;  run  the same along a signal, (n,)
+    begin      states, and what they begin with
+    evolution  rate of change of each, in the same names, where they follow one
+    numbers    name in these texts -> key in `NUMBERS`
+    lines      that advance the states over `dt` in a kernel
+    run        the same along a signal: of states (states, n), signal (n,), numbers, pieces, steps
     """
 
-    name: str
+    begin: dict[str, float]
+    numbers: dict[str, str]
     lines: tuple[str, ...]
-    evolution: str
+    evolution: tuple[str, ...]
     run: Callable[..., None]
 
 
 @njit(cache=True)
-def _bristle(out, followed, reach, starts, steps):
+def _bristle(out, followed, numbers, starts, steps):
+    reach = numbers[0]
     for piece in range(len(starts) - 1):
         state = 0.0
         for k in range(starts[piece], starts[piece + 1]):
             end = 1.0 if followed[k] > 0.0 else -1.0
             state = end + (state - end) * np.exp(-abs(followed[k]) * steps[piece] / reach)
-            out[k] = state
+            out[0, k] = state
 
 
 @njit(cache=True)
-def _spring(out, followed, reach, starts, steps):
+def _spring(out, followed, numbers, starts, steps):
+    reach = numbers[0]
     for piece in range(len(starts) - 1):
         state = 0.0
         for k in range(starts[piece], starts[piece + 1]):
@@ -53,32 +61,48 @@ def _spring(out, followed, reach, starts, steps):
             bent = np.tanh(path - free)
             ahead = end * state + free
             state = end * (ahead if path <= free else (ahead + bent) / (1.0 + ahead * bent))
-            out[k] = state
+            out[0, k] = state
 
 
 @njit(cache=True)
-def _slow(out, followed, reach, starts, steps):
+def _slow(out, followed, numbers, starts, steps):
+    reach = numbers[0]
     for piece in range(len(starts) - 1):
         state = 0.0
         for k in range(starts[piece], starts[piece + 1]):
             state = followed[k] + (state - followed[k]) * np.exp(-steps[piece] / reach)
-            out[k] = state
+            out[0, k] = state
+
+
+@njit(cache=True)
+def _turn(out, followed, numbers, starts, steps):
+    for piece in range(len(starts) - 1):
+        since, side = LONG, 0.0
+        for k in range(starts[piece], starts[piece + 1]):
+            now = side
+            if abs(followed[k]) > 1.0:
+                now = 1.0 if followed[k] > 0.0 else -1.0
+            since = 0.0 if now * side < 0.0 else since + steps[piece]
+            side = now
+            out[0, k], out[1, k] = since, side
 
 
 MEMORIES = {
     # Dahl: the way back is bent as the way there
     "bristle": Memory(
-        "bend",
+        {"bend": 0.0},
+        {"reach": "r"},
         (
             "end = 1.0 if speed > 0.0 else -1.0",
             "bend = end + (bend - end) * exp(-Abs(speed) * dt / {reach})",
         ),
-        "(speed - Abs(speed)*bend)/{reach}",
+        ("(speed - Abs(speed)*bend)/{reach}",),
         _bristle,
     ),
     # Bouc and Wen: springs back straight, then yields
     "spring": Memory(
-        "bend",
+        {"bend": 0.0},
+        {"reach": "r"},
         (
             "end = 1.0 if speed > 0.0 else -1.0",
             "path = Abs(speed) * dt / {reach}",
@@ -87,24 +111,44 @@ MEMORIES = {
             "ahead = end * bend + free",
             "bend = end * (ahead if path <= free else (ahead + bent) / (1.0 + ahead * bent))",
         ),
-        "speed*(1.0 - bend**2*(0.5 + 0.5*sign(speed*bend)))/{reach}",
+        ("speed*(1.0 - bend**2*(0.5 + 0.5*sign(speed*bend)))/{reach}",),
         _spring,
     ),
     "slow": Memory(
-        "slow",
+        {"slow": 0.0},
+        {"reach": "e"},
         ("slow = ({followed}) + (slow - ({followed})) * exp(-dt / {reach})",),
-        "(({followed}) - slow)/{reach}",
+        ("(({followed}) - slow)/{reach}",),
         _slow,
+    ),
+    # a motion turns where it is as fast as what counts as standing
+    "turn": Memory(
+        {"since": LONG, "side": 0.0},
+        {},
+        (
+            "moving = 1.0 if speed > 0.0 else -1.0",
+            "now = moving if Abs(speed) > rest_speed else side",
+            "since = 0.0 if now * side < 0.0 else since + dt",
+            "side = now",
+        ),
+        (),
+        _turn,
     ),
 }
 
 
 def along(
-    kind: str, followed: np.ndarray, reach: float, starts: np.ndarray, steps: np.ndarray
+    kind: str,
+    followed: np.ndarray,
+    numbers: Sequence[float],
+    starts: np.ndarray,
+    steps: np.ndarray,
 ) -> np.ndarray:
-    """The memory after each sample, (n,); `followed` is the speed of a bristle."""
-    out = np.empty(len(followed))
-    MEMORIES[kind].run(out, np.ascontiguousarray(followed, float), reach, starts, steps)
+    """The states after each sample, (states, n); `followed` is the speed of a bristle."""
+    memory = MEMORIES[kind]
+    out = np.empty((len(memory.begin), len(followed)))
+    values = np.array(numbers, float)
+    memory.run(out, np.ascontiguousarray(followed, float), values, starts, steps)
     return out
 
 
@@ -215,9 +259,12 @@ class Track:
             self._known[ranges] = known
         return self._known[ranges]
 
-    def remembered(self, kind: str, followed: np.ndarray, reach: float) -> np.ndarray:
-        """A memory along the motion, (n,), begun anew in each piece."""
-        return along(kind, followed, reach, self.starts, self.steps)
+    def remembered(
+        self, kind: str, followed: np.ndarray, numbers: Sequence[float]
+    ) -> dict[str, np.ndarray]:
+        """The states of a memory along the motion, (n,) each, begun anew in each piece."""
+        found = along(kind, followed, numbers, self.starts, self.steps)
+        return dict(zip(MEMORIES[kind].begin, found, strict=True))
 
 
 def ranges_of(used: Mapping[str, np.ndarray], rest_speed: float, turn: float) -> Ranges:

@@ -58,6 +58,7 @@ PHRASES = {  # kind of a shape -> what is said of it
     "weight": "in proportion to the load's size",
     "pull": "in proportion to the load",
     "hard": "with the cube of the load",
+    "passed": "in proportion to the load and viscous friction together",
     "bristle": "that turns round over {r}",
     "spring": "of a spring that yields over {r}",
     "slow direction": "that follows the direction in {e}",
@@ -65,6 +66,7 @@ PHRASES = {  # kind of a shape -> what is said of it
     "slow load": "that follows the load in {e}",
     "slow heat": "that follows the square of the load in {e}",
     "slow place": "that follows the place in {e}",
+    "ringing": "that rings every {T} after the motion turns, and fades in {d}",
 }
 CURVE = "in a curve over the way"
 
@@ -100,6 +102,7 @@ FORMULAS = {  # of place x, speed v, load T and time t; v_0 is the speed of rest
     "weight": "|T|/T_max",
     "pull": "T/T_max",
     "hard": "(T/T_max)³",
+    "passed": "|T/T_max + {m}·v/v_max|",
     "bristle": "z",
     "spring": "z",
     "slow direction": "low-pass(sign(v), {e} s)",
@@ -107,6 +110,7 @@ FORMULAS = {  # of place x, speed v, load T and time t; v_0 is the speed of rest
     "slow load": "low-pass(T/T_max, {e} s)",
     "slow heat": "low-pass((T/T_max)², {e} s)",
     "slow place": "low-pass(ξ, {e} s)",
+    "ringing": "sign(v)·exp(-t_r/{d})·cos(2π·t_r/{T} - {b})",
 }
 
 
@@ -125,7 +129,7 @@ def _phrase(part: Part, sizes: Units) -> str:
 
 
 def _shown(key: str, value: float, sizes: Units) -> str:
-    if key == "p":
+    if key in ("p", "m"):
         return f"{value:.2g}"
     units = {"c": "m", "w": "m", "L": "m", "f": "rad/s", "s": "rad/s", "r": "rad"}
     unit = sizes.unit(units[key]) if key in units else "s"
@@ -208,10 +212,12 @@ def written(
     state, evolution, arguments = "", "", [*reads]
     if law.memory is not None:
         memory = MEMORIES[law.memory[1].memory]
-        state = f"    state = {{{memory.name!r}: 0.0}}\n"
-        rate = memory.evolution.format(**_filled(law, "symbol"))
-        evolution = f"    evolution = {{{memory.name!r}: {_wrapped(rate, 8)}}}\n"
-        arguments.append(memory.name)
+        state = f"    state = {_dict(memory.begin)}\n"
+        rates = [rate.format(**_filled(law, "symbol")) for rate in memory.evolution]
+        pairs = zip(memory.begin, rates, strict=False)
+        whole = ", ".join(f"{name!r}: {_wrapped(rate, 8)}" for name, rate in pairs)
+        evolution = f"    evolution = {{{whole}}}\n" if rates else ""
+        arguments += memory.begin
     arguments += [*fields, *(["dt"] if state else [])]
     traits = '    traits = {"dissipative"}\n' if law.brakes else ""
     first = title[:1].upper() + title[1:]
@@ -238,32 +244,32 @@ def written(
 def _lines(law: Law) -> list[str]:
     """The body of the kernel."""
     texts = [law.named(k) for k in range(law.terms)]
-    body, name = [], ""
+    body, names = [], ["torque"]
     if law.memory is not None:
         shape = law.memory[1]
-        memory, name = MEMORIES[shape.memory], MEMORIES[shape.memory].name
+        memory = MEMORIES[shape.memory]
+        names += memory.begin
         body = [line.format(**_filled(law, "field")) for line in memory.lines]
         texts.append(shape.followed)
     words = set(re.findall(r"[A-Za-z_]\w*", " ".join(texts)))
     short = [f"{n} = {text}" for n, text in SHORT.items() if n in words]
     parts = [f"torque -= amplitude_{k + 1} * ({law.named(k)})" for k in range(law.terms)]
-    end = f"return torque, {name}" if name else "return torque"
+    end = f"return {', '.join(names)}"
     return [_python(line) for line in (*short, *body, "torque = 0.0", *parts, end)]
 
 
 def _filled(law: Law, which: str) -> dict[str, str]:
-    """What stands for the number of a memory, and for what it follows: fields or symbols."""
+    """What stands for the numbers of a memory, and for what it follows: fields or symbols."""
     assert law.memory is not None
     k, shape = law.memory
-    key = "e" if shape.memory == "slow" else "r"
-    field = law.named(k, key)
+    fields = {name: law.named(k, key) for name, key in MEMORIES[shape.memory].numbers.items()}
     if which == "field":
-        return {"reach": field, "followed": shape.followed}
+        return fields | {"followed": shape.followed}
     symbols = {n.field: n.symbol for n in law.numbers}
     followed = inlined(shape.followed)
     for name, symbol in symbols.items():
         followed = re.sub(rf"\b{name}\b", symbol, followed)
-    return {"reach": symbols[field], "followed": followed}
+    return {name: symbols[field] for name, field in fields.items()} | {"followed": followed}
 
 
 def _python(text: str) -> str:

@@ -53,6 +53,21 @@ def test_one_term_holds_what_comes_from_one_cause(residual, kinds, poorer):
     assert left(residual, *kinds) < 1e-6 < 1e-2 < left(residual, *poorer)
 
 
+def test_what_rings_after_each_turn_is_found_by_its_period():
+    turns = np.flatnonzero(np.diff(np.sign(SPEED))) + 1
+    since = TIME - TIME[turns[np.searchsorted(turns, np.arange(len(TIME)), "right") - 1]]
+    rings = np.sign(SPEED) * np.exp(-since / 0.5) * np.sin(2 * np.pi * since / 0.31)
+    rings[: turns[0]] = 0.0
+    assert left(rings, "ringing") < 0.2
+    assert left(rings, "slow direction") > 0.9
+
+
+def test_what_a_gear_loses_is_of_load_and_friction_together():
+    load, line = SIGNALS["load"], SPEED / RANGES.fast
+    lost = np.tanh(SPEED / RANGES.rest_speed) * np.abs(load / RANGES.heavy + 0.3 * line)
+    assert left(lost, "way", "passed") < 1e-6 < 1e-2 < left(lost, "weight", "way")
+
+
 def judged(size, heldout):
     errors = np.full(20, size)
     return SimpleNamespace(errors=errors, mean_square=size, heldout_square=heldout, richness=1)

@@ -126,24 +126,32 @@ def test_a_law_reads_as_a_formula():
 def test_memories_follow_their_closed_forms():
     speed, ends, step = np.full(500, 0.2), np.array([0, 500]), np.array([0.01])
     path = 0.2 * 0.01 * np.arange(1, 501)
-    bristle = along("bristle", speed, 0.1, ends, step)
+    bristle = along("bristle", speed, [0.1], ends, step)[0]
     assert bristle == pytest.approx(1.0 - np.exp(-path / 0.1))
-    spring = along("spring", speed, 0.1, ends, step)
+    spring = along("spring", speed, [0.1], ends, step)[0]
     assert spring == pytest.approx(np.tanh(path / 0.1))
-    slow = along("slow", np.ones(500), 0.5, ends, step)
+    slow = along("slow", np.ones(500), [0.5], ends, step)[0]
     assert slow == pytest.approx(1.0 - np.exp(-0.01 * np.arange(1, 501) / 0.5))
 
 
 @pytest.mark.parametrize("kind", ["bristle", "spring", "slow"])
 def test_a_memory_does_not_care_for_the_step(kind):
     speed = np.repeat(np.random.default_rng(2).normal(size=60), 4)
-    whole = along(kind, speed[::4], 0.3, np.array([0, 60]), np.array([0.08]))
-    fine = along(kind, speed, 0.3, np.array([0, 240]), np.array([0.02]))
-    assert whole == pytest.approx(fine[3::4])
+    whole = along(kind, speed[::4], [0.3], np.array([0, 60]), np.array([0.08]))
+    fine = along(kind, speed, [0.3], np.array([0, 240]), np.array([0.02]))
+    assert whole == pytest.approx(fine[:, 3::4])
     assert np.max(np.abs(whole)) <= max(1.0, np.max(np.abs(speed)))
 
 
 def test_memory_begins_anew_with_each_piece():
     speed = np.concatenate([np.ones(50), np.ones(50)])
-    found = along("bristle", speed, 0.3, np.array([0, 50, 100]), np.array([0.01, 0.01]))
+    found = along("bristle", speed, [0.3], np.array([0, 50, 100]), np.array([0.01, 0.01]))[0]
     assert np.array_equal(found[:50], found[50:])
+
+
+def test_the_time_since_a_turn_begins_where_the_motion_turns_not_where_it_stands():
+    speed = np.array([0.5, 3.0, 0.5, -0.5, 0.5, 3.0, -3.0, -0.5, -3.0])  # within 1 it stands
+    since, side = along("turn", speed, (), np.array([0, 9]), np.array([0.1]))
+    assert np.array_equal(side, [0, 1, 1, 1, 1, 1, -1, -1, -1])
+    assert since[:6].min() > 999.0  # it never turned
+    assert since[6:] == pytest.approx([0.0, 0.1, 0.2])
