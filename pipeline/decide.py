@@ -29,7 +29,7 @@ from spirob.files import write_text
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
-from spirob.machine.composed.arm import composed_for_arm
+from spirob.machine.composed.arm import Rival, composed_for_arm
 
 SEARCH, OUT = Path("data/search"), Path("data/diagnosis")
 NAMELESS = {"effect": "", "effects": "", "probability": 0.0}  # metrics where a name fell
@@ -131,8 +131,7 @@ def composed(
     own = weighed_residuals(root, config, plant(config))
     fitted = read_json(root / "data/identified/base.json", "identify")["parameters"]
     names = [name for name in fitted if name not in told["vague"]]
-    best = _least(told["ladder"])
-    law = composed_for_arm(own, names, changes, best, settings, tell)
+    law = composed_for_arm(own, names, changes, _rival(told["ladder"]), settings, tell)
     if law is None:
         tell("no law of a few terms takes what is left")
         return None
@@ -142,11 +141,12 @@ def composed(
     return law.document
 
 
-def _least(ladder: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """RMSE by role of the best that the search found."""
+def _rival(ladder: Sequence[Mapping[str, Any]]) -> Rival:
+    """The best that the search found."""
     rungs = [rung for rung in ladder if rung["label"] != CEILING]
     best = min(rungs, key=lambda rung: float(rung["validate"]["rmse"]))
-    return {role: float(best[role]["rmse"]) for role in ROLES}
+    errors = {role: float(best[role]["rmse"]) for role in ROLES}
+    return Rival(errors, len(best["effects"]))
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from spirob.emulator.build import TYPICAL
 from spirob.identify.fit import STEPS
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import FITTED, effort_rms
-from spirob.machine.composed.arm import composed_for_arm
+from spirob.machine.composed.arm import Rival, composed_for_arm
 from spirob.plant import Plant, Rig
 
 ENOUGH = 0.6  # of the base's error: with less the fit did not fail
@@ -176,10 +176,10 @@ def _composed(ended: Ended, settings: Settings) -> dict[str, Any] | None:
     """The law of what the fitted numbers leave: its terms, and the error that it leaves."""
     models, rungs = ended.search.models, ended.found.rungs
     base = rungs[0].fit
-    best = models.scores(min(rungs, key=lambda m: m.mean_square))
-    last = {role: score.rmse for role, score in best.items()}
-    names = list(base.estimates)
-    law = composed_for_arm(models.residuals, names, base.changes, last, settings)
+    best = min(rungs, key=lambda m: m.mean_square)
+    errors = {role: score.rmse for role, score in models.scores(best).items()}
+    rival, names = Rival(errors, len(best.effects)), list(base.estimates)
+    law = composed_for_arm(models.residuals, names, base.changes, rival, settings)
     if law is None:
         return None
     error = law.document["rmse"]["test"] / effort_rms(models.heldout)

@@ -13,9 +13,11 @@ import numpy as np
 import pandas as pd
 
 from spirob.diagnosis.criteria import Settings, Worth
+from spirob.diagnosis.fitting import parameters_of
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.simulated import modelled, scores
 from spirob.effects import Effect, all_effects, load_file
+from spirob.effects.effect import SUFFIX
 from spirob.effects.replay import contribution
 from spirob.errors import SimulationError
 from spirob.identify.descent import slopes_ahead
@@ -35,7 +37,14 @@ from spirob.machine.page_tables import laws
 PORT = "motor.torque"
 # of what the whole law takes, and of the floor: what each of its terms takes beside the others
 FURTHER, LESSER = 0.25, 0.5
-Errors = Mapping[str, float]  # RMSE by role
+
+
+@dataclass(frozen=True)
+class Rival:
+    """The best that the search found, likely or not: RMSE by role, and how many effects."""
+
+    errors: Mapping[str, float]
+    effects: int
 
 
 @dataclass(frozen=True)
@@ -74,7 +83,7 @@ def composed_for_arm(
     residuals: Mapping[str, Residual],
     names: Sequence[str],
     changes: Mapping[str, float],
-    last: Errors,
+    rival: Rival,
     settings: Settings,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Composed | None:
@@ -82,7 +91,7 @@ def composed_for_arm(
 
     residuals  by role, of a plant that may hold more effects than the model
     names      of its fitted numbers;  changes  all that are not those of the table
-    last       errors of the best that the search found, likely or not: a law explains more
+    rival      which the law has to outdo
     """
     bare = {role: lean(problem, changes, []) for role, problem in residuals.items()}
     changes = {n: v for n, v in changes.items() if n in bare["train"].table.index}
@@ -101,7 +110,7 @@ def composed_for_arm(
         except SimulationError as wrong:  # to first order a law may be one that throws the arm
             progress(f"no model of the arm can hold it: {wrong}")
             return None
-        if not _holds(one.model, below, last, one.residuals, settings):
+        if not _holds(one, below, rival, settings):
             return None
         return _told(one, below)
 
@@ -154,7 +163,7 @@ def _fitted(
     (effect,) = load_file(path).values()
     residuals = {role: lean(p, ground.changes, [effect]) for role, p in bare.items()}
     start = ground.changes | law.changes(name)
-    both = [*names, *(f"{name}.{f}" for f in effect.fitted())]
+    both = [*names, *parameters_of(effect)]
     model = _model(effect, residuals, both, [start], settings)
     return _Fitted(ground, law, effect, residuals, start, model)
 
@@ -217,6 +226,8 @@ def _only(
     """
     name, law = whole.effect.name(), whole.law
     own = [f"{name}.{f}" for k in kept for f in law.fields(k)]
+    known = set(parameters_of(whole.effect))
+    own += [n for n in (f"{name}.amplitude_{k + 1}{SUFFIX}" for k in kept) if n in known]
     silent = {f"{name}.amplitude_{k + 1}" for k in range(law.terms) if k not in kept}
     starts = [
         {n: v for n, v in start.items() if n not in silent}
@@ -225,21 +236,22 @@ def _only(
     return _model(whole.effect, whole.residuals, [*names, *own], starts, settings)
 
 
-def _holds(
-    model: Model, below: Model, last: Errors, residuals: Mapping[str, Residual], settings: Settings
-) -> bool:
+def _holds(one: _Fitted, below: Model, rival: Rival, settings: Settings) -> bool:
     """Whether the law counts, beside the numbers alone and beside the best of the library.
 
-    The held-out trials must not deny it, here as everywhere.
+    The held-out trials must not deny it, here as everywhere.  Beside a set of the library that is
+    no plainer it has to be the better one; beside a plainer one, by a size that counts.
     """
-    least = settings.floor * effort_rms(residuals["validate"])
+    least = settings.floor * effort_rms(one.residuals["validate"])
     worth = Worth(settings, least)
-    if not worth.matters(below, model) or worth.denied(below, model):
+    if not worth.matters(below, one.model) or worth.denied(below, one.model):
         return False
-    found = scores(model, residuals)
-    if last["validate"] ** 2 - found["validate"].rmse ** 2 < least**2:
+    found = scores(one.model, one.residuals)
+    own, other = found["validate"].rmse ** 2, rival.errors["validate"] ** 2
+    plainer = one.law.terms <= rival.effects
+    if own > (1.0 - settings.better) * other if plainer else other - own < least**2:
         return False
-    return found["heldout"].rmse ** 2 <= (1.0 - settings.veto) * last["heldout"] ** 2
+    return found["heldout"].rmse ** 2 <= (1.0 - settings.veto) * rival.errors["heldout"] ** 2
 
 
 def _heldout(model: Model) -> float:
@@ -253,6 +265,8 @@ def _told(one: _Fitted, below: Model) -> Composed:
         _Units(one.ground.ranges.unit),
     )
     title, nearest = told(law, units), _nearest(one)
+    if any(e.low > 0.0 or e.high < 0.0 for f, e in one.own.items() if f.endswith(SUFFIX)):
+        title += ", of another size in each motor"
     rows = _drawn(one)
     share = 1.0 - (_heldout(one.model) / _heldout(below)) ** 2
     found = scores(one.model, one.residuals)

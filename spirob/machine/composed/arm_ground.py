@@ -191,8 +191,15 @@ def _side(
         weight * slopes[order],
         shown,
         lambda values: np.asarray(values[index[order]]),
+        _each(starts),
     )
     return side, label[order]
+
+
+def _each(starts: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The samples of each motor: of a trial they stand one motor after the other."""
+    motor = np.repeat(np.arange(len(starts) - 1) % len(MOTORS), np.diff(starts))
+    return tuple((motor == m).astype(float) for m in range(len(MOTORS)))
 
 
 def _order(problem: Residual, trial: Measurement) -> list[int]:

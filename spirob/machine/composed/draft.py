@@ -35,7 +35,7 @@ BUMPS = 5  # of a free curve over the speed
 
 @dataclass(frozen=True)
 class Draft:
-    """Terms with the factors of their parts; errors as those of a `Model`.
+    """Terms with the factors of their columns; errors as those of a `Model`.
 
     moved  by how much the coordinates of the fitted numbers move with it
     """
@@ -104,7 +104,10 @@ class Drafts:
         return self._shown(self.ground.train, term)
 
     def _shown(self, side: Side, term: Term) -> np.ndarray:
-        return np.column_stack([side.shown(-v) for v in term.along(side.track, self.ranges)])
+        parts = term.along(side.track, self.ranges)
+        if len(parts) == 1:  # what has several parts is alike in all motors
+            parts = [parts[0] * own for own in side.motors] or parts
+        return np.column_stack([side.shown(-v) for v in parts])
 
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""

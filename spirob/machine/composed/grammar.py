@@ -7,6 +7,8 @@ follows a signal slowly or rings after the motion turns.  Numbers of a shape sta
 those of waves where the residual's spectrum has peaks, of ringing where it explains most of it.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from spirob.diagnosis.orders import peaks, spectrum
@@ -27,6 +29,8 @@ WAYS = (0.01, 0.03, 0.1, 0.3, 0.8)  # of half of the way, in which a bristle tur
 SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
 SHARES = (0.03, 0.3)  # of the largest load, that a friction at the fastest is
+HALVES = (0.03, 0.2, 0.6)  # of the same, at which half of what levels off is there
+LOCAL = ("spot", "turning spot", "chirp")  # places that are not tried beside the load
 SHORTEST, LONGEST = 4.0, 0.1  # period of what rings: in samples, of the longest trial
 FINE = 1.12  # from one such period to the next
 FADES = (0.5, 2.0)  # periods in which it fades
@@ -75,6 +79,9 @@ def terms(
         carried = _carried(speed, ranges, residual, signals)
         own = _places(ranges, carried, signals) if placed else []
         found += [Term((speed, s)) for s in (*own, *times)]
+    if placed:
+        own = _places(ranges, residual * signals["load"] / ranges.heavy, signals)
+        found += [Term((PLAIN["pull"], s)) for s in own if s.kind not in LOCAL]
     found += _loads(ranges) + _memories(ranges, placed)
     return [*found, _ringing(ranges, residual, signals)]
 
@@ -183,8 +190,11 @@ def _loads(ranges: Ranges) -> list[Term]:
     weight, pull = PLAIN["weight"], PLAIN["pull"]
     text, box = "Abs(pull + m*line)", ((0.0, 4.0),)
     passed = [Shape("passed", "load", (text,), (("m", m),), box) for m in SHARES]
+    text, box = "pull/(Abs(pull) + u)", ((1e-3, 4.0),)
+    levelling = [Shape("levelling", "load", (text,), (("u", u),), box) for u in HALVES]
     return [
         *(Term((DIRECTION, s)) for s in passed),
+        *(Term((s,)) for s in levelling),
         Term((weight,)),
         Term((pull,)),
         Term((PLAIN["hard"],)),
@@ -214,6 +224,9 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
             found.append(Term((shape,)))
             if name == "heat":
                 found.append(Term((shape, PLAIN["pull"])))
+            if name == "load":
+                late = replace(shape, kind="late load", parts=("slow - pull",))
+                found.append(Term((late,)))
     return found
 
 

@@ -26,6 +26,7 @@ class Side:
     residual  model minus measurement, (N,);  slopes  of it by the numbers' coordinates, (N, k)
     shown     what a further torque on the axis, (n,), changes of the residual, (N,)
     thinned   of values at every sample, (n,), those that teach the law
+    motors    (n,) of each motor, 1 where a sample is its: a term has a size in each
     """
 
     track: Track
@@ -33,6 +34,7 @@ class Side:
     slopes: np.ndarray
     shown: Callable[[np.ndarray], np.ndarray]
     thinned: Callable[[np.ndarray], np.ndarray]
+    motors: tuple[np.ndarray, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ the range of motion in which it was taught, a law says nothing.
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -57,6 +57,7 @@ class Part:
 
     text      its shape, in the names of `track` and the symbols' keys
     numbers   of its shape, by key;  heights  of a curve, by place among its parts
+    apart     the motors of the arm have it with opposite signs
     """
 
     term: Term
@@ -64,6 +65,7 @@ class Part:
     text: str
     numbers: dict[str, float]
     heights: dict[int, float]
+    apart: bool = False
 
     @property
     def brakes(self) -> bool:
@@ -75,7 +77,8 @@ class Part:
             return False
         kinds = [k for k in self.term.kinds if k not in BRAKING]
         one = len(kinds) == len(self.term.kinds) - 1
-        return self.amplitude > 0.0 and one and all(k in NEVER_BELOW for k in kinds)
+        brakes = self.amplitude > 0.0 and not self.apart
+        return brakes and one and all(k in NEVER_BELOW for k in kinds)
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,7 @@ class Law:
             }
             heights = {j: values.get(f"height_{k}_{j + 1}", old) for j, old in part.heights.items()}
             amplitude = values.get(f"amplitude_{k}", part.amplitude)
-            parts.append(Part(part.term, amplitude, part.text, numbers, heights))
+            parts.append(replace(part, amplitude=amplitude, numbers=numbers, heights=heights))
         return Law(tuple(parts), self.ranges, self.size)
 
     def only(self, places: Sequence[int]) -> "Law":
@@ -218,8 +221,9 @@ def _part(term: Term, factors: np.ndarray) -> Part:
     several = next((s for s in term.shapes if len(s.parts) > 1), None)
     numbers = dict(term.numbers)
     heights: dict[int, float] = {}
-    if several is None:
-        return Part(term, float(factors[0]), _product(term, None, ""), numbers, heights)
+    if several is None:  # of several motors the mean
+        mean, apart = float(np.mean(factors)), bool(factors.min() < 0.0 < factors.max())
+        return Part(term, mean, _product(term, None, ""), numbers, heights, apart)
     if several.kind in WAVES:  # A·cos(x - φ) in place of its cosine and sine
         cosine = several.parts[0]
         key = "a" if several.of == "place" else "b"

@@ -40,6 +40,7 @@ NUMBERS = {
     "d": Number("decay", "d", "s", "time in which it decays"),
     "r": Number("reach", "r", "rad", "way over which it turns round"),
     "m": Number("drag", "m", "1", "friction at the fastest, of the largest load", log=False),
+    "u": Number("half_load", "u", "1", "of the largest load, at which half of it is there"),
     "e": Number("delay", "e", "s", "time in which it follows"),
 }
 

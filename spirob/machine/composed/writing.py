@@ -58,6 +58,8 @@ PHRASES = {  # kind of a shape -> what is said of it
     "weight": "in proportion to the load's size",
     "pull": "in proportion to the load",
     "hard": "with the cube of the load",
+    "levelling": "that levels off beyond {u} of the largest load",
+    "late load": "of a load that is felt late by {e}",
     "passed": "in proportion to the load and viscous friction together",
     "bristle": "that turns round over {r}",
     "spring": "of a spring that yields over {r}",
@@ -102,6 +104,8 @@ FORMULAS = {  # of place x, speed v, load T and time t; v_0 is the speed of rest
     "weight": "|T|/T_max",
     "pull": "T/T_max",
     "hard": "(T/T_max)³",
+    "levelling": "T/(|T| + {u}·T_max)",
+    "late load": "low-pass(T/T_max, {e} s) - T/T_max",
     "passed": "|T/T_max + {m}·v/v_max|",
     "bristle": "z",
     "spring": "z",
@@ -129,7 +133,7 @@ def _phrase(part: Part, sizes: Units) -> str:
 
 
 def _shown(key: str, value: float, sizes: Units) -> str:
-    if key in ("p", "m"):
+    if key in ("p", "m", "u"):
         return f"{value:.2g}"
     units = {"c": "m", "w": "m", "L": "m", "f": "rad/s", "s": "rad/s", "r": "rad"}
     unit = sizes.unit(units[key]) if key in units else "s"

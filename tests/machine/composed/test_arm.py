@@ -11,7 +11,7 @@ from spirob.errors import SimulationError
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.machine.composed import arm
-from spirob.machine.composed.arm import composed_for_arm
+from spirob.machine.composed.arm import Rival, composed_for_arm
 from spirob.machine.composed.arm_ground import arm_ground
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
@@ -84,7 +84,7 @@ def spot(tmp_path_factory, drafted):
     bare, draft = problems(trials), arm._drafted
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(arm, "_drafted", lambda *of: drafted.append(draft(*of)) or drafted[-1])
-        law = composed_for_arm(bare, NAMES, {}, errors(bare, {}), SETTINGS)
+        law = composed_for_arm(bare, NAMES, {}, Rival(errors(bare, {}), 0), SETTINGS)
     return trials, law
 
 
@@ -112,7 +112,7 @@ def test_its_file_is_an_effect_and_switched_on_it_leaves_nothing_for_a_second(sp
     before, after = errors(held, {}), errors(held, on)
     assert after["heldout"] < 0.5 * before["heldout"]
     names = [*NAMES, *(f"law.{field}" for field in effect.fitted())]
-    assert composed_for_arm(held, names, on, after, SETTINGS) is None
+    assert composed_for_arm(held, names, on, Rival(after, 0), SETTINGS) is None
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ def plain():
 
 def test_nothing_is_composed_from_noise(plain):
     found = problems(plain)
-    assert composed_for_arm(found, NAMES, {}, errors(found, {}), SETTINGS) is None
+    assert composed_for_arm(found, NAMES, {}, Rival(errors(found, {}), 0), SETTINGS) is None
 
 
 def test_a_torque_shows_in_the_currents_as_the_model_shows_it(plain, tmp_path):
@@ -158,6 +158,9 @@ def test_a_law_that_no_arm_can_be_played_with_is_none(spot, drafted, monkeypatch
     trials, _ = spot
     bare, said = problems(trials), []
     assert (
-        composed_for_arm(bare, NAMES, {}, errors(bare, {}), SETTINGS, progress=said.append) is None
+        composed_for_arm(
+            bare, NAMES, {}, Rival(errors(bare, {}), 0), SETTINGS, progress=said.append
+        )
+        is None
     )
     assert "non-finite" in said[-1]
