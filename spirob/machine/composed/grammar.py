@@ -7,8 +7,6 @@ follows a signal slowly or rings after the motion turns.  Numbers of a shape sta
 those of waves where the residual's spectrum has peaks, of ringing where it explains most of it.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from spirob.diagnosis.orders import peaks, spectrum
@@ -28,7 +26,7 @@ DECAYS = (0.1, 0.3, 1.0)  # of the same
 WAYS = (0.01, 0.03, 0.1, 0.3, 0.8)  # of half of the way, in which a bristle turns round
 SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
-SHARES = (0.03, 0.3)  # of the largest load, that a friction at the fastest is
+SHARE = 0.1  # of the largest load, that a friction at the fastest is
 HALVES = (0.03, 0.2, 0.6)  # of the same, at which half of what levels off is there
 LOCAL = ("spot", "turning spot", "chirp")  # places that are not tried beside the load
 SHORTEST, LONGEST = 4.0, 0.1  # period of what rings: in samples, of the longest trial
@@ -58,8 +56,8 @@ PLAIN = {
     "late2": _one("late2", "time", "late**2"),
     "weight": _one("weight", "load", "Abs(pull)"),
     "pull": _one("pull", "load", "pull"),
-    "hard": _one("hard", "load", "pull*pull**2"),
 }
+GIVEN = "(pull + m*line)"  # what a motor gives: the load, and a friction in proportion to speed
 
 
 def terms(
@@ -81,7 +79,7 @@ def terms(
         found += [Term((speed, s)) for s in (*own, *times)]
     if placed:
         own = _places(ranges, residual * signals["load"] / ranges.heavy, signals)
-        found += [Term((PLAIN["pull"], s)) for s in own if s.kind not in LOCAL]
+        found += [Term((_given("given", GIVEN), s)) for s in own if s.kind not in LOCAL]
     found += _loads(ranges) + _memories(ranges, placed)
     return [*found, _ringing(ranges, residual, signals)]
 
@@ -188,20 +186,23 @@ def _swells(ranges: Ranges) -> list[Shape]:
 def _loads(ranges: Ranges) -> list[Term]:
     odd, even = _speeds(ranges, odd=True), _speeds(ranges, odd=False)
     weight, pull = PLAIN["weight"], PLAIN["pull"]
-    text, box = "Abs(pull + m*line)", ((0.0, 4.0),)
-    passed = [Shape("passed", "load", (text,), (("m", m),), box) for m in SHARES]
-    text, box = "pull/(Abs(pull) + u)", ((1e-3, 4.0),)
-    levelling = [Shape("levelling", "load", (text,), (("u", u),), box) for u in HALVES]
+    levelling = f"{GIVEN}/(Abs{GIVEN} + u)"
     return [
-        *(Term((DIRECTION, s)) for s in passed),
-        *(Term((s,)) for s in levelling),
+        Term((DIRECTION, _given("passed", f"Abs{GIVEN}"))),
+        Term((_given("hard", f"{GIVEN}*{GIVEN}**2"),)),
+        *(Term((_given("levelling", levelling, ("u", u)),)) for u in HALVES),
         Term((weight,)),
         Term((pull,)),
-        Term((PLAIN["hard"],)),
         *(Term((weight, s)) for s in odd),
         *(Term((pull, s)) for s in even),
         *(Term((pull, PLAIN[name])) for name in ("late", "late2")),
     ]
+
+
+def _given(kind: str, text: str, *more: tuple[str, float]) -> Shape:
+    """A function of what the motor gives."""
+    box = ((0.0, 4.0), (1e-3, 4.0))[: 1 + len(more)]
+    return Shape(kind, "load", (text,), (("m", SHARE), *more), box)
 
 
 def _memories(ranges: Ranges, placed: bool) -> list[Term]:
@@ -215,18 +216,19 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
             if kind == "bristle":
                 found.append(Term((shape, PLAIN["weight"])))
     box = ((0.001 * long, 3.0 * long),)
-    followed = {"way": "direction", "share": "speed", "pull": "load", "pull*pull": "heat"}
+    followed = {"way": "direction", "share": "speed", "pull": "load"}
     followed |= {"away": "place"} if placed else {}
     for text, name in followed.items():
         for delay in DELAYS:
             numbers = (("e", delay * long),)
             shape = Shape(f"slow {name}", "memory", ("slow",), numbers, box, "slow", text)
             found.append(Term((shape,)))
-            if name == "heat":
-                found.append(Term((shape, PLAIN["pull"])))
-            if name == "load":
-                late = replace(shape, kind="late load", parts=("slow - pull",))
-                found.append(Term((late,)))
+    given = _given("given", GIVEN)
+    for delay in DELAYS:
+        own, both = (*given.numbers, ("e", delay * long)), (*given.box, *box)
+        heat = Shape("slow heat", "memory", ("slow",), own, both, "slow", f"{GIVEN}**2")
+        late = Shape("late load", "memory", (f"slow - {GIVEN}",), own, both, "slow", GIVEN)
+        found += [Term((heat,)), Term((heat, given)), Term((late,))]
     return found
 
 

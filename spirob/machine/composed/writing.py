@@ -57,22 +57,23 @@ PHRASES = {  # kind of a shape -> what is said of it
     "decay": "that decays in {d}",
     "weight": "in proportion to the load's size",
     "pull": "in proportion to the load",
-    "hard": "with the cube of the load",
-    "levelling": "that levels off beyond {u} of the largest load",
-    "late load": "of a load that is felt late by {e}",
-    "passed": "in proportion to the load and viscous friction together",
+    "given": "in proportion to load and viscous friction",
+    "hard": "with the cube of load and viscous friction",
+    "levelling": "of load and viscous friction, levelling off beyond {u} of the largest load",
+    "late load": "of a load and viscous friction that are felt late by {e}",
+    "passed": "in proportion to load and viscous friction",
     "bristle": "that turns round over {r}",
     "spring": "of a spring that yields over {r}",
     "slow direction": "that follows the direction in {e}",
     "slow speed": "that follows the speed in {e}",
     "slow load": "that follows the load in {e}",
-    "slow heat": "that follows the square of the load in {e}",
+    "slow heat": "that follows the square of load and viscous friction in {e}",
     "slow place": "that follows the place in {e}",
     "ringing": "that rings every {T} after the motion turns, and fades in {d}",
 }
 CURVE = "in a curve over the way"
 
-FORMULAS = {  # of place x, speed v, load T and time t; v_0 is the speed of rest
+FORMULAS = {  # of place x, speed v, load T, time t, v_0 of rest; D = T/T_max + m·v/v_max
     "way": "tanh(v/v_0)",
     "line": "v/v_max",
     "share": "|v|/v_max",
@@ -103,16 +104,17 @@ FORMULAS = {  # of place x, speed v, load T and time t; v_0 is the speed of rest
     "decay": "exp(-t/{d})",
     "weight": "|T|/T_max",
     "pull": "T/T_max",
-    "hard": "(T/T_max)³",
-    "levelling": "T/(|T| + {u}·T_max)",
-    "late load": "low-pass(T/T_max, {e} s) - T/T_max",
-    "passed": "|T/T_max + {m}·v/v_max|",
+    "given": "D",
+    "hard": "D³",
+    "levelling": "D/(|D| + {u})",
+    "late load": "low-pass(D, {e} s) - D",
+    "passed": "|D|",
     "bristle": "z",
     "spring": "z",
     "slow direction": "low-pass(sign(v), {e} s)",
     "slow speed": "low-pass(|v|/v_max, {e} s)",
     "slow load": "low-pass(T/T_max, {e} s)",
-    "slow heat": "low-pass((T/T_max)², {e} s)",
+    "slow heat": "low-pass(D², {e} s)",
     "slow place": "low-pass(ξ, {e} s)",
     "ringing": "sign(v)·exp(-t_r/{d})·cos(2π·t_r/{T} - {b})",
 }
@@ -149,7 +151,9 @@ def formula(law: Law, sizes: Units) -> str:
         product = "·".join(shape for shape in shapes if shape)
         size = f"{part.amplitude:.3g} {sizes.torque_unit}"
         terms.append(f"{size}·{product}" if product else size)
-    return f"τ = -({' + '.join(terms)})"
+    shares = {f"{part.numbers['m']:.3g}" for part in law.parts if "m" in part.numbers}
+    where = [f"D = T/T_max + {share}·v/v_max" for share in sorted(shares)]
+    return f"τ = -({' + '.join(terms)})" + "".join(f", {one}" for one in where)
 
 
 IN_PYTHON = {
@@ -267,10 +271,11 @@ def _filled(law: Law, which: str) -> dict[str, str]:
     assert law.memory is not None
     k, shape = law.memory
     fields = {name: law.named(k, key) for name, key in MEMORIES[shape.memory].numbers.items()}
+    followed = law.named(k, shape.followed)
     if which == "field":
-        return fields | {"followed": shape.followed}
+        return fields | {"followed": followed}
     symbols = {n.field: n.symbol for n in law.numbers}
-    followed = inlined(shape.followed)
+    followed = inlined(followed)
     for name, symbol in symbols.items():
         followed = re.sub(rf"\b{name}\b", symbol, followed)
     return {name: symbols[field] for name, field in fields.items()} | {"followed": followed}

@@ -7,7 +7,7 @@ import pytest
 
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.machine.composed import greedy
-from spirob.machine.composed.grammar import terms
+from spirob.machine.composed.grammar import SHARE, terms
 from spirob.machine.composed.terms import Shape, Term
 from spirob.machine.composed.track import Ranges, Track
 
@@ -64,8 +64,8 @@ def test_what_rings_after_each_turn_is_found_by_its_period():
 
 def test_what_a_gear_loses_is_of_load_and_friction_together():
     load, line = SIGNALS["load"], SPEED / RANGES.fast
-    lost = np.tanh(SPEED / RANGES.rest_speed) * np.abs(load / RANGES.heavy + 0.3 * line)
-    assert left(lost, "way", "passed") < 1e-6 < 1e-2 < left(lost, "weight", "way")
+    lost = np.tanh(SPEED / RANGES.rest_speed) * np.abs(load / RANGES.heavy + SHARE * line)
+    assert left(lost, "way", "passed") < 1e-6 < 1e-3 < left(lost, "weight", "way")
 
 
 def judged(size, heldout):

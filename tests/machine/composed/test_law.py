@@ -49,7 +49,7 @@ def by_kind():
 TERMS = by_kind()
 SINGLE = [name for name in TERMS if "×" not in name]
 PRODUCTS = ["way × spot", "line × wave", "share × curve k6", "way × tide", "weight × settling"]
-PRODUCTS += ["bristle × spot", "bristle × weight", "slow heat × pull"]
+PRODUCTS += ["bristle × spot", "bristle × weight", "slow heat × given", "given × wave"]
 
 
 def law(*names):
