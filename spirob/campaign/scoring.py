@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from spirob.campaign.arm.rates import rate
+from spirob.campaign.arm.rates import WITHIN, rate
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,6 @@ GROUPS = (
     "not to be seen",
 )
 WORDS = ("more", "partly", "undecided", "unknown", "missed", "wrong", "refused", "crashed")
-WITHIN = (1.3, 2.0)  # times the held-out error of the true law
 
 
 def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

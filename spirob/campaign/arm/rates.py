@@ -67,6 +67,7 @@ CONFIDENT = 0.9
 REFUSED = ("unknown", "undecided")  # the right answers where the library lacks the effect
 CLAIMS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)  # edges of probability
 LEAVES = (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # edges of oracle over base
+WITHIN = (1.3, 2.0)  # times the held-out error of knowing what is hidden, of a composed law
 Z = 1.96
 
 
@@ -99,6 +100,9 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     called_unknown       of the same
     unknown              library without any right answer: called unknown or undecided, as is right
     left_out             the same, and no other effect named with confidence
+    law_composed         the same, where the oracle gains enough: a law is composed
+    law_within_1.3, law_within_2.0   and its held-out error, or what was said without one, is at
+                         most so many times the oracle's
     pairs_both           of robots with two effects, both named
     excess_error_closed  share of the oracle's fall of the held-out error that naming achieved, mean
     """
@@ -120,12 +124,24 @@ def rates(results: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "called_unknown": rate(r["verdict"] == "unknown" for r in single),
         "unknown": rate(r["verdict"] in REFUSED for r in left if not nothing_to_name(r)),
         "left_out": rate(not _confidently_wrong(r) for r in left),
+        **laws([r for r in left if asked(r)]),
         "pairs_both": rate(both(r) for r in pairs),
         "excess_error_closed": _closed([*single, *pairs]),
         "confusion": confusion(whole),
         "reliability": reliability([r for r in single if r["verdict"] == "named"]),
         "strength": by_strength(single),
     }
+
+
+def laws(without: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """How often a law was composed where the library lacks the effect, and how good it is."""
+    composed = [r.get("composed") for r in without]
+    over = [
+        (law["heldout"] if law else r["heldout"]["named"]) / r["heldout"]["oracle"]
+        for r, law in zip(without, composed, strict=True)
+    ]
+    within = {f"law_within_{most}": rate(one <= most for one in over) for most in WITHIN}
+    return {"law_composed": rate(map(bool, composed))} | within
 
 
 def left_by_oracle(result: Mapping[str, Any]) -> float:

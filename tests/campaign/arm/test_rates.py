@@ -107,3 +107,21 @@ def test_the_oracle_knows_what_an_accepted_name_knew():
     found = rates([result("current_offset", ("constant_force",), heldout=other)])
     assert (found["top1"]["value"], found["outside"]["value"]) == (1.0, 0.0)
     assert found["excess_error_closed"]["value"] == 1.0
+
+
+def test_a_law_counts_over_what_knowing_leaves_where_the_library_lacks_it():
+    def blind(law, oracle=0.01):
+        error = {"base": 0.04, "named": 0.04, "oracle": oracle}
+        composed = None if law is None else {"terms": ["share"], "heldout": law}
+        return result(verdict="unknown", without=True, composed=composed, heldout=error)
+
+    seen = [
+        blind(0.012),
+        blind(0.018),
+        blind(None),
+        blind(0.012, oracle=0.039),
+    ]  # one tells nothing
+    found = rates([result(), *seen])
+    values = [found[f"law_{name}"]["value"] for name in ("composed", "within_1.3", "within_2.0")]
+    assert values == pytest.approx([2 / 3, 1 / 3, 2 / 3])
+    assert found["law_composed"]["n"] == 3
