@@ -159,7 +159,7 @@ def _fitted(
     name = free_name({e.name() for e in bare["train"].plant.effects} | set(all_effects()))
     rival = next(iter(_rivals()))
     path = folder / f"{name}.py"
-    path.write_text(written(law, _title(law), rival), encoding="utf-8")
+    path.write_text(written(law, told(law, _Units(law.ranges.unit)), rival), encoding="utf-8")
     (effect,) = load_file(path).values()
     residuals = {role: lean(p, ground.changes, [effect]) for role, p in bare.items()}
     start = ground.changes | law.changes(name)
@@ -208,11 +208,10 @@ def _pruned(
         kept, model = [k for k in kept if k != out], lesser[out]
     if len(kept) == whole.law.terms:
         return whole
-    name = whole.effect.name()
-    found = {
-        n.partition(".")[2]: v for n, v in model.fit.changes.items() if n.startswith(f"{name}.")
-    }
-    ground = replace(whole.ground, changes=_without(model.fit.changes, name))
+    changes = model.fit.changes
+    found = {n.partition(".")[2]: v for n, v in changes.items() if _is_of(n, whole.effect)}
+    without = {n: v for n, v in changes.items() if not _is_of(n, whole.effect)}
+    ground = replace(whole.ground, changes=without)
     (folder / "pruned").mkdir()
     return _fitted(ground, whole.law.at(found).only(kept), bare, names, settings, folder / "pruned")
 
@@ -239,8 +238,7 @@ def _only(
 def _holds(one: _Fitted, below: Model, rival: Rival, settings: Settings) -> bool:
     """Whether the law counts, beside the numbers alone and beside the best of the library.
 
-    The held-out trials must not deny it, here as everywhere.  Beside a set of the library that is
-    no plainer it has to be the better one; beside a plainer one, by a size that counts.
+    Beside a set that is no plainer it has to be better, beside a plainer one by a size that counts.
     """
     least = settings.floor * effort_rms(one.residuals["validate"])
     worth = Worth(settings, least)
@@ -348,13 +346,5 @@ def _band(one: _Fitted) -> np.ndarray:
     return np.asarray(SURE * np.sqrt(np.maximum(variance, 0.0)))
 
 
-def _without(changes: Mapping[str, float], owner: str) -> dict[str, float]:
-    return {n: v for n, v in changes.items() if not n.startswith(f"{owner}.")}
-
-
 def _is_of(full: str, effect: type[Effect]) -> bool:
     return full.partition(".")[0] == effect.name()
-
-
-def _title(law: Law) -> str:
-    return told(law, _Units(law.ranges.unit))

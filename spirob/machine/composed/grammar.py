@@ -28,7 +28,6 @@ SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
 SHARE = 0.1  # of the largest load, that a friction at the fastest is
 HALVES = (0.03, 0.2, 0.6)  # of the same, at which half of what levels off is there
-LOCAL = ("spot", "turning spot", "chirp")  # places that are not tried beside the load
 SHORTEST, LONGEST = 4.0, 0.1  # period of what rings: in samples, of the longest trial
 FINE = 1.12  # from one such period to the next
 FADES = (0.5, 2.0)  # periods in which it fades
@@ -57,6 +56,7 @@ PLAIN = {
     "weight": _one("weight", "load", "Abs(pull)"),
     "pull": _one("pull", "load", "pull"),
 }
+STRAIGHT = [PLAIN[name] for name in ("far", "far2", "far3", "cubic")]
 GIVEN = "(pull + m*line)"  # what a motor gives: the load, and a friction in proportion to speed
 
 
@@ -78,8 +78,9 @@ def terms(
         own = _places(ranges, carried, signals) if placed else []
         found += [Term((speed, s)) for s in (*own, *times)]
     if placed:
-        own = _places(ranges, residual * signals["load"] / ranges.heavy, signals)
-        found += [Term((_given("given", GIVEN), s)) for s in own if s.kind not in LOCAL]
+        carried = residual * signals["load"] / ranges.heavy
+        own = [*STRAIGHT, *_waves(ranges, carried, signals["place"]), *map(curve, CURVES)]
+        found += [Term((_given("given", GIVEN), s)) for s in own]
     found += _loads(ranges) + _memories(ranges, placed)
     return [*found, _ringing(ranges, residual, signals)]
 
@@ -116,7 +117,7 @@ def _speeds(ranges: Ranges, odd: bool) -> list[Shape]:
 
 def _places(ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]) -> list[Shape]:
     middle, half = ranges.middle, ranges.half
-    found = [PLAIN["far"], PLAIN["far2"], PLAIN["far3"], PLAIN["cubic"]]
+    found = list(STRAIGHT)
     round_again = 0.0 < ranges.turn < 2 * half
     text = "exp(-0.5*((place - c)/w)**2)"
     if round_again:
@@ -129,13 +130,21 @@ def _places(ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray]
             found.append(
                 Shape("turning spot" if round_again else "spot", "place", (text,), numbers, box)
             )
-    low, high = 2 * np.pi / (2 * half), FINEST * 2 * np.pi / (2 * half)
-    box_of = ((2 * half / FINEST, 4 * half),)
-    for order in peaks(residual, signals["place"], 0.5 * low, high):
-        parts = "cos(2*pi*place/L)", "sin(2*pi*place/L)"
-        found.append(Shape("wave", "place", parts, (("L", 2 * np.pi / order),), box_of))
-    found += [_chirp(ranges, c, residual, signals["place"], (0.5 * low, high)) for c in CENTRES]
+    found += _waves(ranges, residual, signals["place"])
+    found += [_chirp(ranges, c, residual, signals["place"]) for c in CENTRES]
     return found + [curve(count) for count in CURVES]
+
+
+def _orders(ranges: Ranges) -> tuple[float, float]:
+    """Lowest and highest order of a wave [rad of it in a unit of the place]."""
+    return 0.5 * np.pi / ranges.half, FINEST * np.pi / ranges.half
+
+
+def _waves(ranges: Ranges, residual: np.ndarray, place: np.ndarray) -> list[Shape]:
+    half, parts = ranges.half, ("cos(2*pi*place/L)", "sin(2*pi*place/L)")
+    box = ((2 * half / FINEST, 4 * half),)
+    orders = peaks(residual, place, *_orders(ranges))
+    return [Shape("wave", "place", parts, (("L", 2 * np.pi / order),), box) for order in orders]
 
 
 def _chirp(
@@ -143,13 +152,14 @@ def _chirp(
     centre: float,
     residual: np.ndarray,
     place: np.ndarray,
-    ends: tuple[float, float],
 ) -> Shape:
     """A wave whose pitch changes away from a place [of half the way], begun where it shows most."""
     half, c = ranges.half, ranges.middle + centre * ranges.half
     away, best = place - c, (-1.0, 0.0, 0.0)
     for growth in GROWTHS:
-        orders, power = spectrum(residual, away * (1 + growth * np.abs(away) / half), *ends)
+        orders, power = spectrum(
+            residual, away * (1 + growth * np.abs(away) / half), *_orders(ranges)
+        )
         if len(orders):
             k = int(np.argmax(power))
             best = max(best, (float(power[k]), growth, 2 * np.pi / float(orders[k])))

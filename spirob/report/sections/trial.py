@@ -25,6 +25,9 @@ RATES = {
     "false_alarm": "nothing hidden, yet something named",
     "unknown": "right answer not in the library: called unknown or undecided, as is right",
     "left_out": "the same, and no other named with confidence",
+    "law_composed": "the same, where the effect shows: a law is composed",
+    "law_within_1.3": "its held-out error at most 1.3 times that of knowing the effect",
+    "law_within_2.0": "the same, at most 2 times",
     "pairs_both": "two effects hidden, both named",
     "excess_error_closed": "share of the avoidable held-out error that naming took away",
 }
