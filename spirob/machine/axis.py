@@ -67,7 +67,7 @@ def diagnose_recordings(
 
     work = Work()
     with one_thread():
-        judged = _about_its_law(judged_of(_found(told(train, test))))
+        judged = _about_its_law(_without_numbers_of_logs(judged_of(_found(told(train, test)))))
         said = untaught(judged.search, judged.chosen, judged.verdict)
         if said and judged.done.is_long:
             judged = judged.noted(f"{said} {UNTRIED}")
@@ -211,6 +211,21 @@ def _once_more(done: Searched) -> Searched:
     return done
 
 
+def _without_numbers_of_logs(judged: Judged) -> Judged:
+    """The verdict without numbers of single logs, where much is left that is explained so.
+
+    They were found out beside laws of the library.  A law that it lacks differs from log to log, as
+    the motion does, and a payload or a force of each log takes a part of that.
+    """
+    plain, worth = judged.done.plain, judged.search.worth
+    if plain is None or judged.verdict.kind not in ("unknown", "nothing_missing"):
+        return judged
+    if judged.explained.mean_square < (TWICE * worth.least) ** 2:
+        return judged
+    again = judged_of(plain)
+    return again if _outdoes(again, judged) else judged
+
+
 def _about_its_law(judged: Judged) -> Judged:
     """The verdict about another delay, where nothing is named and all of it explains more there.
 
@@ -276,10 +291,10 @@ def _begins_alike(done: Searched, delay: Bounded) -> bool:
 
 
 def _better(done: Searched, wider: Searched, said: str) -> Searched:
-    """What was searched with more told of the rig, where that explains more by what counts."""
+    """What was searched with numbers of single logs, where that explains more by what counts."""
     if not done.search.worth.matters(done.chosen, wider.chosen):
         return done
-    return wider.noted(said)
+    return replace(wider.noted(said), plain=done)
 
 
 def _written(judged: Judged) -> Diagnosis:

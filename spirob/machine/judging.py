@@ -37,12 +37,17 @@ OUTDONE = (
 
 @dataclass(frozen=True)
 class Searched:
-    """What a search over a rig's logs ended with; `gate` is what they can say about its numbers."""
+    """What a search over a rig's logs ended with.
+
+    gate   what they can say about its numbers
+    plain  the search without numbers of single logs, where these were found out
+    """
 
     ready: Ready
     search: RigSearch
     gate: Identifiability
     found: Found
+    plain: "Searched | None" = None
 
     @property
     def chosen(self) -> Model:

@@ -125,10 +125,12 @@ def unexplained(models: "Models", model: Model) -> bool:
     """Whether far more is left than any noise, though no signal of this moment explains it.
 
     Blows, chatter and memories do not follow from the motion of this moment.  What is left of the
-    held-out logs counts beside their own effort: they may be gentler than those that were fitted.
+    held-out logs counts beside their own effort: they may be gentler than those that were fitted,
+    and where they are, what those leave of theirs when left out counts as well.
     """
     size = float(np.sqrt(np.mean(models.heldout.measured() ** 2)))
-    return noisy(models, model) and bool(np.sqrt(model.heldout_square) > MUCH * size)
+    held, own = np.sqrt(model.heldout_square) / size, np.sqrt(model.mean_square) / models.size
+    return noisy(models, model) and bool(max(held, own) > MUCH)
 
 
 def noisy(models: "Models", model: Model) -> bool:

@@ -168,3 +168,41 @@ class Told:
 )
 def test_more_data_takes_no_name_away(again, judged, more):
     assert axis._says_more(again, judged) == more
+
+
+@pytest.mark.parametrize(
+    ("left", "plain_left", "kind", "taken"),
+    [
+        (0.5, 0.1, "unknown", "plain"),
+        (0.5, 0.1, "nothing_missing", "plain"),
+        (0.5, 0.4, "unknown", "with numbers"),  # no half of it
+        (0.5, 0.1, "named", "with numbers"),
+        (0.01, 0.001, "unknown", "with numbers"),  # nothing that counts is left
+    ],
+)
+def test_much_left_beside_numbers_of_single_logs_is_asked_again_without(
+    left, plain_left, kind, taken, monkeypatch
+):
+    worth = SimpleNamespace(least=0.1, halves=lambda before, after: after < 0.5 * before)
+    worth.matters = lambda before, after: after < before
+    worth.refuted = lambda one, other: False
+
+    class Square(float):
+        @property
+        def mean_square(self):
+            return float(self)
+
+    def judged(name, left, plain=None):
+        return SimpleNamespace(
+            name=name,
+            done=SimpleNamespace(plain=plain),
+            search=SimpleNamespace(worth=worth),
+            verdict=Verdict(kind),
+            explained=Square(left),
+        )
+
+    alone = judged("plain", plain_left)
+    monkeypatch.setattr(axis, "judged_of", lambda searched: alone)
+    found = axis._without_numbers_of_logs(judged("with numbers", left, "the search without"))
+    assert found.name == taken
+    assert axis._without_numbers_of_logs(judged("alone", left)).name == "alone"

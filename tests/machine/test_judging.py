@@ -115,7 +115,16 @@ def test_what_is_left_counts_beside_the_effort_of_the_held_out_logs(
     monkeypatch.setattr(leftovers, "noise_floor", lambda problem: 1e-3)
     heldout = SimpleNamespace(measured=lambda: np.full(10, gentler))
     models = SimpleNamespace(train=None, heldout=heldout, size=1.0, least=1e-3)
-    model = SimpleNamespace(heldout_square=(left * gentler) ** 2)
+    model = SimpleNamespace(heldout_square=(left * gentler) ** 2, mean_square=0.0)
+    assert leftovers.unexplained(models, model) is counts
+
+
+@pytest.mark.parametrize(("left", "counts"), [(0.15, True), (0.05, False)])
+def test_what_is_left_of_fitted_logs_left_out_counts_beside_their_effort(left, counts, monkeypatch):
+    monkeypatch.setattr(leftovers, "noise_floor", lambda problem: 1e-3)
+    heldout = SimpleNamespace(measured=lambda: np.full(10, 1.0))
+    models = SimpleNamespace(train=None, heldout=heldout, size=3.0, least=1e-3)
+    model = SimpleNamespace(heldout_square=0.09**2, mean_square=(3.0 * left) ** 2)
     assert leftovers.unexplained(models, model) is counts
 
 
