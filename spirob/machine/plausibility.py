@@ -54,7 +54,7 @@ AT_LOAD = (
 
 def doubts(search: RigSearch, found: Found, rest: RigCeiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    causes = [_turned(search), out_of_scale(search, found.chosen)]
+    causes = [_turned(search, found.chosen), out_of_scale(search, found.chosen)]
     mended = [text for text in causes if text]
     other = _odd_logs(search, found) or ("" if mended else _senseless(search, found, rest))
     return [text for text in (other, *mended) if text]
@@ -157,8 +157,11 @@ def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
     return ""
 
 
-def _turned(search: RigSearch) -> str:
-    """Whether inertia and friction, which only resist, fit with the other sign alone."""
+def _turned(search: RigSearch, chosen: Model) -> str:
+    """Whether inertia and friction, which only resist, fit with the other sign alone.
+
+    Not where as much of the effort as it is logged follows from what was found.
+    """
     effort, columns = search.models.train.measured(), plain_columns(search.models.train)
     design = np.column_stack(columns)
     size = np.linalg.norm(design, axis=0) + 1e-300
@@ -169,6 +172,8 @@ def _turned(search: RigSearch) -> str:
         found = scipy.optimize.lsq_linear(design / size, sign * effort, bounds)
         shares.append(explained(sign * effort, design / size @ found.x))
     as_logged, turned = shares
+    found = 1.0 - chosen.mean_square / max(float(np.var(effort)), 1e-300)
+    as_logged = max(as_logged, found)
     if turned < FAMILIAR or 1.0 - turned > HALF * (1.0 - as_logged):
         return ""
     return (

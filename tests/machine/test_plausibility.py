@@ -36,12 +36,23 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
     def resisting(q, v, a):
         return 0.01 * a + 0.05 * v + 0.1 * np.tanh(v / 0.02) + 0.2 * np.sin(q)
 
-    assert _turned(search_of(resisting)) == ""
-    said = _turned(search_of(lambda *motion: -resisting(*motion)))
-    assert "factor -1" in said
-    assert "100%" in said
+    def said(effort):
+        search = search_of(effort)
+        return _turned(search, search.models.fitted((), {}))
+
+    assert said(resisting) == ""
+    assert "factor -1" in said(lambda *motion: -resisting(*motion))
+    assert "100%" in said(lambda *motion: -resisting(*motion))
     noise = np.random.default_rng(0).normal(size=5000)
-    assert _turned(search_of(lambda q, v, a: noise)) == ""
+    assert said(lambda q, v, a: noise) == ""
+
+
+def test_no_sign_is_blamed_where_what_was_found_explains_the_effort_as_logged():
+    search = search_of(lambda q, v, a: -0.05 * v - 0.1 * np.tanh(v / 0.02))
+    bare = search.models.fitted((), {})
+    assert _turned(search, bare)
+    little = np.full_like(bare.left, 1e-3)
+    assert _turned(search, replace(bare, left=little)) == ""
 
 
 @pytest.mark.parametrize(
