@@ -15,12 +15,12 @@ from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
-from spirob.diagnosis.verdict import Verdict, Weighed, concluded, judge, likely
+from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
 from spirob.machine.flexible import RigCeiling
-from spirob.machine.leftovers import noisy, structured
+from spirob.machine.leftovers import noisy, structured, unexplained
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
 from spirob.machine.plausibility import doubts, only_of_logs
@@ -30,8 +30,8 @@ from spirob.machine.shapes import shaping
 ALL_FIT = "A law composed without any name fits all logs, which no model of the library does."
 TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
-    "A law composed without any name is plainer and leaves less than half the squared error: what "
-    "was nearest only imitates it."
+    "A law composed without any name is plainer and leaves less than half the squared error, or "
+    "leaves nothing that counts: what was nearest only imitates it."
 )
 
 
@@ -133,7 +133,9 @@ def _beside_laws(judged: Judged) -> Judged:
         return judged
     beside = composed(search, found, chosen)
     alone = composed(search, found, found.rungs[0], partial(may_outdo, chosen))
-    if alone is None or not outdone(search.worth, chosen, beside, alone):
+    richer = beside.model if beside else chosen
+    whole = unexplained(models, richer) and explains_all(search.worth, alone)
+    if alone is None or not (whole or outdone(search.worth, chosen, beside, alone)):
         return replace(judged, law=beside) if follows else judged
     return _by_law(judged, alone, OUTDONE)
 
@@ -183,6 +185,14 @@ def outdone(worth: Worth, named: Model, beside: Composed | None, alone: Composed
     idle = numbers(richer, named.names) == 0 or worth.halves(richer, alone.model)
     plain = numbers(alone.model) + (0 if idle else TERM) <= numbers(richer)
     return plain and not worth.matters(alone.model, richer)
+
+
+def explains_all(worth: Worth, alone: Composed | None) -> bool:
+    """Whether a law leaves nothing that counts, of fitted logs and of held-out ones."""
+    if alone is None:
+        return False
+    left = max(alone.model.mean_square, alone.model.heldout_square)
+    return left < (TWICE * worth.least) ** 2
 
 
 def may_outdo(named: Model, draft: Draft) -> bool:

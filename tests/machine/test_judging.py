@@ -11,8 +11,8 @@ from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
-from spirob.machine import leftovers
-from spirob.machine.judging import confirmed, may_outdo, numbers, outdone
+from spirob.machine import judging, leftovers
+from spirob.machine.judging import confirmed, explains_all, may_outdo, numbers, outdone
 
 
 def model(*names, told=(), left=1.0):
@@ -100,6 +100,38 @@ def test_names_that_tell_nothing_beside_their_law_are_outdone_by_one_no_plainer(
         "tip_payload", "cogging", told=("cogging.sine", "cogging.cosine", *payload), left=0.1
     )
     assert not outdone(Stub(), named, leaving(0.1, told), law)
+
+
+@pytest.mark.parametrize(
+    ("left", "heldout", "whole"), [(0.01, 0.01, True), (0.05, 0.01, False), (0.01, 0.05, False)]
+)
+def test_a_law_explains_all_where_it_leaves_nothing_that_counts(left, heldout, whole):
+    law = SimpleNamespace(model=SimpleNamespace(mean_square=left**2, heldout_square=heldout**2))
+    assert explains_all(SimpleNamespace(least=0.02), law) is whole
+    assert not explains_all(SimpleNamespace(least=0.02), None)
+
+
+@pytest.mark.parametrize(("much", "named"), [(True, "unknown"), (False, "named")])
+def test_a_name_beside_which_much_is_left_gives_way_to_a_law_that_explains_all(
+    much, named, monkeypatch
+):
+    law = leaving(1e-6, model("cogging", told=("cogging.sine", "cogging.cosine"), left=1e-6))
+    chosen = model("tip_payload", left=1.0)
+    for name, found in {
+        "structured": lambda models, model, rest: True,
+        "unexplained": lambda models, model: much,
+        "composed": lambda search, found, base, *wanted: law if wanted else None,
+        "outdone": lambda *of: False,
+        "explains_all": lambda worth, alone: alone is law,
+        "_by_law": lambda judged, law, said: SimpleNamespace(verdict="unknown", law=law),
+    }.items():
+        monkeypatch.setattr(judging, name, found)
+    search = SimpleNamespace(models=None, worth=None)
+    found = SimpleNamespace(chosen=chosen, rungs=[None])
+    verdict = SimpleNamespace(kind="named")
+    judged = judging.Judged(SimpleNamespace(search=search), found, verdict, None)
+    told = judging._beside_laws(judged).verdict
+    assert getattr(told, "kind", told) == named
 
 
 @pytest.mark.parametrize(("left", "may"), [(0.9, True), (1.1, False)])
