@@ -125,3 +125,5 @@ def test_a_law_counts_over_what_knowing_leaves_where_the_library_lacks_it():
     values = [found[f"law_{name}"]["value"] for name in ("composed", "within_1.3", "within_2.0")]
     assert values == pytest.approx([2 / 3, 1 / 3, 2 / 3])
     assert found["law_composed"]["n"] == 3
+    earlier = result(verdict="unknown", without=True)  # by a program that composed no laws
+    assert rates([earlier])["law_composed"]["n"] == 0
