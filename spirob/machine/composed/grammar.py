@@ -237,8 +237,7 @@ def _memories(ranges: Ranges, placed: bool) -> list[Term]:
     for delay in DELAYS:
         own, both = (*given.numbers, ("e", delay * long)), (*given.box, *box)
         heat = Shape("slow heat", "memory", ("slow",), own, both, "slow", f"{GIVEN}**2")
-        late = Shape("late load", "memory", (f"slow - {GIVEN}",), own, both, "slow", GIVEN)
-        found += [Term((heat,)), Term((heat, given)), Term((late,))]
+        found += [Term((heat,)), Term((heat, given))]
     return found
 
 

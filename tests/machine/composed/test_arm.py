@@ -1,5 +1,7 @@
 """A law of the arm: composed from its currents, a file like any other, and needed only once."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,9 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.machine.composed import arm
 from spirob.machine.composed.arm import Rival, composed_for_arm
-from spirob.machine.composed.arm_ground import arm_ground
+from spirob.machine.composed.arm_ground import PLACES, arm_ground
+from spirob.machine.composed.draft import Drafts
+from spirob.machine.composed.terms import Shape, Term
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate
@@ -146,6 +150,43 @@ def test_a_torque_shows_in_the_currents_as_the_model_shows_it(plain, tmp_path):
     assert np.mean((shown - played) ** 2) < 0.2 * np.mean(played**2)
     # the torque on the one motor alone would be half of it
     assert np.mean((0.5 * shown - played) ** 2) > 0.25 * np.mean(played**2)
+
+
+def test_a_term_has_a_size_in_each_motor(plain):
+    held = problems(plain)
+    ground = arm_ground(
+        held["train"], held["validate"], NAMES, {}, PLACES[0], SETTINGS, lambda text: None
+    )
+    line = Term((Shape("line", "speed", ("line",)),))
+    whole = -line.along(ground.train.track, ground.ranges)[0]
+    columns = Drafts(ground).columns(line)
+    assert columns.shape[1] == len(ground.train.motors) == 2
+    assert columns.sum(axis=1) == pytest.approx(ground.train.shown(whole))
+    assert not np.allclose(columns[:, 0], columns[:, 1])
+
+
+@pytest.mark.parametrize(
+    ("own", "effects", "holds"),
+    [
+        (0.030, 1, True),  # as many terms as effects: the better one
+        (0.039, 1, False),
+        (0.030, 0, False),  # a plainer set: better by the least that counts
+        (0.020, 0, True),
+    ],
+)
+def test_beside_a_set_that_is_no_plainer_a_law_has_to_be_the_better_one(
+    own, effects, holds, monkeypatch
+):
+    """The set leaves 0.04, what counts is 0.03."""
+    worth = SimpleNamespace(matters=lambda a, b: True, denied=lambda a, b: False)
+    monkeypatch.setattr(arm, "Worth", lambda settings, least: worth)
+    monkeypatch.setattr(arm, "effort_rms", lambda problem: 0.03 / SETTINGS.floor)
+    errors = {"validate": SimpleNamespace(rmse=own), "heldout": SimpleNamespace(rmse=0.01)}
+    monkeypatch.setattr(arm, "scores", lambda model, residuals: errors)
+    law = SimpleNamespace(terms=1)
+    one = SimpleNamespace(model=None, residuals={"validate": None}, law=law)
+    rival = Rival({"validate": 0.04, "heldout": 0.04}, effects)
+    assert arm._holds(one, None, rival, SETTINGS) is holds
 
 
 def test_a_law_that_no_arm_can_be_played_with_is_none(spot, drafted, monkeypatch):

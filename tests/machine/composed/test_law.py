@@ -116,6 +116,16 @@ def test_a_friction_that_would_drive_is_none():
     assert not law_of(turned, ranges(0.0), 0.5).brakes
 
 
+@pytest.mark.parametrize(
+    ("sizes", "mean", "brakes"), [([0.5, 0.3], 0.4, True), ([0.5, -0.1], 0.2, False)]
+)
+def test_a_size_in_each_motor_is_their_mean_and_brakes_where_both_do(sizes, mean, brakes):
+    draft, _ = law("way")
+    found = law_of(replace(draft, factors=(np.array(sizes),)), ranges(0.0), 0.5)
+    assert found.parts[0].amplitude == pytest.approx(mean)
+    assert found.brakes is brakes
+
+
 def test_a_law_reads_as_a_formula():
     _, found = law("way × spot")
     assert formula(found, SIZES).startswith("τ = -(0.40")
