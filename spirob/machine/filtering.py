@@ -80,25 +80,31 @@ def _earlier(values: np.ndarray, by: float, half_square: float, period: float) -
     return values - by * first + half_square * _differences(first, period)
 
 
+@njit(cache=True)
 def _both_ways(
     sections: np.ndarray, settled: np.ndarray, values: np.ndarray, padding: int
 ) -> np.ndarray:
     """`scipy.signal.sosfiltfilt` of values (n,), where the settled state of the filter is known.
 
-    Finding that state takes it longer than to filter a thousand samples.
+    Finding that state takes it longer than to filter a thousand samples, and NumPy longer to be
+    called than to continue them.
     """
-    more = min(padding, len(values) - 1)
-    before, after = values[more:0:-1], values[-2 : -more - 2 : -1]
-    padded = np.concatenate([2.0 * values[0] - before, values, 2.0 * values[-1] - after])
-    _pass(sections, settled * padded[0], padded, padded)
+    n = len(values)
+    more = min(padding, n - 1)
+    padded = np.empty(n + 2 * more)
+    for k in range(more):
+        padded[k] = 2.0 * values[0] - values[more - k]
+        padded[more + n + k] = 2.0 * values[n - 1] - values[n - 2 - k]
+    padded[more : more + n] = values
+    _pass(sections, settled * padded[0], padded)
     backward = padded[::-1]
-    _pass(sections, settled * backward[0], backward, backward)
-    return padded[more : len(padded) - more]
+    _pass(sections, settled * backward[0], backward)
+    return padded[more : more + n]
 
 
 @njit(cache=True)
-def _pass(sections: np.ndarray, state: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
-    """`scipy.signal.sosfilt`, bit for bit, which takes longer to be called than to filter.
+def _pass(sections: np.ndarray, state: np.ndarray, values: np.ndarray) -> None:
+    """`scipy.signal.sosfilt` in place, bit for bit, which takes longer to be called than to filter.
 
     Two sections at a time, of which there is an even number: their states stay in registers.
 
@@ -110,16 +116,15 @@ def _pass(sections: np.ndarray, state: np.ndarray, values: np.ndarray, out: np.n
         b0, b1, b2, b4, b5 = b[0], b[1], b[2], b[4], b[5]
         first, second = state[s, 0], state[s, 1]
         third, fourth = state[s + 1, 0], state[s + 1, 1]
-        given = out if s else values
         for k in range(len(values)):
-            value = given[k]
+            value = values[k]
             between = a0 * value + first
             first = a1 * value - a4 * between + second
             second = a2 * value - a5 * between
             passed = b0 * between + third
             third = b1 * between - b4 * passed + fourth
             fourth = b2 * between - b5 * passed
-            out[k] = passed
+            values[k] = passed
 
 
 @cache
