@@ -11,11 +11,14 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
+
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.dry import is_dry
+from spirob.diagnosis.model import Model, richness
 from spirob.diagnosis.search import Found
-from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely
+from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
@@ -25,6 +28,7 @@ from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
 from spirob.machine.plausibility import doubts, only_of_logs
 from spirob.machine.preparation import Ready
+from spirob.machine.scaling import ways
 from spirob.machine.shapes import shaping
 
 ALL_FIT = "A law composed without any name fits all logs, which no model of the library does."
@@ -98,6 +102,8 @@ def judged_of(done: Searched) -> Judged:
     """The verdict on a search, and the law that it asks for."""
     search = done.search
     ended, weighed = confirmed(*concluded(search, done.found, lambda m: is_bent(search, m)))
+    weighed, said = with_instant(search, ended.found.chosen, weighed)
+    done = done.noted(said) if said else done
     rest = search.models.ceiling(ended.found.chosen)
     verdict = judge(ended, weighed, doubts(search, ended.found, rest))
     judged = Judged(done, ended.found, verdict, rest)
@@ -159,6 +165,31 @@ def confirmed(ended: Ended, weighed: Mapping[str, Weighed]) -> tuple[Ended, Mapp
     if not likely(weighed) or not ended.search.worth.denied(bare, chosen):
         return ended, weighed
     return _nameless(ended.search, ended.found, weighed)
+
+
+def with_instant(
+    search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
+) -> tuple[Mapping[str, Weighed], str]:
+    """The weighed, dry friction that flips at once beside one whose way no log shows; what is said.
+
+    A bristle that has turned round before the filter answers fits the sensor, not the friction.
+    """
+    unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
+    instant = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
+    for effect in chosen.effects if instant else ():
+        name, other = effect.name(), instant[0].name()
+        found = [chosen.fit.changes.get(f"{name}.{field}", np.inf) for field in ways(effect)]
+        if not (is_dry(effect) and found and max(found) < unseen) or name not in weighed:
+            continue
+        one, unit = weighed[name], search.models.train.sizes.axis_unit
+        same, rivals = {*one.equivalents, other}, [n for n in one.rivals if n != other]
+        told[name] = replace(one, equivalents=sorted(same), rivals=rivals)
+        said = (
+            f"{effect.title} would turn round within {max(found):.2g} {unit} of a reversal. The "
+            f"axis goes {unseen:.2g} {unit} before the filter answers: these logs cannot tell it "
+            f"from {plain(other)}."
+        )
+    return told, said
 
 
 def _nameless(

@@ -17,6 +17,7 @@ import numpy as np
 from spirob.effects import Effect
 from spirob.errors import ConfigError
 from spirob.machine.body import RigidBody
+from spirob.machine.filtering import BELOW
 from spirob.machine.laws import shares_inertia
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
@@ -53,6 +54,7 @@ class Sizes:
     speed     usual speed;  angle  what stands for one radian;  both in `axis_unit`, m or rad
     current   RMS of the effort as read, in `effort_unit`
     mass      that the axis carries [kg];  seconds  of the longest trial
+    unseen    way behind a reversal that is over before the filter answers, in `axis_unit`
     """
 
     torque: float
@@ -65,6 +67,7 @@ class Sizes:
     effort_unit: str
     axis_unit: str
     seconds: float = 60.0
+    unseen: float = 0.0
 
     def ratio(self, unit: str) -> float:
         """This rig's size over the small rotor's, in the dimension of `unit`."""
@@ -265,6 +268,7 @@ def sizes_of(
         effort_unit=unit,
         axis_unit=rig.axis,
         seconds=max(sum(float(len(p.q)) * r.period for p in r.pieces) for r in train),
+        unseen=_unseen(gathered("a"), max(r.cutoff for r in train)),
     )
     fast = float(np.quantile(np.abs(v), 0.95))
     if rig.rest_speed is None:
@@ -276,3 +280,12 @@ def sizes_of(
             f"{fast / speed:.3g} {unit}/s; about a hundredth of that is usual"
         )
     return sizes, rig.rest_speed * speed
+
+
+def _unseen(a: np.ndarray, cutoff: float) -> float:
+    """a T²/2: the way from a reversal at the RMS acceleration, a (n,), in the last filter's time.
+
+    T = 1/(2π·edge).  What turns round within it is not told from what flips at once.
+    """
+    answers = 1.0 / (2.0 * np.pi * BELOW * cutoff)
+    return 0.5 * float(np.sqrt(np.mean(a**2))) * answers**2

@@ -141,3 +141,14 @@ def test_a_speed_of_rest_above_the_motion_is_a_mistake():
     made = prepare("log", {"t": t, "q": np.sin(3 * t), "u": np.cos(3 * t)}, rig)
     with pytest.raises(ConfigError, match=r"rest_speed: 1e\+10 .* moves at 2\.99 rad/s"):
         sizes_of(rig, None, [made])
+
+
+@pytest.mark.parametrize("cutoff", [10.0, 20.0])
+def test_the_way_that_no_log_shows_is_gone_in_the_time_of_the_last_filter(cutoff):
+    rig = RigFile.model_validate(description(filter={"cutoff": cutoff}))
+    t = np.arange(0, 20, 2e-3)
+    w = 2 * np.pi
+    made = prepare("log", {"t": t, "q": np.sin(w * t), "u": np.cos(w * t)}, rig)
+    sizes, _ = sizes_of(rig, None, [made])
+    time = 1.0 / (2 * np.pi * BELOW * cutoff)
+    assert sizes.unseen == pytest.approx(0.5 * w**2 / np.sqrt(2) * time**2, rel=0.03)

@@ -12,7 +12,15 @@ from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
 from spirob.machine import judging, leftovers
-from spirob.machine.judging import confirmed, explains_all, may_outdo, numbers, outdone
+from spirob.machine.judging import (
+    confirmed,
+    explains_all,
+    may_outdo,
+    numbers,
+    outdone,
+    with_instant,
+)
+from spirob.machine.laws.presliding_friction import PreslidingFriction
 
 
 def model(*names, told=(), left=1.0):
@@ -180,3 +188,26 @@ def test_what_is_unlikely_anyway_stays_the_nearest():
     ended = Ended(search, Found([bare, chosen]), None)
     told = {"cogging": Weighed(0.3, 0.4)}
     assert confirmed(ended, told) == (ended, told)
+
+
+@pytest.mark.parametrize(("way", "same"), [(1e-4, ["coulomb_friction"]), (1e-2, [])])
+def test_dry_friction_is_told_beside_a_bristle_whose_way_no_log_shows(way, same):
+    library = all_effects()
+    candidates = [library["stribeck_friction"], library["coulomb_friction"], PreslidingFriction]
+    sizes = SimpleNamespace(unseen=1e-3, axis_unit="rad")
+    models = SimpleNamespace(train=SimpleNamespace(sizes=sizes))
+    search = SimpleNamespace(candidates=candidates, models=models)
+    fit = SimpleNamespace(changes={"presliding_friction.presliding": way, "cogging.order": 1e-9})
+    chosen = SimpleNamespace(effects=(library["cogging"], PreslidingFriction), fit=fit)
+    others = ["coulomb_friction", "stribeck_friction"]
+    weighed = {
+        "cogging": Weighed(0.9, 0.9),
+        "presliding_friction": Weighed(0.8, 0.8, [], others),
+    }
+    told, said = with_instant(search, chosen, weighed)
+    assert told["cogging"] == weighed["cogging"]
+    assert told["presliding_friction"].equivalents == same
+    assert told["presliding_friction"].rivals == [n for n in others if n not in same]
+    assert told["presliding_friction"].probability == 0.8
+    assert bool(said) == bool(same)
+    assert not same or ("0.0001 rad" in said and "0.001 rad" in said)
