@@ -120,6 +120,17 @@ LIGHT = 2**26  # bytes beyond which only what is wanted is kept
 LISTED = 5  # columns that a sentence names
 
 
+def require_room(rows: int, columns: int) -> None:
+    """Raise ValueError where a table would be larger than `LARGEST`, before it is filled.
+
+    A few bytes of text may stand for a row of any width: what a short row lacks is filled up.
+    """
+    if 8 * rows * columns > LARGEST:
+        raise ValueError(
+            f"{rows} rows of {columns} columns are more than {LARGEST >> 20} MiB of numbers"
+        )
+
+
 def finished(table: Table, asked: Asked) -> Table:
     """A reader's table as it is given out; raises DataError where there is none."""
     _printable(table)

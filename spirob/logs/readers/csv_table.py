@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spirob.errors import DataError, NothingLeft
-from spirob.logs.readers.columns import Asked, Table, printable
+from spirob.logs.readers.columns import Asked, Table, printable, require_room
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,6 +45,7 @@ def read(asked: Asked) -> Table:
         )
     separator, decimal = _dialect(where, lines)
     names = _cells(lines[0], separator)
+    require_room(text.count("\n"), len(names))
     frame, cut = _parse(where, text, separator, decimal)
     for k, name in enumerate(frame.columns):
         add(table, str(name).strip().strip('"'), frame.iloc[:, k])

@@ -4,13 +4,14 @@ Rows may also stand one to a line.
 """
 
 import json
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.logs.readers.columns import Asked, Table, printable, spread
+from spirob.logs.readers.columns import Asked, Table, printable, require_room, spread
 
 KIND = "JSON file"
 SUFFIXES = {".json", ".jsonl", ".ndjson"}
@@ -31,13 +32,22 @@ def read(asked: Asked) -> Table:
     where, table = printable(str(asked.path)), Table(asked.name)
     if asked.path.stat().st_size > LARGEST:
         raise DataError(f"{where}: more than {LARGEST >> 20} MiB of text; use Parquet")
-    columns = dict(_columns("", _content(asked, table), 0))
-    if len(columns) > COLUMNS:
-        raise DataError(f"{where}: more than {COLUMNS} columns are no table")
+    columns: dict[str, list[Any]] = {}
+    cells = 0
+    for name, values in _columns("", _content(asked, table), 0):
+        columns[name] = values
+        cells += len(values)
+        _require_table(-(-cells // len(columns)), len(columns))
     for name, values in columns.items():
         add(table, name, _array(values))
     _without_shell(table)
     return table
+
+
+def _require_table(rows: int, columns: int) -> None:
+    if columns > COLUMNS:
+        raise ValueError(f"more than {COLUMNS} columns are no table")
+    require_room(rows, columns)
 
 
 def _content(asked: Asked, table: Table) -> Any:
@@ -63,8 +73,7 @@ def _content(asked: Asked, table: Table) -> Any:
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
+        [(twice, _)] = Counter(name for name, _ in pairs).most_common(1)
         raise ValueError(f"'{printable(twice)[:40]}' stands twice in one object")
     return found
 
@@ -106,11 +115,12 @@ def _rows(name: str, rows: list[Any]) -> Iterator[tuple[str, list[Any]]]:
     found: dict[str, list[Any]] = {}
     for k, row in enumerate(rows):
         for key, cell in _cells("", row, 0):
-            column = found.setdefault(key, [])
+            if key not in found:
+                found[key] = []
+                _require_table(len(rows), len(found))
+            column = found[key]
             column.extend([None] * (k - len(column)))
             column.append(cell)
-        if len(found) > COLUMNS:
-            raise ValueError(f"more than {COLUMNS} columns are no table")
     for key, column in found.items():
         column.extend([None] * (len(rows) - len(column)))
         yield f"{name}.{key}" if name else key, column

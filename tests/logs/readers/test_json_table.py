@@ -1,6 +1,7 @@
 """JSON in the shapes that people and libraries write; whatever else it holds is a sentence."""
 
 import json
+import tracemalloc
 
 import numpy as np
 import pandas as pd
@@ -84,6 +85,39 @@ def test_what_is_no_table_is_refused(tmp_path, text):
     with pytest.raises(DataError, match=r"a\.json") as told:
         read_table(tmp_path / "a.json")
     assert len(str(told.value)) < 600
+
+
+def short_rows(width, rows):
+    """A row of many names, and rows that have none of them."""
+    return [{f"c{k}": 1 for k in range(width)}, *[{}] * rows]
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        short_rows(4990, 40_000),
+        [{}] * 40_000 + short_rows(4990, 1),
+        {f"b{k}": short_rows(400, 2000) for k in range(60)},
+    ],
+    ids=["first", "last", "many tables"],
+)
+def test_what_short_rows_lack_is_counted_before_it_is_filled(tmp_path, document):
+    (tmp_path / "a.json").write_text(json.dumps(document))
+    tracemalloc.start()
+    try:
+        with pytest.raises(DataError, match=r"rows of \d+ columns are more than 256 MiB|no table"):
+            read_table(tmp_path / "a.json")
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 2**30
+
+
+def test_of_many_names_the_one_that_stands_twice_is_told(tmp_path):
+    names = ",".join(f'"{k:x}":1' for k in range(300_000))
+    (tmp_path / "a.json").write_text(f'{{{names},"zz":1,"zz":2}}')
+    with pytest.raises(DataError, match="'zz' stands twice"):
+        read_table(tmp_path / "a.json")
 
 
 def test_numbers_beyond_all_bounds_are_no_crash(tmp_path):
