@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Annotated
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, BeforeValidator
 
 from spirob.errors import ConfigError, EffectError
 
@@ -107,7 +107,14 @@ def sized(value: float) -> float:
     return value
 
 
-Size = Annotated[float, AfterValidator(sized)]
+def number(value: object) -> object:
+    """The value itself; raises ValueError for true and false, which count as 1 and 0 elsewhere."""
+    if isinstance(value, bool):
+        raise ValueError(f"'{str(value).lower()}' is no number")
+    return value
+
+
+Size = Annotated[float, BeforeValidator(number), AfterValidator(sized)]
 
 
 def sized_not_zero(value: float) -> float:

@@ -1,11 +1,18 @@
 """The columns of a log in a description, and their units: motion, effort, time."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
-from spirob.units import UNITS, sized, units_of
+from spirob.units import UNITS, number, sized, units_of
 
 TIME_UNITS = units_of("s")
 LENGTHS, ANGLES = units_of("m"), units_of("rad")
@@ -18,6 +25,13 @@ class Entry(BaseModel):
     """Base of every part of the description: no unknown keys, no number that none can mean."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_switch(cls, value: Any, about: ValidationInfo) -> Any:
+        kind = cls.model_fields[str(about.field_name)].annotation
+        wanted = {kind, *get_args(kind)}
+        return number(value) if wanted & {int, float} and bool not in wanted else value
 
     @field_validator("*")
     @classmethod

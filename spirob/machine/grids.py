@@ -87,9 +87,10 @@ def grids_of(
         inside = {name: values[rows] for name, values in columns.items()}
         grids.append(_grid(clock.seconds[rows], inside, period))
     if gaps.any():
+        count = int(gaps.sum())
         said.append(
-            f"{where}: {int(gaps.sum())} gaps, the longest {steps[gaps].max():.3g} s; the log was "
-            "cut there."
+            f"{where}: {count} gap{'s' * (count > 1)}, the longest {steps[gaps].max():.3g} s; "
+            "the log was cut there."
         )
     if len(grids) > 1 or scraps:
         dropped = f", and {scraps:.2g} s of scraps dropped" if scraps else ""

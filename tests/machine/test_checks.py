@@ -50,7 +50,7 @@ def test_a_gap_cuts_the_log_and_is_said():
     log = {name: np.delete(values, slice(900, 1100)) for name, values in good().items()}
     made = prepare("log", log, RIG)
     assert len(made.pieces) == 2
-    assert any("1 gaps, the longest 0.402 s" in said for said in made.said)
+    assert any("1 gap, the longest 0.402 s" in said for said in made.said)
 
 
 @pytest.mark.parametrize("size", [20.0, 1e9, 1e200])
