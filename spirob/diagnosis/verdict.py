@@ -155,7 +155,8 @@ def _with_kin(one: Weighed, others: Sequence[str]) -> Weighed:
     if together < LIKELY:
         return one
     rivals = [*others, *(name for name in one.rivals if name not in others)]
-    return replace(one, together=together, rivals=rivals)
+    equivalents = [name for name in one.equivalents if name not in others]
+    return replace(one, together=together, rivals=rivals, equivalents=equivalents)
 
 
 def judge(

@@ -103,7 +103,6 @@ def judged_of(done: Searched) -> Judged:
     search = done.search
     ended, weighed = confirmed(*concluded(search, done.found, lambda m: is_bent(search, m)))
     weighed, said = with_instant(search, ended.found.chosen, weighed)
-    done = done.noted(said) if said else done
     rest = search.models.ceiling(ended.found.chosen)
     verdict = judge(ended, weighed, doubts(search, ended.found, rest))
     judged = Judged(done, ended.found, verdict, rest)
@@ -111,7 +110,9 @@ def judged_of(done: Searched) -> Judged:
         return _in_all_logs(judged)
     if verdict.kind == "unknown":
         return replace(judged, law=composed(search, ended.found, ended.found.rungs[0]))
-    return _beside_laws(judged)
+    judged = _beside_laws(judged)
+    told = judged.verdict.kind in ("named", "undecided")
+    return judged.noted(said) if said and told else judged
 
 
 def _in_all_logs(judged: Judged) -> Judged:

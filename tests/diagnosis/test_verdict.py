@@ -108,6 +108,15 @@ def test_a_name_that_is_unlikely_alone_may_be_likely_with_its_kin(
     assert bool(likely(verdict.weighed)) is (kind != "unknown")
 
 
+def test_no_name_is_said_both_to_be_the_same_and_to_be_another(monkeypatch):
+    monkeypatch.setattr(module, "figures", lambda *given: {"fall_heldout": 1.0})
+    monkeypatch.setattr(module, "probability", lambda f, of="name": 0.8 if of == "kin" else 0.3)
+    one = ended(BARE, model([KIN], 0.003), model([EFFECT], 0.002))
+    one.found.equivalents[NAME] = [KIN.name(), FAR.name()]
+    told = weigh(one)[NAME]
+    assert (told.rivals, told.equivalents) == ([KIN.name()], [FAR.name()])
+
+
 def test_beside_a_sure_name_another_may_be_one_of_its_kin(monkeypatch):
     """Both are then needed: the first is named, and between those of the second is decided."""
     shares = {EFFECT.name(): 0.9, OTHER.name(): 0.3}
