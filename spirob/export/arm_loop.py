@@ -15,7 +15,7 @@ from spirob.effects import Effect
 from spirob.export.arm import CorrectedArm
 from spirob.export.corrected import Held
 from spirob.export.law import kernel_functions, law_of
-from spirob.plant.assemble import generate
+from spirob.plant.assemble import generate, law_numbers
 from spirob.plant.records import COLUMNS, NOISE
 from spirob.ports import PORTS
 from spirob.robot import Scene
@@ -111,7 +111,7 @@ class Controller:
             moved = Record(dict(model=model, data=data, qpos=data.qpos, qvel=data.qvel))
             moved.applied = data.qfrc_applied
             self._loop = run(
-                P, state, Record(PASSING), settings, arm, moved, MEMORY.copy(),
+                P, state, Record(PASSING), settings, arm, moved, Record(dict(memory=MEMORY.copy())),
                 self.reference, self.reference_rate, self.out, self.angles,
             )
         try:
@@ -119,7 +119,7 @@ class Controller:
         except StopIteration:
             raise RuntimeError("the model became non-finite") from None
 '''
-GIVEN = ["p", "s", "w", "c", "arm", "moved", "memory", *PLAYED]
+GIVEN = ["p", "s", "w", "c", "arm", "moved", "laws", *PLAYED]
 
 
 def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
@@ -131,7 +131,7 @@ def arm_module(model: CorrectedArm, name: str, about: dict[str, str]) -> str:
     looped = [e for e in model.effects if PORTS[e.port].every != "once"]
     tree = ast.parse(generate(looped, model.rig.host is not None))
     kernels = {f.node.name: f.node for e in looped for f in kernel_functions(_held(e))}
-    functions = _functions(tree, kernels, plant.table.index)
+    functions = _functions(tree, kernels, plant.table.index, law_numbers(looped))
     names = f"NAMES = {tuple(plant.table.names)!r}  # of P"
     arrays = {"P": "p", "MEMORY": "memory", "QPOS": "qpos"}
     constants = [f"{n} = np.array({begun[a].tolist()!r})" for n, a in arrays.items()]
@@ -165,7 +165,10 @@ def _held(effect: type[Effect]) -> Held:
 
 
 def _functions(
-    tree: ast.Module, kernels: dict[str, ast.FunctionDef], places: dict[str, int]
+    tree: ast.Module,
+    kernels: dict[str, ast.FunctionDef],
+    places: dict[str, int],
+    of_laws: list[str],
 ) -> str:
     """The functions of the generated loop as plain Python, kernels as they were checked."""
     found = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name not in FAST]
@@ -174,7 +177,8 @@ def _functions(
         if node.name in kernels:
             continue
         node.decorator_list = []
-        made.append(_Step(places).visit(_Loop().visit(node) if node.name == "run" else node))
+        stepped = _Loop().visit(node) if node.name == "run" else node
+        made.append(_Step(places, of_laws).visit(stepped))
     made = [*kernels.values(), *made]
     for node in made:
         ast.fix_missing_locations(node)
@@ -184,14 +188,23 @@ def _functions(
 class _Step(ast.NodeTransformer):
     """Numbers by their place in the vector, which whoever takes it home may change."""
 
-    def __init__(self, places: dict[str, int]):
+    def __init__(self, places: dict[str, int], of_laws: list[str]):
         self.places = places
+        self.of_laws = of_laws
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         owner, _, name = ast.unparse(node).partition(".")
         if owner == "p" and name in self.places:
-            return ast.parse(f"p[{self.places[name]}]", mode="eval").body
+            return self._number(name)
         return node
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        if ast.unparse(node.value) == "laws.numbers":
+            return self._number(self.of_laws[ast.literal_eval(node.slice)])
+        return self.generic_visit(node)
+
+    def _number(self, name: str) -> ast.AST:
+        return ast.parse(f"p[{self.places[name]}]", mode="eval").body
 
 
 class _Loop(ast.NodeTransformer):

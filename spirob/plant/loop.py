@@ -13,8 +13,8 @@ the cycle, as the drive reports it, with the command that follows from it; one m
 state after the last cycle.
 
 All of them work on the records of `plant.records`: p numbers by owner, s state, w what one step
-leaves to the next, c settings, arm what is known of the arm, moved what MuJoCo moves of it, memory
-what effects remember.  m counts motors, left and right, i hinges from the base.
+leaves to the next, c settings, arm what is known of the arm, moved what MuJoCo moves of it, laws
+what effects know and remember.  m counts motors, left and right, i hinges from the base.
 
 A comment `# @ port name -> variable` is replaced by one statement for each effect at that port;
 `repeat` applies them to another signal, `probe` asks them at another speed.  `READS_...` is whether
@@ -23,7 +23,7 @@ holds for a cycle, or the drive.
 """
 
 
-def report(p, s, w, c, memory, m, row):
+def report(p, s, w, c, laws, m, row):
     """What a motor's drive reports, into its row of the output."""
     sensed_displacement = c.radius * s.turned[m]
     # @ port sensing.displacement -> sensed_displacement
@@ -55,7 +55,7 @@ def report(p, s, w, c, memory, m, row):
     row.tension = s.tension[m]
 
 
-def command(p, s, w, c, memory, m, reference, reference_rate, row):
+def command(p, s, w, c, laws, m, reference, reference_rate, row):
     """The current that a motor is told by what its drive reported, and the host's voltage."""
     w.command_before[m] = s.command[m]
     wanted, s.command_integral[m] = current_command(
@@ -166,12 +166,12 @@ def begin(p, s, arm, moved):
 
 
 def run(
-    numbers, state, passing, settings, arms, moved, memory, reference, reference_rate, out, angles
+    numbers, state, passing, settings, arms, moved, laws, reference, reference_rate, out, angles
 ):
     """Simulate all cycles; returns the cycle where a state became non-finite, or -1.
 
     numbers, state, passing, settings, arms  p, s, w, c and arm, arrays of one;  moved  a `Moved`
-    memory         of the effects, a row for each state of `assemble.memory_rows`
+    laws           `assemble.Laws`
     reference      (T, 2) of the law, in the unit of its mode;  reference_rate  (T, 2) [m/s]
     out            (T + 1, 2) filled, `records.ROW`, but for its noise, which is given
     angles         (T + 1, N) filled [rad]
@@ -184,10 +184,10 @@ def run(
         w.last = cycle == cycles
         for m in range(2):
             row = out[cycle, m]
-            report(p, s, w, c, memory, m, row)
+            report(p, s, w, c, laws, m, row)
             if not w.last:
                 asked, asked_rate = reference[cycle, m], reference_rate[cycle, m]
-                command(p, s, w, c, memory, m, asked, asked_rate, row)
+                command(p, s, w, c, laws, m, asked, asked_rate, row)
             w.cycle_rate[m] = s.rate[m]
             w.cycle_shortening_rate[m] = s.shortening_rate[m]
         for i in range(arm.stiffness.shape[0]):
@@ -197,9 +197,9 @@ def run(
         for substep in range(c.substeps):
             w.substep = substep
             for m in range(2):
-                j_a(p, s, w, c, memory, m)
-                j_b(p, s, w, c, memory, m)
-            untouched = j_c(p, s, w, c, arm, moved, memory)
+                j_a(p, s, w, c, laws, m)
+                j_b(p, s, w, c, laws, m)
+            untouched = j_c(p, s, w, c, arm, moved, laws)
             body_moves(c, arm, moved, untouched)
             pose(s, arm, moved)
         for m in range(2):

@@ -19,13 +19,14 @@ from spirob.effects import Effect
 from spirob.effects.effect import differences
 from spirob.errors import SimulationError
 from spirob.parameter import Parameter, Table
-from spirob.plant.assemble import assemble, memory_rows
+from spirob.plant.assemble import assemble, law_numbers, memory_rows
 from spirob.plant.body import build_spec, compiled
 from spirob.plant.objects import launch
 from spirob.plant.records import SETTINGS, Frames, Layout, Response, made
 from spirob.plant.rig import Arm, Holes, Rig
 from spirob.plant.session import CYCLE, Session, Torque
 from spirob.plant.tendon import room
+from spirob.ports import PORTS
 from spirob.robot import MOTORS, Scene
 
 SUBSTEPS = 2  # 0.5 ms: converged to 1 % against 25 µs, and the arm is stable to 100 N
@@ -50,8 +51,11 @@ class Plant:
         self.table = Table(owners).joined(own).behind(rig.winch.gear_ratio)
         self.table = self.table.narrowed(room(rig.geometry.arm()))
         self.geometry = rig.lengths()
-        self.layout = Layout(self.table.names)
-        self.run = assemble(self.effects, rig.host is not None)
+        of_laws = {name for e in self.effects for name in law_numbers([e])}
+        self.layout = Layout(self.table.names, without=of_laws)
+        looped = [e for e in self.effects if PORTS[e.port].every != "once"]
+        self.numbers = [self.table.position(name) for name in law_numbers(looped)]
+        self.run = assemble(looped, rig.host is not None)
         self.begun = np.array([e.state[s] for e, s in memory_rows(self.effects)])
         self.settings = self._controller()
         self.scatter: bytes = b""

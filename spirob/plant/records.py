@@ -4,7 +4,7 @@ Numbers of a record have a name here and in `loop`, where compiled code reads `s
 reads the same memory by the same name.  Rows of two are the left and the right motor.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
@@ -212,11 +212,16 @@ def made(kind: np.dtype) -> Any:
 
 
 class Layout:
-    """The parameter vector as a record: `owner.field` of a table is `p.owner.field` in the loop."""
+    """The parameter vector as a record: `owner.field` of a table is `p.owner.field` in the loop.
 
-    def __init__(self, names: Sequence[str]):
+    without  names that it leaves out: those of effects, so that the record is of one kind
+    """
+
+    def __init__(self, names: Sequence[str], without: Collection[str] = ()):
         owners: dict[str, list[int]] = {}
         for k, name in enumerate(names):
+            if name in without:
+                continue
             owners.setdefault(name.partition(".")[0], []).append(k)
         fields = {o: [(names[k].partition(".")[2], "f8") for k in own] for o, own in owners.items()}
         self._kind = _kind([(owner, _kind(own)) for owner, own in fields.items()])

@@ -18,7 +18,7 @@ import numpy as np
 from spirob.control import CURRENT, Schedule
 from spirob.effects import Effect
 from spirob.errors import SimulationError
-from spirob.plant.assemble import memory_rows
+from spirob.plant.assemble import Laws, memory_rows
 from spirob.plant.body import hinge_weights
 from spirob.plant.chain import chain_of
 from spirob.plant.objects import bow, launch, outlines
@@ -237,7 +237,7 @@ class Session:
             self._settings,
             self._arm,
             self._moved,
-            self.memory,
+            Laws(self._p[self._plant.numbers], self.memory),
             np.ascontiguousarray(schedule.reference, dtype=float),
             np.ascontiguousarray(schedule.reference_rate, dtype=float),
             out,

@@ -7,7 +7,7 @@ j_c  rotors, tendons and arm together -> F, Δl, dΔl/dt
 """
 
 
-def j_a(p, s, w, c, memory, m):
+def j_a(p, s, w, c, laws, m):
     """Drive and R-L circuit: from the command, or the host's voltage, to the current i*."""
     radius = own(p.winch.radius, p.winch.radius_difference, m)
     # @ port winch.radius -> radius
@@ -57,7 +57,7 @@ def j_a(p, s, w, c, memory, m):
         )
 
 
-def j_b(p, s, w, c, memory, m):
+def j_b(p, s, w, c, laws, m):
     """From the current to the torque at the drum, τ = ηG k_t i* and what effects add."""
     drive_torque = p.motor.torque_constant * w.mean_current[m]
     # @ port motor.drive_torque -> drive_torque
@@ -77,15 +77,15 @@ def j_b(p, s, w, c, memory, m):
     w.torque[m] = gear * (added + damping * gear * s.rate[m] / s.radius[m])
 
 
-def j_c(p, s, w, c, arm, moved, memory):
+def j_c(p, s, w, c, arm, moved, laws):
     """Rotors, tendons and arm together: tensions, what is wound in, torques at the hinges.
 
     It returns whether the arm touches nothing, so that `body_moves` takes the planar chain.
     """
     untouched = body_begins(arm, moved)
-    mobility(p, s, w, c, arm, moved, memory, untouched)
+    mobility(p, s, w, c, arm, moved, laws, untouched)
     for m in range(2):
-        free_rotor(p, s, w, c, memory, m)
+        free_rotor(p, s, w, c, laws, m)
     s.tension[0], s.tension[1] = one_sided_tensions(
         w.demand[0],
         w.demand[1],
@@ -100,11 +100,11 @@ def j_c(p, s, w, c, arm, moved, memory):
         s.rate[m] = w.free_rate[m] - c.step * s.tension[m] / w.weight[m]
         s.displacement[m] += c.step * s.rate[m]
         s.turned[m] += c.step * s.rate[m] / s.radius[m]
-    hinge_torques(p, s, w, c, arm, moved, memory)
+    hinge_torques(p, s, w, c, arm, moved, laws)
     return untouched
 
 
-def mobility(p, s, w, c, arm, moved, memory, untouched):
+def mobility(p, s, w, c, arm, moved, laws, untouched):
     """A = J M⁻¹ Jᵀ, what both tensions do to both lengths, with what friction leaves of them."""
     hinges = arm.guides.shape[1]
     for m in range(2):
@@ -124,7 +124,7 @@ def mobility(p, s, w, c, arm, moved, memory, untouched):
             w.mobility[n, m] = total
 
 
-def free_rotor(p, s, w, c, memory, m):
+def free_rotor(p, s, w, c, laws, m):
     """A rotor without its tendon, and the tension that it would ask of an arm that stood still."""
     gear, radius = p.winch.gear_ratio, s.radius[m]
     inertia = own(p.motor.rotor_inertia, p.motor.rotor_inertia_difference, m)
@@ -157,7 +157,7 @@ def free_rotor(p, s, w, c, memory, m):
     )
 
 
-def hinge_torques(p, s, w, c, arm, moved, memory):
+def hinge_torques(p, s, w, c, arm, moved, laws):
     """What tensions and effects put on the hinges, where MuJoCo reads it."""
     if READS_hinge_weight:
         hinge_weights(moved.qpos, arm.units, arm.hinge_weight)
