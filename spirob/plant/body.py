@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 
 from spirob.geometry import SpiralArm
-from spirob.plant.objects import ARM_BIT, OBJECT_BIT, add_objects
+from spirob.plant.objects import ARM_BIT, CONTACT, OBJECT_BIT, add_objects
 from spirob.plant.rig import Arm, Holes
 from spirob.plant.tendon import with_holes
 from spirob.robot import MOTORS, Scene
@@ -159,7 +159,7 @@ def _line(body, name: str, radius: float, start, end, arm: Arm):
         contype=0,
         conaffinity=ARM_BIT | OBJECT_BIT,
         friction=[arm.contact_friction, 0.005, 0.0001],
-        solref=[0.004, 1.0],
+        solref=CONTACT,
         mass=0.0,
     )
 

@@ -25,6 +25,7 @@ import numpy as np
 from spirob.geometry import SpiralArm
 from spirob.robot import MOTORS, Ball, Cylinder, Peg, Scene
 
+CONTACT = [0.001, 1.0]  # s, damping ratio: as stiff as MuJoCo has it, two steps; a print is stiffer
 ARM_BIT, OBJECT_BIT = 1, 2  # arm touches arm and objects; objects touch the arm
 WHEEL = 1e3  # kg·m², of the peg's wheel: a newton at 10 mm slows it by 1e-5 rad/s in a second
 
@@ -89,7 +90,7 @@ def _round(body, name: str, diameter: float, friction: float, ends: list[float] 
         contype=OBJECT_BIT,
         conaffinity=ARM_BIT,
         friction=[friction, 0.005, 0.0001],
-        solref=[0.004, 1.0],
+        solref=CONTACT,
         **shape,
     )
 

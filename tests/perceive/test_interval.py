@@ -69,10 +69,10 @@ def test_more_confidence_is_a_wider_interval(model):
 
 
 def test_a_size_far_beyond_the_training_is_refused(model, plant):
-    (found,) = estimate(model, wrapped(plant, 0.11))
+    (found,) = estimate(model, wrapped(plant, 0.15))
     assert "no size, because" in found.refusal
     assert np.isnan([found.diameter, found.low, found.high]).all()
-    said = coverage([found], np.array([0.11]))
+    said = coverage([found], np.array([0.15]))
     assert said["refused"] == 1.0
     assert np.isnan(said["covered"])
 

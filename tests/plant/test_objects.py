@@ -10,6 +10,8 @@ from spirob.errors import ConfigError
 from spirob.plant import Plant, Rig
 from spirob.plant.plant import single_dynamics
 from spirob.robot import Ball, Peg, Scene, scene_from
+from spirob.trials import Trial
+from spirob.trials.wrap import wrap_trial
 
 RIG = Rig.from_mapping({"winch": {"gear_ratio": 1.0}})
 CYCLES = 400
@@ -66,6 +68,18 @@ def test_the_single_dynamics_feels_it_too():
     hit, free = (single_dynamics(RIG, force, scene) for scene in (ball(0.44), Scene()))
     assert hit.angles.shape == free.angles.shape == (CYCLES, RIG.units)
     assert np.abs(hit.angles - free.angles).max() > 0.1
+
+
+def test_what_is_held_is_not_entered_whatever_the_step():
+    """A soft contact lets the arm through what is as large as this, and it winds on."""
+    rng = np.random.default_rng(5)
+    wrap = Trial.from_plain(wrap_trial("large", "heldout", 0.08, {}, rng))
+    wound = [
+        Plant(Rig(), substeps=n).simulate(wrap.schedule(), wrap.scene).displacement[:, 0]
+        for n in (2, 8)
+    ]
+    assert np.ptp(wound[0][-300:]) < 1e-4
+    assert wound[0][-1] == pytest.approx(wound[1][-1], rel=0.01)
 
 
 def test_scenes_as_plain_data():
