@@ -125,7 +125,7 @@ def test_a_log_that_begins_in_motion_is_refused(columns):
 
 def test_gaps_missing_columns_and_unknown_parts_are_named(columns):
     torn = {name: np.delete(values, slice(800, 1000)) for name, values in columns.items()}
-    with pytest.raises(DataError, match=r"log: 1 gaps, .* from its beginning to its end"):
+    with pytest.raises(DataError, match=r"log: 1 gap, .* from its beginning to its end"):
         arm_trial(Table("log", torn), rig(), "train")
     less = {name: values for name, values in columns.items() if name != "right current"}
     with pytest.raises(MissingChannel, match="'right current'"):
