@@ -7,7 +7,7 @@ import pytest
 
 from spirob.effects import Effect, all_effects
 from spirob.errors import EffectError
-from spirob.plant import assemble
+from spirob.plant import Plant, Rig, assemble
 from spirob.ports import PORTS
 
 
@@ -43,3 +43,16 @@ def test_an_effect_without_a_place_is_refused(monkeypatch):
     monkeypatch.setattr(assemble, "MARK", re.compile(r"^( *)#nothing(\w)(\S)(\w)$", re.MULTILINE))
     with pytest.raises(EffectError, match=r"coulomb_friction.*motor\.torque"):
         assemble.generate([effect])
+
+
+def test_all_sets_of_effects_share_what_they_leave_as_it_is():
+    """Their machines are records of one kind, and a step that has none of them is one module."""
+    effects = all_effects()
+    sets = ([], ["coulomb_friction"], ["capstan_friction", "tip_payload"])
+    plants = [Plant(Rig(), [effects[name] for name in names]) for names in sets]
+    bare, *others = (plant.layout.of(plant.table.vector({})).dtype for plant in plants)
+    assert all(one == bare for one in others)
+    steps = [inspect.getmodule(plant.run).__dict__ for plant in plants]
+    assert steps[0]["j_a"] is steps[1]["j_a"] is steps[2]["j_a"]
+    assert steps[0]["j_c"] is steps[1]["j_c"] is not steps[2]["j_c"]
+    assert steps[0]["j_b"] is not steps[1]["j_b"]

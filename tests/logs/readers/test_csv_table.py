@@ -122,6 +122,14 @@ def test_a_million_columns_are_refused(tmp_path):
         read_table(tmp_path / "a.csv")
 
 
+def test_what_short_rows_lack_is_counted_before_it_is_filled(tmp_path):
+    wide = ",".join(map(str, range(4990)))
+    names = ",".join(f"c{k}" for k in range(4990))
+    (tmp_path / "a.csv").write_text("\n".join([names, *[wide] * 55, *["1"] * 40_000]))
+    with pytest.raises(DataError, match="rows of 4990 columns are more than 256 MiB"):
+        read_table(tmp_path / "a.csv")
+
+
 @settings(
     max_examples=150, deadline=2000, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

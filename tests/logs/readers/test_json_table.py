@@ -97,7 +97,7 @@ def short_rows(width, rows):
     [
         short_rows(4990, 40_000),
         [{}] * 40_000 + short_rows(4990, 1),
-        {f"b{k}": short_rows(400, 2000) for k in range(60)},
+        {f"b{k}": short_rows(400, 8000) for k in range(12)},
     ],
     ids=["first", "last", "many tables"],
 )
@@ -105,7 +105,7 @@ def test_what_short_rows_lack_is_counted_before_it_is_filled(tmp_path, document)
     (tmp_path / "a.json").write_text(json.dumps(document))
     tracemalloc.start()
     try:
-        with pytest.raises(DataError, match=r"rows of \d+ columns are more than 256 MiB|no table"):
+        with pytest.raises(DataError, match=r"rows of \d+ columns are more than 256 MiB"):
             read_table(tmp_path / "a.json")
         _, peak = tracemalloc.get_traced_memory()
     finally:
