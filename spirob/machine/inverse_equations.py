@@ -35,6 +35,7 @@ from spirob.machine.rig import NUMBERS
 from spirob.machine.scaling import Sizes
 from spirob.parameter import Table
 
+Signals = Mapping[str, np.ndarray]  # what kernels may read, (n,) each
 READ = ("sensing.current", "sensing.report")  # pipes from effort to reading, in their order
 BEFORE = ("command.current", "motor.drive_torque")  # pipes from effort to torque, in their order
 LAST = "winch.efficiency"
@@ -194,13 +195,13 @@ class AskedEffort(Kernels):
         }
 
     def through(
-        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Signals
     ) -> np.ndarray:
         """e with P(e) = wanted, (n,)."""
         return pipes.solved(lambda e: self._passed(e, p, motion, signals), wanted)
 
     def _nearby(
-        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+        self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Signals
     ) -> np.ndarray:
         """The same to first order about the measured effort, from before its reading.
 
@@ -212,17 +213,19 @@ class AskedEffort(Kernels):
         key = (mark, p[self._piping].tobytes())
         return self._tangents(key, lambda: self._tangent(p, motion, signals)).reached(wanted)
 
-    def _tangent(
-        self, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
-    ) -> pipes.Tangent:
+    def _tangent(self, p: np.ndarray, motion: Motion, signals: Signals) -> pipes.Tangent:
         """The pipes about the measured effort, from before its reading."""
-        own = self.own(p)
-        read = self._in_time(own["delay"], motion) - own["back_emf"] * motion.v
-        before = read
-        if any(self.present(port, p) for port in READ):
-            before = pipes.nearby(lambda e: self._shown(e, p, motion, signals), read, read)
+        before = self.made(p, motion, signals)
         at = {**signals, "motor.current": before, "motor.command": before}
         return pipes.tangent(lambda e: self._passed(e, p, motion, at), before)
+
+    def made(self, p: np.ndarray, motion: Motion, signals: Signals) -> np.ndarray:
+        """The measured effort from before its reading, without back-EMF, when it was made, (n,)."""
+        own = self.own(p)
+        read = self._in_time(own["delay"], motion) - own["back_emf"] * motion.v
+        if not any(self.present(port, p) for port in READ):
+            return read
+        return pipes.nearby(lambda e: self._shown(e, p, motion, signals), read, read)
 
     def _in_time(self, delay: float, motion: Motion) -> np.ndarray:
         """The measured effort when it was made, (n,); kept, because it has one delay mostly."""
@@ -233,7 +236,7 @@ class AskedEffort(Kernels):
         return read
 
     def _shown(
-        self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+        self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Signals
     ) -> np.ndarray:
         """S(e), what is read of an effort, (n,)."""
         for effect in (e for port in READ for e in self.present(port, p)):
@@ -242,7 +245,7 @@ class AskedEffort(Kernels):
         return effort
 
     def _passed(
-        self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Mapping[str, np.ndarray]
+        self, effort: np.ndarray, p: np.ndarray, motion: Motion, signals: Signals
     ) -> np.ndarray:
         """P(e), the torque that an effort makes over what it would make without the pipes, (n,).
 
@@ -260,11 +263,7 @@ class AskedEffort(Kernels):
         return share * passed
 
     def torque(
-        self,
-        effect: type[Effect],
-        p: np.ndarray,
-        motion: Motion,
-        signals: Mapping[str, np.ndarray],
+        self, effect: type[Effect], p: np.ndarray, motion: Motion, signals: Signals
     ) -> np.ndarray:
         """An effect's torque; kept, because a derivative moves one number and leaves the others."""
         mark = self._mark(motion)

@@ -27,7 +27,7 @@ from spirob.machine.composed.law import Law, law_of
 from spirob.machine.composed.writing import Units, formula, told, written
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP, Models, RigSearch
-from spirob.machine.page_tables import laws
+from spirob.machine.page_tables import laws, without
 
 NAME = "law"
 SURE = 1.96  # deviations of a 95 % interval
@@ -160,7 +160,8 @@ def _told(search: RigSearch, found: Found, base: Model, one: _Fitted) -> Compose
     law, model, sizes = one.law, one.model, search.models.train.sizes
     problems = one.models.train, one.models.heldout
     own = {n.split(".", 1)[1]: e for n, e in model.fit.estimates.items() if _of(n, one.name)}
-    shown = problems[0].added(one.effect, model.fit.changes, model.fit.residual)
+    bare = problems[0](without(one.effect, model.fit.changes, problems[0]))
+    shown = problems[0].added(one.effect, model.fit.changes, bare)
     nearest, alike = _nearest(search, found, base, shown)
     title = told(law, sizes)
     share = 1.0 - model.heldout_square / base.heldout_square

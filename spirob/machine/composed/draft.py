@@ -22,7 +22,7 @@ from spirob.diagnosis.dry import is_dry
 from spirob.diagnosis.evidence import block_errors
 from spirob.diagnosis.model import Model
 from spirob.machine.composed.ground import Ground, Side, ground_of
-from spirob.machine.composed.terms import WAY, Shape, Term
+from spirob.machine.composed.terms import LOST, WAY, Shape, Term
 from spirob.machine.flexible import error, left_out_linear, products, step
 from spirob.machine.models import RigSearch
 
@@ -105,9 +105,24 @@ class Drafts:
 
     def _shown(self, side: Side, term: Term) -> np.ndarray:
         parts = term.along(side.track, self.ranges)
+        if term.drives:
+            columns = np.column_stack([side.shown(-v) for v in parts])
+            return columns + np.outer(side.residual, self._shares(term) / self.ranges.strong)
         if len(parts) == 1:  # what has several parts is alike in all motors
             parts = [parts[0] * own for own in side.motors] or parts
         return np.column_stack([side.shown(-v) for v in parts])
+
+    def _shares(self, term: Term) -> np.ndarray:
+        """By how much the parts of what a drive loses are in proportion to its effort, (parts,).
+
+        So much of the effort, which is the model less the residual, is taken out of a column: it
+        would explain effort by effort.  The model may keep it: what no fitted number makes of it, a
+        known weight, tells what a drive loses in proportion, too.
+        """
+        own, whole = self.ground.train, Term((LOST,))
+        made = own.thinned(whole.along(own.track, self.ranges)[0])
+        lost = [own.thinned(part) for part in term.along(own.track, self.ranges)]
+        return np.array([np.dot(part, made) for part in lost]) / np.dot(made, made)
 
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""

@@ -3,19 +3,21 @@
 They are shapes of one signal and products of two.  A place may be a power, a spot, a wave or a
 curve; a speed has its direction, powers, fading and saturation; time drifts, comes again or decays;
 a load counts with sign or without; and what remembers is a bristle, a spring that yields, or what
-follows a signal slowly or rings after the motion turns.  Numbers of a shape start from a grid;
+follows a signal slowly or rings after the motion turns.  A drive may lose a share of its torque, by
+any of these or by its own effort.  Numbers of a shape start from a grid;
 those of waves where the residual's spectrum has peaks, of ringing where it explains most of it.
 """
 
 import numpy as np
 
-from spirob.diagnosis.orders import peaks, spectrum
-from spirob.machine.composed.terms import WAY, Shape, Term
+from spirob.diagnosis.orders import PEAKS, peaks, spectrum
+from spirob.machine.composed.terms import LOST, WAY, Shape, Term
 from spirob.machine.composed.track import Ranges, along
 
 KNOTS = "k"  # of a curve
 SPOTS, WIDTHS = 16, (0.06, 0.15, 0.35)  # places of a spot; its half widths over half of the way
 FINEST = 100.0  # waves in the way
+CARRIED = 12  # peaks that are tried where a wave is a factor: what it multiplies has its own
 CENTRES = (-1.0, 0.0, 1.0)  # of half the way, from which the pitch of a wave changes
 GROWTHS = (-0.25, 0.25, 0.5, 1.0, 2.0)  # by which it does at half the way from there
 CURVES = (6, 12, 24)  # knots
@@ -28,6 +30,8 @@ SHORT_WAYS = WAYS[:3]
 DELAYS = (0.01, 0.05, 0.2)  # of the longest trial
 SHARE = 0.1  # of the largest load, that a friction at the fastest is
 HALVES = (0.03, 0.2, 0.6)  # of the same, at which half of what levels off is there
+EXPONENTS = (0.5, 1.0, 2.0, 3.0)  # of the effort
+BANDS = (0.01, 0.03, 0.1, 0.3)  # of the largest effort, that do nothing
 SHORTEST, LONGEST = 4.0, 0.1  # period of what rings: in samples, of the longest trial
 FINE = 1.12  # from one such period to the next
 FADES = (0.5, 2.0)  # periods in which it fades
@@ -57,13 +61,14 @@ PLAIN = {
     "pull": _one("pull", "load", "pull"),
 }
 STRAIGHT = [PLAIN[name] for name in ("far", "far2", "far3", "cubic")]
+WORKS = {"driving": "", "driven": "-"}  # where the drive makes the motion, and where it is moved
 GIVEN = "(pull + m*line)"  # what a motor gives: the load, and a friction in proportion to speed
 
 
 def terms(
     ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray], placed: bool
 ) -> list[Term]:
-    """All terms from which a law may begin.
+    """All terms from which a law beside the drive may begin.
 
     residual  (N,) that is to be explained;  signals  `place`, `speed` and so on along it
     """
@@ -79,7 +84,8 @@ def terms(
         found += [Term((speed, s)) for s in (*own, *times)]
     if placed:
         carried = residual * signals["load"] / ranges.heavy
-        own = [*STRAIGHT, *_waves(ranges, carried, signals["place"]), *map(curve, CURVES)]
+        own = [*STRAIGHT, *_waves(ranges, carried, signals["place"], CARRIED)]
+        own += map(curve, CURVES)
         found += [Term((_given("given", GIVEN), s)) for s in own]
     found += _loads(ranges) + _memories(ranges, placed)
     return [*found, _ringing(ranges, residual, signals)]
@@ -140,10 +146,12 @@ def _orders(ranges: Ranges) -> tuple[float, float]:
     return 0.5 * np.pi / ranges.half, FINEST * np.pi / ranges.half
 
 
-def _waves(ranges: Ranges, residual: np.ndarray, place: np.ndarray) -> list[Shape]:
+def _waves(
+    ranges: Ranges, residual: np.ndarray, place: np.ndarray, count: int = PEAKS
+) -> list[Shape]:
     half, parts = ranges.half, ("cos(2*pi*place/L)", "sin(2*pi*place/L)")
     box = ((2 * half / FINEST, 4 * half),)
-    orders = peaks(residual, place, *_orders(ranges))
+    orders = peaks(residual, place, *_orders(ranges), count)
     return [Shape("wave", "place", parts, (("L", 2 * np.pi / order),), box) for order in orders]
 
 
@@ -207,6 +215,46 @@ def _loads(ranges: Ranges) -> list[Term]:
         *(Term((pull, s)) for s in even),
         *(Term((pull, PLAIN[name])) for name in ("late", "late2")),
     ]
+
+
+def losses(
+    ranges: Ranges, residual: np.ndarray, signals: dict[str, np.ndarray], placed: bool
+) -> list[Term]:
+    """All from which a law of the drive may begin; none where no drive makes the effort.
+
+    They are shares of its torque that it loses: by its effort, its work, speed, place or time.
+    """
+    if "current" not in signals:
+        return []
+    found = [_one("working", "effort", "working")]
+    found += [_one(kind, "effort", f"Max(0.0, {sign}working)") for kind, sign in WORKS.items()]
+
+    def made(kind: str, text: str, numbers: dict[str, float], *box: tuple[float, float]) -> Shape:
+        memory = ("slow", "strength**2") if "slow" in text else ("", "")
+        of = "memory" if memory[0] else "effort"
+        return Shape(kind, of, (text,), tuple(numbers.items()), box, *memory)
+
+    power, half, delay = (0.2, 6.0), (1e-3, 4.0), (0.001 * ranges.long, 3.0 * ranges.long)
+    settling, dead = "strength**n/(strength**n + h**n)", "Min(1.0, z/Max(strength, 1e-9))"
+    found += [made("effort power", "strength**n", {"n": n}, power) for n in EXPONENTS]
+    found += [
+        made("effort settling", settling, {"n": n, "h": h}, power, half)
+        for h in HALVES
+        for n in (1.0, 2.0)
+    ]
+    found += [made("dead band", dead, {"z": z}, (1e-4, 0.9)) for z in BANDS]
+    found += [
+        made(
+            "slow warmth", "slow/(slow + h)", {"e": d * ranges.long, "h": 1.0}, delay, (1e-3, 10.0)
+        )
+        for d in DELAYS
+    ]
+    found += [*_speeds(ranges, odd=False), *_times(ranges)]
+    if placed:
+        carried = residual * signals["current"] / ranges.strong
+        found += [*STRAIGHT, *_waves(ranges, carried, signals["place"], CARRIED)]
+        found += map(curve, CURVES)
+    return [Term((LOST, s)) for s in found]
 
 
 def _given(kind: str, text: str, *more: tuple[str, float]) -> Shape:

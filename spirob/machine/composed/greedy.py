@@ -1,15 +1,16 @@
 """A law composed term by term, each of which is needed on blocks that no fit saw."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 
 import numpy as np
 import scipy
 
 from spirob.machine.composed.draft import Draft, Drafts, Offers
-from spirob.machine.composed.grammar import bristled, terms
+from spirob.machine.composed.grammar import bristled, losses, terms
 from spirob.machine.composed.ground import Ground
 from spirob.machine.composed.terms import Term
+from spirob.machine.composed.track import Ranges
 
 MOST = 4  # terms
 FINALISTS = 6  # of a round, whose numbers are refined
@@ -21,6 +22,21 @@ SETTLED = 1e-3  # relative, of the mean square: a refinement ends
 def compose(ground: Ground) -> tuple[Drafts, Draft] | None:
     """The terms that a law of what a model leaves is made of, None where none is needed.
 
+    A law acts beside the drive or on it: both are composed, and chosen from as terms are.
+    """
+    laws = [law for grammar in (terms, losses) if (law := _composed(ground, grammar)) is not None]
+    if not laws:
+        return None
+    plain = _simplest(laws[0][0], [draft for _, draft in laws])
+    return next(law for law in laws if law[1] is plain)
+
+
+Grammar = Callable[[Ranges, np.ndarray, dict[str, np.ndarray], bool], list[Term]]
+
+
+def _composed(ground: Ground, grammar: Grammar) -> tuple[Drafts, Draft] | None:
+    """The law of one grammar.
+
     A term is added where it passes the questions of `worth` and the held-out trials agree; of those
     that do about as well the one of fewest numbers.  Whatever is no longer needed beside the others
     goes again.  One term at most remembers.
@@ -30,9 +46,11 @@ def compose(ground: Ground) -> tuple[Drafts, Draft] | None:
     track = ground.train.track
     signals = {n: ground.train.thinned(v) for n, v in track.signals.items()}
     while len(current.terms) < MOST:
+        found = grammar(drafts.ranges, current.left, signals, track.placed)
+        if not found:
+            break
         ground.progress(f"a law of {len(current.terms) + 1} terms")
-        grammar = terms(drafts.ranges, current.left, signals, drafts.ground.train.track.placed)
-        grown = _best(drafts, drafts.offers(grammar), current)
+        grown = _best(drafts, drafts.offers(found), current)
         if grown is None:
             break
         kept = _needed(drafts, _bristled(drafts, _settled(drafts, grown)))
@@ -41,7 +59,7 @@ def compose(ground: Ground) -> tuple[Drafts, Draft] | None:
         drafts, current = _moved(drafts, kept)
     if not current.terms:
         return None
-    return _moved(drafts, _exchanged(drafts, current, signals))
+    return _moved(drafts, _exchanged(drafts, current, signals, grammar))
 
 
 def _moved(drafts: Drafts, draft: Draft) -> tuple[Drafts, Draft]:
@@ -72,7 +90,7 @@ def _best(drafts: Drafts, offers: Offers, current: Draft) -> Draft | None:
     remembers = any(term.memory for term in current.terms)
     errors = offers.errors(current.terms)
     errors[[remembers and term.memory is not None for term in offers.terms]] = np.inf
-    kinds = _ranked(offers.terms, errors)
+    kinds = [k for k in _ranked(offers.terms, errors) if np.isfinite(errors[k])]
     passed: list[Draft] = []
     while kinds and not passed:
         made = []
@@ -126,7 +144,9 @@ def _bristled(drafts: Drafts, draft: Draft) -> Draft:
     return min(better, key=lambda d: d.mean_square) if better else draft
 
 
-def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> Draft:
+def _exchanged(
+    drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray], grammar: Grammar
+) -> Draft:
     """With another term for each where that is clearly better, or as good and simpler.
 
     The first term was chosen while the others were missing, and the numbers were fitted to
@@ -134,8 +154,8 @@ def _exchanged(drafts: Drafts, draft: Draft, signals: dict[str, np.ndarray]) -> 
     """
     for k in range(len(draft.terms)):
         beside = drafts.made([t for j, t in enumerate(draft.terms) if j != k])
-        grammar = terms(drafts.ranges, beside.left, signals, drafts.ground.train.track.placed)
-        other = _best(drafts, drafts.offers(grammar), beside)
+        found = grammar(drafts.ranges, beside.left, signals, drafts.ground.train.track.placed)
+        other = _best(drafts, drafts.offers(found), beside)
         if other is not None and other.heldout_square <= draft.heldout_square:
             draft = _simplest(drafts, [draft, other])
     return draft

@@ -97,7 +97,8 @@ def ground_of(
     own = side(train)
     used = {name: train.thinned(values) for name, values in own.track.signals.items()}
     turn = 2 * np.pi if train.sizes.axis_unit == "rad" else 0.0
-    taught = ranges or ranges_of(used, train.rest_speed, turn)
+    gives = train.asked.own(train.table.vector(inside))["scale"]
+    taught = ranges or ranges_of(used, train.rest_speed, turn, gives)
 
     def moved(by: np.ndarray) -> Ground:
         there = np.clip(scaling.scaled(inside) + by, scaling.low, scaling.high)

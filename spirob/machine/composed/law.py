@@ -1,8 +1,9 @@
 """A draft as a law of its own: every term with one amplitude, every number with a name.
 
-    τ = -Σ A_k·φ_k
+    τ = -Σ A_k·φ_k,      or of a drive's torque    τ = τ_drive·(1 - Σ A_k·φ_k)
 
-φ have no unit, A are torques: a positive amplitude of a term along the motion brakes.  Outside of
+φ have no unit, A are torques: a positive amplitude of a term along the motion brakes.  Of a drive
+A are the shares that it loses.  Outside of
 the range of motion in which it was taught, a law says nothing.
 """
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.machine.composed.draft import Draft
-from spirob.machine.composed.terms import NUMBERS, Shape, Term, closed
+from spirob.machine.composed.terms import DRIVE, NUMBERS, Shape, Term, closed
 from spirob.machine.composed.track import MEMORIES, SHORT, SIGNALS, Ranges
 from spirob.machine.inverse import InverseProblem
 
@@ -29,6 +30,7 @@ HELD = {  # name in the texts -> symbol, unit, meaning
     "heavy": ("T_l", "N·m", "largest load that taught the law"),
     "long": ("t_l", "s", "longest trial that taught the law"),
     "turn": ("x_t", "m", "a whole turn"),
+    "strong": ("i_m", "A", "largest effort that taught the law"),
 }
 BRAKING = {"way", "line", "drag", "power", "fading", "settling", "bristle", "spring"}
 BRAKING |= {"forward fading", "backward fading"}
@@ -83,16 +85,20 @@ class Part:
 
 @dataclass(frozen=True)
 class Law:
-    """The parts of a law, the ranges that taught it, and the effort's size [as torque]."""
+    """The parts of a law, the ranges that taught it, and the effort's size [as torque].
+
+    of_drive  whether it is what a drive loses of its torque; no size counts then
+    """
 
     parts: tuple[Part, ...]
     ranges: Ranges
     size: float
+    of_drive: bool = False
 
     @property
     def brakes(self) -> bool:
         """Whether it is a friction: no part of it ever drives the motion."""
-        return all(part.brakes for part in self.parts)
+        return not self.of_drive and all(part.brakes for part in self.parts)
 
     @property
     def memory(self) -> tuple[int, Shape] | None:
@@ -118,6 +124,8 @@ class Law:
         symbols = {n.field: n.symbol for n in self.numbers}
         texts = [f"A_{k + 1}*{closed(self.named(k))}" for k in range(self.terms)]
         whole = f"-({' + '.join(texts)})"
+        if self.of_drive:
+            whole = f"upstream*(1 - ({' + '.join(texts)}))"
         return _renamed(inlined(whole), symbols)
 
     def named(self, k: int, text: str | None = None) -> str:
@@ -152,11 +160,11 @@ class Law:
             heights = {j: values.get(f"height_{k}_{j + 1}", old) for j, old in part.heights.items()}
             amplitude = values.get(f"amplitude_{k}", part.amplitude)
             parts.append(replace(part, amplitude=amplitude, numbers=numbers, heights=heights))
-        return Law(tuple(parts), self.ranges, self.size)
+        return replace(self, parts=tuple(parts))
 
     def only(self, places: Sequence[int]) -> "Law":
         """The law of these parts alone."""
-        return Law(tuple(self.parts[k] for k in places), self.ranges, self.size)
+        return replace(self, parts=tuple(self.parts[k] for k in places))
 
     def fields(self, k: int) -> list[str]:
         """The names of a part's numbers."""
@@ -167,10 +175,11 @@ class Law:
 
     def _own(self) -> Iterator[LawNumber]:
         for k, part in enumerate(self.parts, 1):
-            most = MOST * max(abs(part.amplitude), self.size)
+            most = MOST * max(abs(part.amplitude), 1.0 if self.of_drive else self.size)
             least = 0.0 if part.brakes and self.brakes else -most
             meaning = f"size of term {k}"
-            yield LawNumber(f"amplitude_{k}", f"A_{k}", "N·m", meaning, part.amplitude, least, most)
+            unit, size = ("1" if self.of_drive else "N·m"), np.clip(part.amplitude, least, most)
+            yield LawNumber(f"amplitude_{k}", f"A_{k}", unit, meaning, float(size), least, most)
             for key, value in part.numbers.items():
                 about = NUMBERS[key]
                 low, high = _PHASES if key in ("a", "b") else part.term.box[key]
@@ -213,8 +222,15 @@ _PHASES = (-2.0 * math.pi, 2.0 * math.pi)
 
 def law_of(draft: Draft, ranges: Ranges, size: float) -> Law:
     """The law of a draft; `size` is the effort's, as a torque."""
-    pairs = zip(draft.terms, draft.factors, strict=True)
-    return Law(tuple(_part(term, factors) for term, factors in pairs), ranges, size)
+    pairs = list(zip(draft.terms, draft.factors, strict=True))
+    of_drive = any(term.drives for term in draft.terms)
+    if of_drive:  # of the factors of what it makes, the shares that it loses
+        pairs = [(_lost(term), factors / ranges.strong) for term, factors in pairs]
+    return Law(tuple(_part(term, factors) for term, factors in pairs), ranges, size, of_drive)
+
+
+def _lost(term: Term) -> Term:
+    return Term(tuple(shape for shape in term.shapes if shape.kind != DRIVE))
 
 
 def _part(term: Term, factors: np.ndarray) -> Part:

@@ -13,6 +13,7 @@ import numpy as np
 from spirob.machine.composed.track import MEMORIES, Ranges, Track, evaluated
 
 WAY = "way"  # the kind of a direction
+DRIVE = "drive"  # the kind of what the drive makes: a share of it is lost
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,9 @@ NUMBERS = {
     "r": Number("reach", "r", "rad", "way over which it turns round"),
     "m": Number("drag", "m", "1", "friction at the fastest, of the largest load", log=False),
     "u": Number("half_load", "u", "1", "of the largest load, at which half of it is there"),
+    "n": Number("exponent", "n", "1", "power of the effort", log=False),
+    "h": Number("half_effort", "h", "1", "of the largest effort, at which half of it is there"),
+    "z": Number("dead_band", "z", "1", "of the largest effort, which is lost"),
     "e": Number("delay", "e", "s", "time in which it follows"),
 }
 
@@ -110,6 +114,11 @@ class Term:
         return next((s for s in self.shapes if s.memory), None)
 
     @property
+    def drives(self) -> bool:
+        """Whether it is a share of the drive's torque that is lost, and no torque beside it."""
+        return DRIVE in self.kinds
+
+    @property
     def richness(self) -> int:
         """Numbers, amplitudes included, and memories."""
         return len(self.numbers) + len(self.parts) + (self.memory is not None)
@@ -121,11 +130,11 @@ class Term:
     def bristled(self, reach: float, box: tuple[float, float]) -> "Term | None":
         """The same with a bristle for its direction: it turns round over a way, not at a speed.
 
-        None where it has no direction, or remembers already.
+        None where it has no direction, is of a drive, or remembers already.
         """
         for k, shape in enumerate(self.shapes):
             parts = tuple(re.sub(r"\bway\b", "bend", part) for part in shape.parts)
-            if self.memory is None and parts != shape.parts:
+            if self.memory is None and not self.drives and parts != shape.parts:
                 turned = replace(
                     shape,
                     kind="bristle" if shape.kind == "way" else shape.kind,
@@ -148,6 +157,9 @@ class Term:
             known |= track.remembered(shape.memory, followed, numbers)
         n = len(track.signals["speed"])
         return [np.broadcast_to(_evaluated(part, known), (n,)) for part in self.parts]
+
+
+LOST = Shape(DRIVE, "effort", ("drive",))  # all that a drive makes: times a share of it
 
 
 def _evaluated(text: str, known: Mapping[str, object]) -> np.ndarray:

@@ -171,6 +171,9 @@ SHORT = {  # what stands for a signal in a law, and what it is in the arguments 
     "share": "Abs(speed)/fast",
     "pull": "load/heavy",
     "late": "time/long",
+    "drive": "gives*current/strong",
+    "strength": "Abs(current)/strong",
+    "working": "tanh(speed/rest_speed)*tanh(1e3*current/strong)",
 }
 SIGNALS = {  # argument -> name in `spirob.ports.SIGNALS`
     "place": "winch.displacement",
@@ -178,6 +181,7 @@ SIGNALS = {  # argument -> name in `spirob.ports.SIGNALS`
     "rest_speed": "motor.rest_speed",
     "load": "motor.load_torque",
     "time": "time",
+    "current": "motor.current",
 }
 
 
@@ -188,7 +192,8 @@ class Ranges:
     middle, half  of the way;  fast  the highest speed;  heavy  the largest load;  long  the longest
     trial [s];  turn  after which the axis comes round, 0 where it does not
     position  name of the signal that is the place;  gear  way of the axis at the speed [rad] for
-              one unit of the place
+              one unit of the place;  strong  the largest effort, 0 where no drive makes it
+    gives     torque of an effort of 1
     """
 
     middle: float
@@ -200,6 +205,8 @@ class Ranges:
     turn: float
     position: str = "winch.displacement"
     gear: float = 1.0
+    strong: float = 0.0
+    gives: float = 1.0
 
     @property
     def unit(self) -> str:
@@ -214,6 +221,7 @@ class Ranges:
             "rest_speed": (0.5 * self.rest_speed, 2.0 * self.rest_speed),
             "load": (-self.heavy, self.heavy),
             "time": (0.0, self.long),
+            "current": (-self.strong, self.strong),
         }
 
 
@@ -231,8 +239,9 @@ def _compiled(text: str) -> CodeType:
 class Track:
     """All samples of all pieces of one role in a row.
 
-    signals  argument -> (n,);  starts  (pieces + 1,) where memory begins anew
-    steps    (pieces,) sample periods [s];  placed  whether the log has a position
+    signals  argument -> (n,), `current` of a drive alone
+    starts   (pieces + 1,) where memory begins anew;  steps  (pieces,) sample periods [s]
+    placed   whether the log has a position
     """
 
     signals: dict[str, np.ndarray]
@@ -247,7 +256,10 @@ class Track:
         vector = problem.table.vector(problem.completed(changes))
         motion = problem.asked.seen(vector)
         signals = {"place": motion.q, "speed": motion.v, "time": motion.seconds}
-        signals["load"] = problem.asked.load(motion, vector)
+        signals["load"] = load = problem.asked.load(motion, vector)
+        if problem.rig.effort.origin != "sensor":
+            read = problem.asked.signals(motion, load, vector)
+            signals["current"] = problem.asked.made(vector, motion, read)
         return cls(signals, motion.starts, motion.steps, problem.rig.position is not None)
 
     def values(self, ranges: Ranges) -> dict[str, Any]:
@@ -255,7 +267,8 @@ class Track:
         if ranges not in self._known:
             known: dict[str, Any] = {**FUNCTIONS, **self.signals, **vars(ranges)}
             for name, text in SHORT.items():
-                known[name] = evaluated(text, known)
+                if "current" in self.signals or "current" not in text:
+                    known[name] = evaluated(text, known)
             self._known[ranges] = known
         return self._known[ranges]
 
@@ -267,7 +280,9 @@ class Track:
         return dict(zip(MEMORIES[kind].begin, found, strict=True))
 
 
-def ranges_of(used: Mapping[str, np.ndarray], rest_speed: float, turn: float) -> Ranges:
+def ranges_of(
+    used: Mapping[str, np.ndarray], rest_speed: float, turn: float, gives: float = 1.0
+) -> Ranges:
     """The ranges of the samples that are compared; `used` are their signals by name."""
     low, high = float(used["place"].min()), float(used["place"].max())
     return Ranges(
@@ -278,4 +293,6 @@ def ranges_of(used: Mapping[str, np.ndarray], rest_speed: float, turn: float) ->
         float(used["time"].max()) or 1.0,
         rest_speed,
         turn,
+        strong=float(np.abs(used["current"]).max()) if "current" in used else 0.0,
+        gives=gives,
     )

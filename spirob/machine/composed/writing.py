@@ -69,6 +69,13 @@ PHRASES = {  # kind of a shape -> what is said of it
     "slow heat": "that follows the square of load and viscous friction in {e}",
     "slow place": "that follows the place in {e}",
     "ringing": "that rings every {T} after the motion turns, and fades in {d}",
+    "working": "less where it makes the motion and more where it is moved",
+    "driving": "where it makes the motion",
+    "driven": "where it is moved",
+    "effort power": "with the power {n} of the effort",
+    "effort settling": "with the power {n} of the effort, levelling off beyond {h} of the largest",
+    "dead band": "of a dead band up to {z} of the largest effort",
+    "slow warmth": "that follows the square of the effort in {e}, levelling off beyond {h}",
 }
 CURVE = "in a curve over the way"
 
@@ -115,12 +122,20 @@ FORMULAS = {  # of place x, speed v, load T, time t, v_0 of rest; D = T/T_max + 
     "slow heat": "low-pass(D², {e} s)",
     "slow place": "low-pass(ξ, {e} s)",
     "ringing": "sign(v)·exp(-t_r/{d})·cos(2π·t_r/{T} - {b})",
+    "working": "sign(i·v)",
+    "driving": "max(0, sign(i·v))",
+    "driven": "max(0, -sign(i·v))",
+    "effort power": "|i/i_max|^{n}",
+    "effort settling": "|i|^{n}/(|i|^{n} + ({h}·i_max)^{n})",
+    "dead band": "min(1, {z}·i_max/|i|)",
+    "slow warmth": "W/(W + {h}), W = low-pass((i/i_max)², {e} s)",
 }
 
 
 def told(law: Law, sizes: Units) -> str:
     """The shape of the whole law, without a full stop."""
     noun = "friction" if law.brakes else "effort"
+    noun = "loss of the drive's torque" if law.of_drive else noun
     return f"{noun} " + ", and ".join(_phrase(part, sizes) for part in law.parts)
 
 
@@ -133,7 +148,7 @@ def _phrase(part: Part, sizes: Units) -> str:
 
 
 def _shown(key: str, value: float, sizes: Units) -> str:
-    if key in ("p", "m", "u"):
+    if key in ("p", "m", "u", "n", "h", "z"):
         return f"{value:.2g}"
     units = {"c": "m", "w": "m", "L": "m", "f": "rad/s", "s": "rad/s", "r": "rad"}
     unit = sizes.unit(units[key]) if key in units else "s"
@@ -147,11 +162,13 @@ def formula(law: Law, sizes: Units) -> str:
         shown = {key: f"{value:.3g}" for key, value in part.numbers.items()}
         shapes = [FORMULAS.get(kind, "curve(x)").format(**shown) for kind in part.term.kinds]
         product = "·".join(shape for shape in shapes if shape)
-        size = f"{part.amplitude:.3g} {sizes.torque_unit}"
+        size = f"{part.amplitude:.3g}" + ("" if law.of_drive else f" {sizes.torque_unit}")
         terms.append(f"{size}·{product}" if product else size)
     shares = {f"{part.numbers['m']:.3g}" for part in law.parts if "m" in part.numbers}
     where = [f"D = T/T_max + {share}·v/v_max" for share in sorted(shares)]
-    return f"τ = -({' + '.join(terms)})" + "".join(f", {one}" for one in where)
+    whole = f"({' + '.join(terms)})"
+    whole = f"τ = τ_drive·(1 - {whole})" if law.of_drive else f"τ = -{whole}"
+    return whole + "".join(f", {one}" for one in where)
 
 
 IN_PYTHON = {
@@ -179,9 +196,9 @@ from spirob.parameter import bounded
 
 
 class Law(Effect):
-    """τ = -Σ A·φ: see `equation`."""
+    """{short}: see `equation`."""
 
-    port = "motor.torque"
+    port = {port!r}
     reads = {reads}
 {state}    neutral = {neutral}
     held = {held}
@@ -212,10 +229,11 @@ def written(
     estimates  by field, where the numbers are fitted
     """
     fields, reads = [n.field for n in law.numbers], law.reads()
+    upstream = ["upstream"] if law.of_drive else []
     amplitudes = {f"amplitude_{k}": 0.0 for k in range(1, law.terms + 1)}
     held = [n.field for n in law.numbers if n.field in vars(law.ranges)]
     taught = {a: ends for a, ends in law.ranges.taught().items() if a in reads}
-    state, evolution, arguments = "", "", [*reads]
+    state, evolution, arguments = "", "", [*upstream, *reads]
     if law.memory is not None:
         memory = MEMORIES[law.memory[1].memory]
         state = f"    state = {_dict(memory.begin)}\n"
@@ -229,6 +247,8 @@ def written(
     first = title[:1].upper() + title[1:]
     return FILE.format(
         title=textwrap.fill(first, WIDE),
+        short="τ = τ_drive·(1 - Σ A·φ)" if law.of_drive else "τ = -Σ A·φ",
+        port="motor.drive_torque" if law.of_drive else "motor.torque",
         reads=_dict(reads),
         state=state,
         neutral=_dict(amplitudes),
@@ -259,9 +279,11 @@ def _lines(law: Law) -> list[str]:
         texts.append(shape.followed)
     words = set(re.findall(r"[A-Za-z_]\w*", " ".join(texts)))
     short = [f"{n} = {text}" for n, text in SHORT.items() if n in words]
-    parts = [f"torque -= amplitude_{k + 1} * ({law.named(k)})" for k in range(law.terms)]
+    size = "upstream * amplitude" if law.of_drive else "amplitude"
+    parts = [f"torque -= {size}_{k + 1} * ({law.named(k)})" for k in range(law.terms)]
+    begin = f"torque = {'upstream' if law.of_drive else '0.0'}"
     end = f"return {', '.join(names)}"
-    return [_python(line) for line in (*short, *body, "torque = 0.0", *parts, end)]
+    return [_python(line) for line in (*short, *body, begin, *parts, end)]
 
 
 def _filled(law: Law, which: str) -> dict[str, str]:

@@ -9,7 +9,7 @@ from spirob.effects import all_effects, load_file
 from spirob.effects.check import check
 from spirob.effects.replay import run
 from spirob.machine.composed.draft import Draft
-from spirob.machine.composed.grammar import bristled, terms
+from spirob.machine.composed.grammar import bristled, losses, terms
 from spirob.machine.composed.law import law_of
 from spirob.machine.composed.track import Ranges, Track, along
 from spirob.machine.composed.writing import formula, told, written
@@ -25,11 +25,12 @@ def track():
     place = 0.4 + 1.2 * np.sin(2.1 * t) + 0.3 * np.sin(5.3 * t)
     signals = {"place": place, "speed": np.gradient(place, STEP), "time": t}
     signals["load"] = 0.5 * np.cos(3.0 * t)
+    signals["current"] = 0.8 * np.cos(3.0 * t + 0.4)
     return Track(signals, np.array([0, SAMPLES]), np.array([STEP]))
 
 
 def ranges(turn):
-    return Ranges(0.4, 1.5, 4.0, 0.5, STEP * SAMPLES, 0.04, turn)
+    return Ranges(0.4, 1.5, 4.0, 0.5, STEP * SAMPLES, 0.04, turn, strong=0.8)
 
 
 def by_kind():
@@ -37,7 +38,8 @@ def by_kind():
     found = {}
     for turn in (0.0, 2.0):
         residual = np.random.default_rng(0).normal(size=SAMPLES)
-        for term in terms(ranges(turn), residual, track().signals, placed=True):
+        about = ranges(turn), residual, track().signals, True
+        for term in (*terms(*about), *losses(*about)):
             for one in (term, *bristled(term, ranges(turn))):
                 name = " × ".join(one.kinds) + (
                     " turned" if one.memory and "p" in one.numbers else ""
@@ -49,7 +51,8 @@ def by_kind():
 TERMS = by_kind()
 SINGLE = [name for name in TERMS if "×" not in name]
 PRODUCTS = ["way × spot", "line × wave", "share × curve k6", "way × tide", "weight × settling"]
-PRODUCTS += ["bristle × spot", "bristle × weight", "slow heat × given", "given × wave"]
+LOSSES = [name for name in TERMS if name.startswith("drive × ")]
+PRODUCTS += [*LOSSES, "bristle × spot", "bristle × weight", "slow heat × given", "given × wave"]
 
 
 def law(*names):
@@ -74,7 +77,11 @@ def test_the_file_does_what_was_composed(names, tmp_path):
     made, motion = effect(found, tmp_path), track()
     inputs = {**motion.signals, "rest_speed": np.full(SAMPLES, found.ranges.rest_speed)}
     numbers = {field: about.nominal for field, about in made.parameters().items()}
-    got, _ = run(made, numbers, {a: inputs[a] for a in made.reads}, STEP)
+    upstream = inputs["upstream"] = motion.signals["current"]  # an ampere makes 1 N·m
+    given = {a: inputs[a] for a in made.arguments() if a in inputs}
+    got, _ = run(made, numbers, given, STEP)
+    if found.of_drive:
+        got = got - upstream
     parts = [
         factor * values
         for term, factors in zip(draft.terms, draft.factors, strict=True)
