@@ -9,6 +9,7 @@ import pytest
 import spirob.report
 from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
+from spirob.report.sections.ladder import ladder
 from spirob.report.sections.object_size import mae_interval
 from spirob.report.sections.verdict import explained_sentence, kind, share
 from tests.report.synthetic import TRIALS
@@ -257,6 +258,18 @@ def test_a_regime_that_no_shown_trial_holds_cannot_be_chosen_for_marking(data):
     chosen = SECTIONS["comparison"].get_context(shown)["regimes"]
     assert "winding in" in chosen
     assert "train_slow_left" not in chosen
+
+
+@pytest.mark.parametrize("effects", [1, 4])
+def test_a_long_label_of_the_ladder_has_a_place_of_its_own(effects):
+    label = "fitted numbers" + " + direction dependent efficiency" * effects
+    rungs = [{"label": label, "heldout": {"rmse": 1.0}, "train": {"rmse": 1.0}}] * 3
+    figure = ladder(rungs, None, "A")
+    margin = figure.layout.margin
+    room = (figure.layout.height - margin.t - margin.b) / len(rungs)
+    lines = figure.data[0].y[0].count("<br>") + 1
+    assert lines > effects
+    assert room >= 1.2 * figure.layout.font.size * lines
 
 
 def test_the_named_candidate_is_marked(data):

@@ -21,6 +21,7 @@ LABEL = (
 )
 SPLITS = {"heldout": "held-out trials", "train": "training trials (pale)"}
 FAINT = 0.4  # of the training bars
+LINE = 20  # pixels of a line of a label
 
 
 def ladder_plot(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str) -> Plot:
@@ -30,8 +31,9 @@ def ladder_plot(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit
 
 def ladder(rungs: Sequence[dict[str, Any]], noise_floor: float | None, unit: str) -> go.Figure:
     """RMSE of each rung on held-out and training trials, with intervals and both ceilings."""
-    figure = bars(150 + 54 * len(rungs), barmode="group", bargap=0.3)
     labels = [wrap(rung["label"].replace("_", " ")) for rung in rungs]
+    lines = max((label.count("<br>") + 1 for label in labels), default=1)
+    figure = bars(150 + max(54, LINE * lines) * len(rungs), barmode="group", bargap=0.3)
     for split, title in SPLITS.items():
         figure.add_bar(
             x=[rmse(rung, split) for rung in rungs],
