@@ -112,6 +112,7 @@ def test_a_dead_band_that_no_name_tells_is_composed(dead_band):
     numbers, strong = law["numbers"], law["range"]["current"][1]
     lost = numbers["amplitude_1"]["value"] * numbers["dead_band_1"]["value"] * strong
     assert lost == pytest.approx(BAND, rel=0.05)  # beyond the band, whatever is in it
+    assert 0.1 < law["nearest"]["share"] <= 1.0  # held against what is left without the law
     assert law["rmse"]["test"] < 0.1 * found.document["ladder"][0]["test"]["rmse"]
 
 
