@@ -11,8 +11,10 @@ from spirob.machine.composed.draft import Drafts
 from spirob.machine.composed.grammar import losses
 from spirob.machine.composed.ground import Side
 from spirob.machine.composed.track import Ranges, Track
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes
 from tests.machine.rigs import description
 
 STEP, SAMPLES, FOLDS = 0.01, 1200, 4
@@ -81,6 +83,16 @@ def test_where_no_drive_makes_the_effort_none_loses_any():
     made = drafts(np.ones(SAMPLES), np.ones(SAMPLES))
     signals = {n: v for n, v in made.ground.train.track.signals.items() if n != "current"}
     assert losses(made.ranges, np.ones(SAMPLES), signals, placed=True) == []
+
+
+@pytest.mark.parametrize(("origin", "made"), [("measured", True), ("sensor", False)])
+def test_a_sensor_behind_the_drive_tells_nothing_of_what_it_loses(origin, made):
+    effort = {"column": "u", "unit": "N·m", "kind": "torque", "origin": origin}
+    rig = RigFile.model_validate(description(effort=effort))
+    sizes = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
+    problem = InverseProblem(rig, None, [prepare("log", log(1), rig)], [], sizes, 0.02)
+    track = Track.of(problem, {"rig.inertia": 0.05, "rig.viscous": 0.1})
+    assert ("current" in track.signals) is made
 
 
 def log(seed):
