@@ -67,7 +67,7 @@ def to_the_optimum(
         max_nfev=iterations,
         xtol=1e-4,
         ftol=1e-4,
-        gtol=1e-10,
+        gtol=None,  # a gradient has a unit, and the size of that is the machine's
     )
     u = np.asarray(found.x)
     return Descent(u, value(u), slopes, float(found.cost))

@@ -13,6 +13,7 @@ from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.verdict import TWICE, likely
 from spirob.effects import Effect
 from spirob.errors import NothingLeft
+from spirob.machine.bounds import beyond_bounds, in_scale, released
 from spirob.machine.composed.law import beyond
 from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, widened
 from spirob.machine.differing import differing
@@ -24,11 +25,9 @@ from spirob.machine.odd_logs import another_unit
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import (
     AT_LOAD,
-    beyond_bounds,
     fits_at_load,
     may_sit_at_load,
     oddities,
-    released,
     untaught,
 )
 from spirob.machine.preparation import Ready, ready_of, search_of
@@ -97,7 +96,7 @@ def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str)
 
 def _found(ready: Ready) -> Searched:
     """The whole search: about its delay, within its bounds, with numbers of logs, by the sensor."""
-    placed = counted_alike(_placed(ready))
+    placed = counted_alike(_placed(in_scale(ready)))
     search, gate = search_of(placed)
     if another_unit((search.models.train, search.models.heldout)):  # no law means anything
         return Searched(placed, search, gate, Found([search.models.fitted((), {})]))
@@ -143,7 +142,8 @@ def _set_free(done: Searched) -> Searched:
     if not free:
         return done
     done.ready.progress(f"once more, with {', '.join(free)} set free of its bounds")
-    ready = _placed(replace(done.ready, rig=released(done.ready.rig, free)))
+    wider = {name: released(now[name]) for name in free}
+    ready = _placed(done.ready.told(fit={**now, **wider}))
     search, gate = search_of(ready)
     again = search.models.fitted(done.chosen.effects, done.chosen.fit.changes)
     more = done.search.worth.matters(done.chosen, again)

@@ -239,6 +239,20 @@ class InverseProblem:
         found |= {"time": motion.seconds, "angle": motion.q / self.sizes.angle}
         return {name: values[self._kept] for name, values in found.items()}
 
+    def read(self, changes: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """What kernels read at every sample of every piece, (n,), the measured effort among it."""
+        asked, vector = self.asked, self.table.vector(self.completed(changes))
+        motion = asked.seen(vector)
+        signals = asked.signals(motion, asked.load(motion, vector), vector)
+        made = asked.made(vector, motion, signals)
+        return {**signals, "motor.current": made, "motor.command": made}
+
+    def passed(self, effect: type[Effect], changes: Mapping[str, float]) -> np.ndarray:
+        """What a pipe makes of 1 at every sample of every piece, (n,), at the measured effort."""
+        vector, signals = self.table.vector(self.completed(changes)), self.read(changes)
+        motion = self.asked.seen(vector)
+        return self.asked.run(effect, vector, motion, signals, np.ones_like(motion.q))
+
     def _smooth(self, values: np.ndarray) -> np.ndarray:
         out = np.empty_like(values)
         k = 0

@@ -17,7 +17,7 @@ from spirob import plain_yaml
 from spirob.effects import Effect, all_effects, find_effects, load_file, replay
 from spirob.errors import ConfigError, EffectError
 from spirob.files import checked, content, inside
-from spirob.logs.readers.isolation import Crashed, apart
+from spirob.logs.readers.isolation import Crashed, TooLong, apart
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.rig import RigFile
@@ -100,11 +100,13 @@ def tried(path: str, kernel: bool) -> None:
     checked(path, "effect file")
     try:
         loading, own, running = apart(_trial, path, LONGEST, longest=WAITED * LONGEST)
-    except Crashed:
+    except TooLong:
         raise EffectError(
             f"effect file '{path}' does not end in {LONGEST:.0f} s of computing or "
-            f"{WAITED * LONGEST:.0f} s in all, or brings down the process that runs it"
+            f"{WAITED * LONGEST:.0f} s in all"
         ) from None
+    except Crashed:
+        raise EffectError(f"effect file '{path}' ends the process that runs it") from None
     except ValueError as error:
         raise EffectError(f"effect file '{path}': {error}") from None
     said = own or (running if kernel else "")

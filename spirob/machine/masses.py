@@ -1,8 +1,8 @@
-"""Is a body of a model file many times as heavy, or as light, as the effort says?
+"""Is a known inertia, or a body of a model file, many times off, as the effort says?
 
-What a body's mass asks of the drive is linear in it.  A factor of one body, or of all that the
-model file asks for, is told where it is nearer to ten than to one, and where it makes inertia and
-friction beside it fit; otherwise a payload, a spring or a law may be what is missing.
+What a mass asks of the drive is linear in it.  A factor of one body, or of all that the description
+asks for, is told where it is nearer to ten than to one, and where it makes inertia and friction
+beside it fit; otherwise a payload, a spring or a law may be what is missing.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ class _Tried:
         most, least = f"{self.share:.0%}", f"{max(0.0, as_described):.0%}"
         if not self.body:
             return (
-                f"The effort is {self.factor:.3g} times what the model file asks for: with that "
+                f"The effort is {self.factor:.3g} times what the description asks for: with that "
                 f"factor it explains {most} of the variance, as described {least}."
             )
         return (
@@ -44,9 +44,11 @@ class _Tried:
 
 
 def out_of_scale(search: RigSearch, chosen: Model) -> str:
-    """What of a model file is many times off, where no law found fits as well; or empty."""
+    """What of a description is many times off, where no law found fits as well; or empty."""
     problem = search.models.train
-    if problem.body is None or "scale" in problem.rig.fit:
+    rig = problem.rig
+    known = problem.body is not None or (rig.known.get("inertia", 0.0) > 0.0)
+    if not known or "scale" in rig.fit:
         return ""
     if not search.worth.possible(chosen, 0.0, search.models.promised):
         return ""
@@ -57,7 +59,7 @@ def out_of_scale(search: RigSearch, chosen: Model) -> str:
     whole = _tried(problem, measured, asked, "", asked)
     bodies = [
         _tried(problem, measured, asked, name, column)
-        for name, column in _weighed(problem, problem.body, zero)
+        for name, column in (_weighed(problem, problem.body, zero) if problem.body else ())
     ]
     best = max([whole, *bodies], key=lambda tried: tried.share)
     if 1.0 - best.share > HALF * (1.0 - whole.share):
@@ -80,12 +82,15 @@ def _resisted(
 ) -> tuple[float, np.ndarray]:
     """The share of the effort explained by `asked`, by what resists, a force and columns (N, k).
 
-    Also the numbers of the columns, (k,).
+    Also the numbers of the columns, (k,).  Where there is no body, whose inertia is another and
+    which knows its weight, a known inertia is all of it, and a weight and a spring are free.
     """
-    plain = plain_columns(problem)[: RESISTING + 1]
+    plain, resisting = plain_columns(problem)[: RESISTING + 1], RESISTING
+    if problem.body is None:
+        plain, resisting = plain_columns(problem)[1:], RESISTING - 1
     design = np.column_stack([*plain, columns])
     size = np.linalg.norm(design, axis=0) + 1e-300
-    low = np.r_[np.zeros(RESISTING), np.full(design.shape[1] - RESISTING, -np.inf)]
+    low = np.r_[np.zeros(resisting), np.full(design.shape[1] - resisting, -np.inf)]
     bounds = (low, np.full(len(low), np.inf))
     found = scipy.optimize.lsq_linear(design / size, measured - asked, bounds).x
     share = explained(measured, asked + design / size @ found)

@@ -7,8 +7,6 @@ A sensor at the motor and one at the load, behind an elastic gear or one with pl
 motions.  What is left of the model chosen for the one may be what the laws of the other take.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 import scipy
 
@@ -16,6 +14,7 @@ from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.identifiability import Identifiability
+from spirob.machine.bounds import FAR, set_free
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import RigCeiling
 from spirob.machine.laws import LOAD_SIDE
@@ -33,14 +32,12 @@ from spirob.machine.odd_logs import (
     strangers,
     ways_apart,
 )
-from spirob.machine.rig import Bounded, RigFile
+from spirob.machine.rig import RigFile
 
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
 SEEN = 0.2  # of a sample, of delay that is worth a word
-FAR = 20.0  # between a number and its nominal one
-PREFIX = 1e3  # between a unit and its next prefix
 UNUSUAL = (
     " That is more than cycles and clocks explain: a filter or a bus on the way to the log, or a "
     "lag or latency of the machine itself, which only `known: {delay: ...}` can tell apart."
@@ -84,7 +81,7 @@ def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFi
         )
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
-    said += [*_outside(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
+    said += [*set_free(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
     about = search.models.train.table.about
     for name in search.models.names:
         found, nominal = chosen.fit.estimates[name], about[name].nominal
@@ -181,45 +178,6 @@ def _turned(search: RigSearch, chosen: Model) -> str:
         f"its variance, as logged {max(0.0, as_logged):.0%}: give the effort or the motion the "
         "factor -1."
     )
-
-
-def beyond_bounds(search: RigSearch, chosen: Model) -> list[str]:
-    """Names of the rig's own numbers that ended at a bound, but for a 0 that they may be."""
-    found = []
-    for name in search.models.names:
-        estimate, about = chosen.fit.estimates[name], search.models.train.table.about[name]
-        at_zero = about.low == 0.0 and estimate.value < 0.5 * about.high
-        if name.startswith("rig.") and estimate.at_bound and not at_zero and name != "rig.delay":
-            found.append(name.removeprefix("rig."))
-    return found
-
-
-def released(rig: RigFile, names: Sequence[str]) -> RigFile:
-    """The rig with wider bounds of these numbers, by as much as a unit's prefix may be wrong."""
-    fit = dict(rig.fit)
-    for name in names:
-        known = fit[name]
-        low = 0.0 if known.low >= 0.0 else PREFIX * known.low
-        high = PREFIX * max(abs(known.high), abs(known.low))
-        fit[name] = Bounded(nominal=known.nominal, low=low, high=high)
-    return rig.model_copy(update={"fit": fit})
-
-
-def _outside(search: RigSearch, chosen: Model, rig: RigFile) -> list[str]:
-    """What came of numbers whose bounds in the description held them."""
-    said = []
-    for name, given in rig.fit.items():
-        found = chosen.fit.estimates[f"rig.{name}"]
-        if given.low <= found.value <= given.high:
-            continue
-        told = found.low > 0.0 and not (found.low <= given.high and given.low <= found.high)
-        why = "is a unit or a factor wrong?" if told else "these logs do not tell it."
-        said.append(
-            f"{name} ended at its bound, so it was set free: {found.value:.3g} {found.unit} "
-            f"({found.low:.3g} to {found.high:.3g}), where {given.low:g} to {given.high:g} are "
-            f"given; {why}"
-        )
-    return said
 
 
 def may_sit_at_load(rig: RigFile, search: RigSearch, chosen: Model) -> bool:

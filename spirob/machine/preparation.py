@@ -11,7 +11,8 @@ from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect, all_effects
 from spirob.errors import ConfigError
-from spirob.identify.identifiability import Identifiability, probe
+from spirob.identify.identifiability import TENTH, Identifiability, probe
+from spirob.identify.problem import effort_rms
 from spirob.machine.body import RigidBody
 from spirob.machine.candidates import applicable, with_room
 from spirob.machine.delays import is_told, partnered, strange
@@ -156,11 +157,27 @@ def search_of(ready: Ready) -> tuple[Search, Identifiability]:
     asked = [n for n in names if n != "rig.delay" and not n.startswith("zero.")]
     gate = probe(train, asked, {n: table.about[n].nominal for n in asked})
     shapes = {f"{e.name()}.{f}" for e in ready.own for f in e.fitted() if f not in e.neutral}
-    if set(gate.silent) - shapes:  # a shape may say nothing until its amplitude is another
-        raise ConfigError(f"fit: {gate.sentence}")
+    # a shape may say nothing until its amplitude is another
+    if lost := [name for name in gate.silent if name not in shapes]:
+        raise ConfigError(_unseen(lost, gate, train))
     absent = [e for e in ready.possible if e not in ready.own]
     models = Models(train, heldout, names, ready.settings.floor)
     return Search(models, absent, ready.settings, ready.progress), gate
+
+
+def _unseen(names: Sequence[str], gate: Identifiability, train: InverseProblem) -> str:
+    """That the effort shows nothing of these numbers, with what each makes of it."""
+    about, size = train.table.about, effort_rms(train)
+    unit = train.rig.effort.si
+    made = [
+        f"{n.removeprefix('rig.')} of {about[n].nominal:g} {about[n].unit} makes "
+        f"{gate.moves[n] / TENTH:.2g} {unit}"
+        for n in names
+    ]
+    return (
+        f"fit: {', '.join(made)} of an effort of {size:.2g} {unit}, which cannot be seen: a unit, "
+        "a factor, a nominal value or the values of some rows are many times off."
+    )
 
 
 def _stroke(recordings: list[Recording]) -> float:

@@ -75,6 +75,26 @@ def test_a_mass_that_is_ten_times_off_is_told_with_both_figures(told, said, tmp_
     assert out_of_scale(search, fits) == ""  # a law that fits as well
 
 
+@pytest.mark.parametrize(("known", "factor"), [(1e3, 1e-3), (0.03, 33.3), (1.2, 0.0)])
+def test_a_known_inertia_that_is_many_times_off_is_told(known, factor):
+    motion = np.sin(3 * TIME) + 0.3 * np.sin(7.1 * TIME)
+    speed = 3 * np.cos(3 * TIME) + 2.13 * np.cos(7.1 * TIME)
+    effort = -9 * np.sin(3 * TIME) - 15.1 * np.sin(7.1 * TIME) + 0.5 * speed + np.sin(motion)
+    rig = RigFile.model_validate(
+        description(
+            fit={"viscous": {"nominal": 1.0, "low": 0.0, "high": 9.0}}, known={"inertia": known}
+        )
+    )
+    logs = [prepare("log", {"t": TIME, "q": motion, "u": effort}, rig)]
+    problem = InverseProblem(rig, None, logs, [], SIZES, 0.02)
+    search = Search(Models(problem, problem, ["rig.viscous"]), [], Criteria())
+    found = out_of_scale(search, search.models.fitted((), {}))
+    assert found.startswith("The effort is ") == (factor > 0.0)
+    if found:
+        told = found.removeprefix("The effort is ").split()[0]
+        assert float(told) == pytest.approx(factor, rel=0.02)
+
+
 @pytest.mark.parametrize(
     ("told", "weight"), [({}, 0.0), ({"shin": 1.2}, 0.0), ({"shin": 8.0}, 30.0), ({}, 5.0)]
 )

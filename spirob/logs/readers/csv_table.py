@@ -45,7 +45,7 @@ def read(asked: Asked) -> Table:
         )
     separator, decimal = _dialect(where, lines)
     names = _cells(lines[0], separator)
-    require_room(text.count("\n"), len(names))
+    require_room(text.count("\n") - 1, len(names))
     frame, cut = _parse(where, text, separator, decimal)
     for k, name in enumerate(frame.columns):
         add(table, str(name).strip().strip('"'), frame.iloc[:, k])

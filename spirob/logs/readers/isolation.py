@@ -7,6 +7,7 @@ ends there as an error.
 
 import multiprocessing
 import os
+import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -20,12 +21,18 @@ from spirob.logs.readers.columns import printable
 
 ALWAYS = ("spirob.logs.readers", "pandas")  # loaded before the first process is forked
 LONGEST = 60.0  # s
+ENDING = 5.0  # s that a process has to be gone once it has closed its end
+TIMED = -getattr(signal, "SIGPROF", 0)  # exit code of one that its timer ended
 MEMORY = 2**30  # bytes of data, where the system can bound it
 _STARTING = threading.Lock()
 
 
 class Crashed(ValueError):
     """The reader's process ended without an answer."""
+
+
+class TooLong(Crashed):
+    """It took longer than it may."""
 
 
 def apart(
@@ -38,8 +45,8 @@ def apart(
 
     needs    further modules to load before the first process is forked
     longest  s that it may take by the clock
-    Raises the DataError that it raises, ValueError for any other, and Crashed where its process
-    dies or takes longer.
+    Raises the DataError that it raises, ValueError for any other, Crashed where its process dies,
+    and TooLong where it takes longer, or ends by a timer of its own (`signal.ITIMER_PROF`).
     """
     methods = multiprocessing.get_all_start_methods()
     context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
@@ -52,9 +59,12 @@ def apart(
     there.close()
     try:
         if not here.poll(longest):
-            raise Crashed(f"reading it takes longer than {longest:.0f} s")
+            raise TooLong(f"reading it takes longer than {longest:.0f} s")
         done, value = here.recv()
     except (EOFError, OSError):
+        process.join(ENDING)
+        if process.exitcode == TIMED:
+            raise TooLong("reading it takes too long") from None
         raise Crashed("its content brings the reader down") from None
     finally:
         process.kill()

@@ -28,6 +28,7 @@ from spirob.machine.composed.writing import Units, formula, told, written
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import STEP, Models, RigSearch
 from spirob.machine.page_tables import laws, without
+from spirob.machine.pipes import LEAST
 
 NAME = "law"
 SURE = 1.96  # deviations of a 95 % interval
@@ -105,10 +106,23 @@ def composed(
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         beside = _Beside(search, base, drafts.ground.changes, found.offers[0].effect, Path(folder))
         one = _pruned(beside, law)
+        if law.of_drive and not _drives(one):
+            return None
         for other in (base, found.chosen):
             if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
                 return None
         return _told(search, found, base, one)
+
+
+def _drives(one: _Fitted) -> bool:
+    """Whether a law leaves as much of a strong effort as can be told from none.
+
+    A scale that grows as the law takes would explain any effort: what is left is counted in it.
+    """
+    problem, changes = one.models.train, one.model.fit.changes
+    made = np.abs(problem.read(changes)["motor.current"])
+    strong = made > np.sqrt(np.mean(made**2))
+    return float(np.mean(problem.passed(one.effect, changes)[strong])) > LEAST
 
 
 @dataclass(frozen=True)

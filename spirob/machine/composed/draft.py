@@ -14,6 +14,7 @@ nothing of its level.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -107,22 +108,30 @@ class Drafts:
         parts = term.along(side.track, self.ranges)
         if term.drives:
             columns = np.column_stack([side.shown(-v) for v in parts])
-            return columns + np.outer(side.residual, self._shares(term) / self.ranges.strong)
+            return columns + np.outer(side.residual, self._shares(term, side, parts))
         if len(parts) == 1:  # what has several parts is alike in all motors
             parts = [parts[0] * own for own in side.motors] or parts
         return np.column_stack([side.shown(-v) for v in parts])
 
-    def _shares(self, term: Term) -> np.ndarray:
+    def _shares(self, term: Term, side: Side, parts: Sequence[np.ndarray]) -> np.ndarray:
         """By how much the parts of what a drive loses are in proportion to its effort, (parts,).
+
+        parts  of the term along the trials of a side
 
         So much of the effort, which is the model less the residual, is taken out of a column: it
         would explain effort by effort.  The model may keep it: what no fitted number makes of it, a
         known weight, tells what a drive loses in proportion, too.
         """
-        own, whole = self.ground.train, Term((LOST,))
-        made = own.thinned(whole.along(own.track, self.ranges)[0])
-        lost = [own.thinned(part) for part in term.along(own.track, self.ranges)]
-        return np.array([np.dot(part, made) for part in lost]) / np.dot(made, made)
+        own, made = self.ground.train, self._made
+        known = parts if side is own else term.along(own.track, self.ranges)
+        lost = np.array([np.dot(own.thinned(part), made) for part in known])
+        return lost / np.dot(made, made) / self.ranges.strong
+
+    @cached_property
+    def _made(self) -> np.ndarray:
+        """What the drive makes along the fitted trials, over its strongest, (N,)."""
+        own = self.ground.train
+        return own.thinned(Term((LOST,)).along(own.track, self.ranges)[0])
 
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""

@@ -193,6 +193,8 @@ def _refined(drafts: Drafts, beside: Sequence[Term], term: Term) -> Term:
 
     start = (seen(np.array([term.numbers[key] for key in keys])) - low) / (high - low)
     first = drafts.error(beside, term)
+    if not first:
+        return term
     # shares of a wide box: a walk from the grid's place begins with small steps
     simplex = np.vstack([start, *(start + 0.04 * unit for unit in np.eye(len(start)))])
     found = scipy.optimize.minimize(

@@ -281,6 +281,7 @@ SAID = {
     "motor.angle": "angle",
     "motor.speed": "speed",
     "motor.load_torque": "load",
+    "motor.current": "effort",
     "time": "time since a trial's beginning",
 }
 
@@ -309,8 +310,5 @@ def _outside(
     problem: InverseProblem, changes: Mapping[str, float], signal: str, low: float, high: float
 ) -> float:
     """Share of the compared samples of which a signal is outside of a range."""
-    vector = problem.table.vector(problem.completed(changes))
-    motion = problem.asked.seen(vector)
-    signals = problem.asked.signals(motion, problem.asked.load(motion, vector), vector)
-    values, room = problem.thinned(signals[signal]), ROOM * (high - low)
+    values, room = problem.thinned(problem.read(changes)[signal]), ROOM * (high - low)
     return float(np.mean((values < low - room) | (values > high + room)))

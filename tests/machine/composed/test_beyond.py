@@ -7,17 +7,10 @@ import numpy as np
 from spirob.machine.composed.law import beyond
 
 
-def problem(place):
-    signals = {"winch.displacement": np.asarray(place, float)}
-    asked = SimpleNamespace(
-        seen=lambda vector: None,
-        load=lambda motion, vector: None,
-        signals=lambda motion, load, vector: signals,
-    )
-    table = SimpleNamespace(vector=lambda changes: None)
-    return SimpleNamespace(
-        table=table, asked=asked, completed=lambda changes: changes, thinned=lambda values: values
-    )
+def problem(place, effort=()):
+    signals = {"winch.displacement": place, "motor.current": effort}
+    read = {name: np.asarray(values, float) for name, values in signals.items()}
+    return SimpleNamespace(read=lambda changes: read, thinned=lambda values: values)
 
 
 LAW = SimpleNamespace(
@@ -30,6 +23,15 @@ def test_a_quarter_of_a_log_beyond_the_range_is_said():
     assert beyond([inside], [LAW], {}) == []
     (said,) = beyond([inside, outside], [LAW], {})
     assert said.startswith("law: the place leaves the range that taught this law, 0 to 1,")
+    assert "in up to 25% of the time" in said
+
+
+def test_an_effort_beyond_what_taught_a_loss_of_the_drive_is_said():
+    loss = SimpleNamespace(
+        name=lambda: "law", taught={"current": (-2.0, 2.0)}, reads={"current": "motor.current"}
+    )
+    (said,) = beyond([problem([], [0.0, 1.0, -3.0, 2.0])], [loss], {})
+    assert said.startswith("law: the effort leaves the range that taught this law, -2 to 2,")
     assert "in up to 25% of the time" in said
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from spirob.effects import load_file
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.composed.composing import _drives
 from spirob.machine.composed.draft import Drafts
 from spirob.machine.composed.grammar import losses
 from spirob.machine.composed.ground import Side
@@ -93,6 +94,22 @@ def test_a_sensor_behind_the_drive_tells_nothing_of_what_it_loses(origin, made):
     problem = InverseProblem(rig, None, [prepare("log", log(1), rig)], [], sizes, 0.02)
     track = Track.of(problem, {"rig.inertia": 0.05, "rig.viscous": 0.1})
     assert ("current" in track.signals) is made
+
+
+@pytest.mark.parametrize(("kept", "may"), [(1e-3, False), (0.5, True), (1.0, True)])
+def test_a_drive_that_a_scale_would_have_to_make_up_for_is_no_law(kept, may):
+    """A loss of all but a thousandth, beside a scale a thousand times as large, fits any effort."""
+    effort = np.random.default_rng(2).normal(size=SAMPLES)
+    problem = SimpleNamespace(
+        read=lambda changes: {"motor.current": effort},
+        passed=lambda effect, changes: np.where(np.abs(effort) > 0.1, kept, 0.0),  # a dead band
+    )
+    fitted = SimpleNamespace(
+        models=SimpleNamespace(train=problem),
+        model=SimpleNamespace(fit=SimpleNamespace(changes={})),
+        effect=None,
+    )
+    assert _drives(fitted) == may
 
 
 def log(seed):

@@ -1,0 +1,114 @@
+"""Bounds of the numbers in a description, and what comes of numbers that lie beyond them.
+
+A wrong unit or factor moves all numbers of a machine alike.  Where the logs themselves say that it
+is many times off, the numbers are looked for where they are; a little beyond, they are set free
+once a search has ended at the bounds.
+"""
+
+import numpy as np
+import scipy
+
+from spirob.diagnosis.model import Model
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.models import RigSearch
+from spirob.machine.odd_logs import FAMILIAR, HALF, RESISTING, explained, plain_columns
+from spirob.machine.preparation import Ready
+from spirob.machine.rig import Bounded, RigFile
+
+FAR = 20.0  # between a number and its nominal one
+BEYOND = np.sqrt(10.0)  # times a bound: nearer to ten than to one
+PREFIX = 1e3  # between a unit and its next prefix
+ALIKE = ("inertia", "viscous", "stiffness")  # numbers that a factor of the effort scales
+
+
+def in_scale(ready: Ready) -> Ready:
+    """A rig with its numbers where the logs have them, if all of them are many times off.
+
+    What inertia or body ask of the drive by the description is taken a number of times to explain
+    the effort, beside the plain columns.  Where that number lies `BEYOND` what the description
+    allows, and leaves less than half of what this would, the scale, or else the numbers that a
+    factor of the effort scales, begin there, in bounds as wide as a unit's prefix may be wrong.
+    """
+    fit, low, high = ready.rig.fit, 1.0, 1.0
+    if ready.body is None and "inertia" in fit and fit["inertia"].nominal > 0.0:
+        low, high = (
+            end / fit["inertia"].nominal for end in (fit["inertia"].low, fit["inertia"].high)
+        )
+    if "scale" in fit:
+        low, high = (
+            low * fit["scale"].nominal / fit["scale"].high,
+            high * fit["scale"].nominal / fit["scale"].low,
+        )
+    if low == high:
+        return ready
+    times, left = _asked(ready, 0.0, np.inf)
+    if times <= 0.0 or low / BEYOND <= times <= high * BEYOND:
+        return ready
+    if left > 1.0 - FAMILIAR or left > HALF * _asked(ready, low, high)[1]:
+        return ready
+    if "scale" in fit:
+        moved = ready.told(fit={**fit, "scale": released(_scaled(fit["scale"], 1.0 / times))})
+        return moved.with_logs(ready.train, ready.test)
+    scaled = {name: released(_scaled(fit[name], times)) for name in ALIKE if name in fit}
+    return ready.told(fit={**fit, **scaled})
+
+
+def _asked(ready: Ready, low: float, high: float) -> tuple[float, float]:
+    """How many times what inertia or body ask for the effort has, and the share that is left.
+
+    The number is kept within bounds, from `low` to `high`.
+    """
+    about = ready.sizes, ready.rest_speed
+    problem = InverseProblem(ready.rig, ready.body, ready.train, (), *about, work=ready.work)
+    begin = {n: b.nominal * (n in ("inertia", "scale")) for n, b in ready.rig.fit.items()}
+    effort = problem.measured()
+    asked = problem({f"rig.{name}": value for name, value in begin.items()}) + effort
+    plain = plain_columns(problem)[1:]
+    if ready.body is not None:  # it knows its weight
+        plain = plain[:RESISTING]
+    design = np.column_stack([asked, *plain])
+    size = np.linalg.norm(design, axis=0) + 1e-300
+    rest = design.shape[1] - RESISTING
+    lows = np.r_[low * size[0], np.zeros(RESISTING - 1), np.full(rest, -np.inf)]
+    highs = np.r_[high * size[0], np.full(design.shape[1] - 1, np.inf)]
+    found = scipy.optimize.lsq_linear(design / size, effort, (lows, highs)).x
+    return float(found[0] / size[0]), 1.0 - explained(effort, design / size @ found)
+
+
+def _scaled(known: Bounded, times: float) -> Bounded:
+    return Bounded(nominal=times * known.nominal, low=times * known.low, high=times * known.high)
+
+
+def beyond_bounds(search: RigSearch, chosen: Model) -> list[str]:
+    """Names of the rig's own numbers that ended at a bound, but for a 0 that they may be."""
+    found = []
+    for name in search.models.names:
+        estimate, about = chosen.fit.estimates[name], search.models.train.table.about[name]
+        at_zero = about.low == 0.0 and estimate.value < 0.5 * about.high
+        if name.startswith("rig.") and estimate.at_bound and not at_zero and name != "rig.delay":
+            found.append(name.removeprefix("rig."))
+    return found
+
+
+def released(known: Bounded) -> Bounded:
+    """Wider bounds of a number, by as much as a unit's prefix may be wrong."""
+    low = 0.0 if known.low >= 0.0 else PREFIX * known.low
+    high = PREFIX * max(abs(known.high), abs(known.low))
+    return Bounded(nominal=known.nominal, low=low, high=high)
+
+
+def set_free(search: RigSearch, chosen: Model, rig: RigFile) -> list[str]:
+    """What came of numbers whose bounds in the description held them."""
+    said = []
+    for name, given in rig.fit.items():
+        found = chosen.fit.estimates[f"rig.{name}"]
+        if given.low <= found.value <= given.high:
+            continue
+        told = found.low > 0.0 and not (found.low <= given.high and given.low <= found.high)
+        why = "is a unit or a factor wrong?" if told else "these logs do not tell it."
+        said.append(
+            f"{name} ended at its bound, so it was set free: {found.value:.3g} {found.unit} "
+            f"({found.low:.3g} to {found.high:.3g}), where {given.low:g} to {given.high:g} are "
+            f"given; {why}"
+        )
+    return said
