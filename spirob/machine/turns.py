@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.preparation import Ready, search_of
@@ -92,10 +93,12 @@ def _best(known: Sequence[Log], log: Log, turn: float) -> int:
     """The turn at which the curves of the known logs tell the most of another; 0 in doubt."""
     low = min(float(one.q.min()) for one in known)
     high = max(float(one.q.max()) for one in known)
-    columns = np.vstack([_columns(one, low, high, turn) for one in known])
+    columns = scipy.sparse.vstack([_columns(one, low, high, turn) for one in known])
     wanted = np.concatenate([one.residual for one in known])
-    power = PRIOR * np.mean(columns**2, axis=0) * len(columns) + 1e-300
-    curves = np.linalg.solve(columns.T @ columns + np.diag(power), columns.T @ wanted)
+    products = columns.T @ columns
+    power = PRIOR * products.diagonal() + 1e-300
+    whole = scipy.sparse.csc_array(products + scipy.sparse.diags_array(power))
+    curves = scipy.sparse.linalg.spsolve(whole, columns.T @ wanted)
     ends = (low - float(log.q.max())) / turn, (high - float(log.q.min())) / turn
     tried = range(max(int(np.ceil(ends[0])), -MOST), min(int(np.floor(ends[1])), MOST) + 1)
     left = {0: float(np.sum(log.residual**2))}
@@ -108,13 +111,19 @@ def _best(known: Sequence[Log], log: Log, turn: float) -> int:
     return best if left[best] < enough else 0
 
 
-def _columns(log: Log, low: float, high: float, turn: float) -> np.ndarray:
+def _columns(log: Log, low: float, high: float, turn: float) -> scipy.sparse.csr_array:
     """Piecewise linear functions of the place between two ends, zero beyond, (n, 3·knots)."""
     count = max(2, round(KNOTS * (high - low) / turn) + 1)
     at = (log.q - low) / (high - low) * (count - 1)
-    hats = np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(count)))
-    hats[(at < 0.0) | (at > count - 1)] = 0.0
-    return np.hstack([hats, log.v[:, None] * hats, log.sign[:, None] * hats])
+    before = np.clip(np.floor(at).astype(int), 0, count - 2)
+    inside, share = (at >= 0.0) & (at <= count - 1), at - before
+    cells = np.concatenate([before, before + 1])
+    rows, hats = np.tile(np.arange(len(at)), 2), np.concatenate([1.0 - share, share])
+    parts = [
+        scipy.sparse.csr_array((np.tile(inside * by, 2) * hats, (rows, cells)), (len(at), count))
+        for by in (np.ones_like(at), log.v, log.sign)
+    ]
+    return scipy.sparse.hstack(parts, format="csr")
 
 
 def _logs(problem: InverseProblem, residual: np.ndarray) -> dict[str, Log]:

@@ -80,7 +80,9 @@ def test_a_file_that_fails_is_a_sentence(tmp_path, text, sentence):
 def test_a_file_that_never_ends_is_ended(tmp_path, monkeypatch, text, longest):
     monkeypatch.setattr(loading, "LONGEST", longest)
     path = written(tmp_path, text)
-    with pytest.raises(EffectError, match=rf"does not end in {longest} s of computing or \d+ s in all$"):
+    with pytest.raises(
+        EffectError, match=rf"does not end in {longest} s of computing or \d+ s in all$"
+    ):
         tried(path, kernel=True)
     assert main(["effects", "check", path]) == 2
 

@@ -8,7 +8,7 @@ import pytest
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.turns import MOST, Log, turns
+from spirob.machine.turns import MOST, Log, _columns, turns
 from tests.machine.rigs import description
 
 TURN = 2 * np.pi
@@ -83,3 +83,20 @@ def test_a_wrapped_machine_leaves_what_it_leaves_unwrapped():
         said = [s for s in found.document["repairs"] if "counted by the effort" in s]
         assert bool(said) is wrapped
     assert left[1] < 1.2 * left[0]
+
+
+def test_a_way_of_many_turns_takes_no_more_room_than_its_rows():
+    """Each row has two corners of each curve; between them these are straight, and add up to 1."""
+    q = np.linspace(-3.0, 600.0, 500)
+    log = Log(q, np.cos(q), np.sign(np.sin(q)), np.zeros_like(q))
+    columns = _columns(log, 0.0, 500.0, 2.0 * np.pi)
+    inside = (q >= 0.0) & (q <= 500.0)
+    assert columns.nnz <= 6 * len(q)
+    plain, fast, way = (part.sum(axis=1) for part in np.split(columns.toarray(), 3, axis=1))
+    assert np.allclose(plain, inside)
+    assert np.allclose(fast, inside * log.v)
+    assert np.allclose(way, inside * log.sign)
+    corners = np.linspace(0.0, 500.0, columns.shape[1] // 3)
+    assert np.allclose(
+        (columns @ np.tile(corners, 3))[inside], (q * (1 + log.v + log.sign))[inside]
+    )
