@@ -29,22 +29,16 @@ def in_scale(ready: Ready) -> Ready:
     allows, and leaves less than half of what this would, the scale, or else the numbers that a
     factor of the effort scales, begin there, in bounds as wide as a unit's prefix may be wrong.
     """
-    fit, low, high = ready.rig.fit, 1.0, 1.0
-    if ready.body is None and "inertia" in fit and fit["inertia"].nominal > 0.0:
-        low, high = (
-            end / fit["inertia"].nominal for end in (fit["inertia"].low, fit["inertia"].high)
-        )
-    if "scale" in fit:
-        low, high = (
-            low * fit["scale"].nominal / fit["scale"].high,
-            high * fit["scale"].nominal / fit["scale"].low,
-        )
+    fit, (low, high) = ready.rig.fit, _allowed(ready)
     if low == high:
         return ready
-    times, left = _asked(ready, 0.0, np.inf)
-    if times <= 0.0 or low / BEYOND <= times <= high * BEYOND:
+    effort, columns = _columns(ready)
+    times, left = _fitted(effort, columns, 0.0, np.inf)
+    _, none = _fitted(effort, columns * [0.0, *np.ones(columns.shape[1] - 1)], 0.0, np.inf)
+    told = left <= 1.0 - FAMILIAR and left <= HALF * none
+    if not told or low / BEYOND <= times <= high * BEYOND:
         return ready
-    if left > 1.0 - FAMILIAR or left > HALF * _asked(ready, low, high)[1]:
+    if left > HALF * _fitted(effort, columns, low, high)[1]:
         return ready
     if "scale" in fit:
         moved = ready.told(fit={**fit, "scale": released(_scaled(fit["scale"], 1.0 / times))})
@@ -53,11 +47,23 @@ def in_scale(ready: Ready) -> Ready:
     return ready.told(fit={**fit, **scaled})
 
 
-def _asked(ready: Ready, low: float, high: float) -> tuple[float, float]:
-    """How many times what inertia or body ask for the effort has, and the share that is left.
+def _allowed(ready: Ready) -> tuple[float, float]:
+    """Between how many times what the description asks for the effort may be by its bounds."""
+    fit, low, high = ready.rig.fit, 1.0, 1.0
+    if ready.body is None and "inertia" in fit and fit["inertia"].nominal > 0.0:
+        own = fit["inertia"]
+        low, high = own.low / own.nominal, own.high / own.nominal
+    if "scale" in fit:
+        own = fit["scale"]
+        if own.nominal <= 0.0:
+            return 1.0, 1.0
+        low *= own.nominal / own.high
+        high = high * own.nominal / own.low if own.low > 0.0 else np.inf
+    return low, high
 
-    The number is kept within bounds, from `low` to `high`.
-    """
+
+def _columns(ready: Ready) -> tuple[np.ndarray, np.ndarray]:
+    """The effort, (N,), and what inertia or body ask of it beside the plain columns, (N, k)."""
     about = ready.sizes, ready.rest_speed
     problem = InverseProblem(ready.rig, ready.body, ready.train, (), *about, work=ready.work)
     begin = {n: b.nominal * (n in ("inertia", "scale")) for n, b in ready.rig.fit.items()}
@@ -66,17 +72,25 @@ def _asked(ready: Ready, low: float, high: float) -> tuple[float, float]:
     plain = plain_columns(problem)[1:]
     if ready.body is not None:  # it knows its weight
         plain = plain[:RESISTING]
-    design = np.column_stack([asked, *plain])
-    size = np.linalg.norm(design, axis=0) + 1e-300
-    rest = design.shape[1] - RESISTING
+    return effort, np.column_stack([asked, *plain])
+
+
+def _fitted(
+    effort: np.ndarray, columns: np.ndarray, low: float, high: float
+) -> tuple[float, float]:
+    """How many times the first column the effort has, within bounds, and the share that is left."""
+    size = np.linalg.norm(columns, axis=0) + 1e-300
+    rest = columns.shape[1] - RESISTING
     lows = np.r_[low * size[0], np.zeros(RESISTING - 1), np.full(rest, -np.inf)]
-    highs = np.r_[high * size[0], np.full(design.shape[1] - 1, np.inf)]
-    found = scipy.optimize.lsq_linear(design / size, effort, (lows, highs)).x
-    return float(found[0] / size[0]), 1.0 - explained(effort, design / size @ found)
+    highs = np.r_[high * size[0], np.full(columns.shape[1] - 1, np.inf)]
+    found = scipy.optimize.lsq_linear(columns / size, effort, (lows, highs)).x
+    return float(found[0] / size[0]), 1.0 - explained(effort, columns / size @ found)
 
 
 def _scaled(known: Bounded, times: float) -> Bounded:
-    return Bounded(nominal=times * known.nominal, low=times * known.low, high=times * known.high)
+    """So many times a number, of whatever size."""
+    low, nominal, high = (times * end for end in (known.low, known.nominal, known.high))
+    return Bounded.model_construct(low=low, nominal=nominal, high=high)
 
 
 def beyond_bounds(search: RigSearch, chosen: Model) -> list[str]:
@@ -94,7 +108,7 @@ def released(known: Bounded) -> Bounded:
     """Wider bounds of a number, by as much as a unit's prefix may be wrong."""
     low = 0.0 if known.low >= 0.0 else PREFIX * known.low
     high = PREFIX * max(abs(known.high), abs(known.low))
-    return Bounded(nominal=known.nominal, low=low, high=high)
+    return Bounded.model_construct(nominal=known.nominal, low=low, high=high)
 
 
 def set_free(search: RigSearch, chosen: Model, rig: RigFile) -> list[str]:

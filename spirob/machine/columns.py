@@ -12,6 +12,7 @@ from pydantic import (
     model_validator,
 )
 
+from spirob.errors import DataError
 from spirob.units import UNITS, number, sized, units_of
 
 TIME_UNITS = units_of("s")
@@ -53,6 +54,25 @@ class Column(Entry):
         if value == 0.0:
             raise ValueError("a factor of 0 erases the column")
         return value
+
+
+class TimeColumn(Column):
+    """When a row was logged; a column of dates and times needs no unit."""
+
+    @field_validator("unit")
+    @classmethod
+    def _known_unit(cls, value: str) -> str:
+        if value not in ("", *TIME_UNITS):
+            raise ValueError(f"'{value}'; known: {', '.join(TIME_UNITS)}")
+        return value
+
+    def told(self, log: str, units: Mapping[str, str]) -> "TimeColumn":
+        """With the unit that the log itself tells; DataError where nothing does."""
+        if unit := units.get(self.column, self.unit):
+            return self.model_copy(update={"unit": unit})
+        raise DataError(
+            f"{log}: time.unit: '{self.column}' holds numbers; known: {', '.join(TIME_UNITS)}"
+        )
 
 
 class MotionColumn(Column):

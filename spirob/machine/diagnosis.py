@@ -125,6 +125,8 @@ def _read(
     """
     if isinstance(logs, Path | str | pd.DataFrame):
         raise ConfigError(f"{role}: a list of logs, got a single one")
+    if not isinstance(logs, Sequence):
+        raise ConfigError(f"{role}: a list of logs, got {type(logs).__name__}")
     dbc = None if rig.dbc is None else folder / rig.dbc
     found, empty = [], []
     for k, log in enumerate(logs):

@@ -25,7 +25,7 @@ from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, sizes_of
-from spirob.machine.selection import split
+from spirob.machine.selection import in_stretches, split
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,8 @@ def ready_of(
     held = chosen(files(rig.effects, folder)) if held is None else held
     repairs = [text for r in [*train, *test] for text in r.said]
     train, test, said = split(train, test)
-    repairs += [*said, *strange(rig, train)]
+    (train, many), (test, more) = in_stretches(train), in_stretches(test)
+    repairs += [*said, *many, *more, *strange(rig, train)]
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
     own, possible, excluded = library(rig, body, train, held, sizes, without)

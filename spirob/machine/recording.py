@@ -61,6 +61,16 @@ class Piece:
     others: dict[str, np.ndarray] = field(default_factory=dict)
     reference: np.ndarray | None = None
 
+    def part(self, rows: slice) -> "Piece":
+        """These rows alone."""
+        plain = {name: getattr(self, name)[rows] for name in ALONG}
+        others = {name: values[rows] for name, values in self.others.items()}
+        reference = None if self.reference is None else self.reference[rows]
+        return replace(self, **plain, others=others, reference=reference)
+
+
+ALONG = ("seconds", "q", "v", "a", "effort", "raw", "use")
+
 
 @dataclass
 class Recording:
@@ -109,7 +119,7 @@ def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recordi
     """
     for name in rig.columns():
         table.column(name)
-    time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
+    time = rig.time.told(table.name, table.units)
     rig = rig.model_copy(update={"time": time})
     return prepare(table.name, table.columns, rig, list(table.said), cutoff)
 

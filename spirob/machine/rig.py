@@ -5,7 +5,7 @@ filters and the rows that are left out.  Data, never code; an unknown key is an 
 where it stands.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
@@ -22,6 +22,7 @@ from spirob.machine.columns import (
     Entry,
     MotionColumn,
     PositionColumn,
+    TimeColumn,
     used_once,
 )
 from spirob.units import Size, units_of
@@ -174,13 +175,14 @@ PER_LOG = {
 }
 
 
-def _each_once(names: list[str]) -> list[str]:
+def _each_once(names: Sequence[str]) -> Sequence[str]:
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise ValueError(f"'{twice[0]}' is given twice")
     return names
 
 
-Effects = Annotated[list[str], Field(max_length=MOST_EFFECTS), AfterValidator(_each_once)]
+Once = AfterValidator(_each_once)
+Effects = Annotated[list[str], Field(max_length=MOST_EFFECTS), Once]
 
 
 class RigFile(Entry):
@@ -201,7 +203,7 @@ class RigFile(Entry):
     """
 
     name: str
-    time: Column
+    time: TimeColumn
     position: PositionColumn | None = None
     velocity: MotionColumn | None = None
     effort: EffortColumn
@@ -210,7 +212,7 @@ class RigFile(Entry):
     control: Control | None = None
     known: dict[str, Size] = {}
     fit: dict[str, Bounded] = {}
-    per_log: tuple[Literal["offset", "payload", "zero"], ...] | None = None
+    per_log: Annotated[tuple[Literal["offset", "payload", "zero"], ...], Once] | None = None
     logs: dict[str, OwnNumbers] = {}
     body: Body | Literal["none"] = "none"
     filter: FilterSettings = FilterSettings()
@@ -227,6 +229,8 @@ class RigFile(Entry):
         for name, one in value.items():
             if name not in NUMBERS:
                 raise ValueError(f"no number '{name}'; a rig has: {', '.join(NUMBERS)}")
+            if name == "scale" and (one.nominal if isinstance(one, Bounded) else one) == 0.0:
+                raise ValueError("scale: at 0 no effort makes a torque")
             if isinstance(one, Bounded) and 0.0 < abs(one.nominal) < STEP * (one.high - one.low):
                 raise ValueError(
                     f"{name}: bounds {1 / STEP:.1g} times as wide as its nominal value of "
@@ -301,8 +305,6 @@ class RigFile(Entry):
     def _consistent(self) -> "RigFile":
         if twice := set(self.known) & set(self.fit):
             raise ValueError(f"{', '.join(sorted(twice))}: either known or fitted")
-        if self.time.unit not in TIME_UNITS:
-            raise ValueError(f"time.unit '{self.time.unit}'; known: {', '.join(TIME_UNITS)}")
         if self.position is None and self.velocity is None:
             raise ValueError("position: needed; where the log has none, give its velocity")
         places, rates = [*LENGTHS, *ANGLES, TICK], [*units_of("m/s"), *units_of("rad/s"), "tick/s"]

@@ -270,14 +270,13 @@ def sizes_of(
         seconds=max(sum(float(len(p.q)) * r.period for p in r.pieces) for r in train),
         unseen=_unseen(gathered("a"), max(r.cutoff for r in train)),
     )
-    fast = float(np.quantile(np.abs(v), 0.95))
     if rig.rest_speed is None:
-        return sizes, REST * fast
+        return sizes, REST * float(np.quantile(np.abs(v), 0.95))
     speed, unit = rig.speed_scale, rig.motion.unit.removesuffix("/s")
-    if rig.rest_speed * speed >= fast:
+    if rig.rest_speed * speed >= sizes.speed:
         raise ConfigError(
             f"rest_speed: {rig.rest_speed:g} is no speed of rest, as the axis moves at "
-            f"{fast / speed:.3g} {unit}/s; about a hundredth of that is usual"
+            f"{sizes.speed / speed:.3g} {unit}/s (RMS); about a hundredth of that is usual"
         )
     return sizes, rig.rest_speed * speed
 

@@ -120,6 +120,38 @@ def ends_aside(logs: list[Recording]) -> tuple[list[Recording], list[Recording],
     return kept, held, said
 
 
+MOST_ROWS = 50_000  # of a role: a search keeps a thousand residuals and states in half a gigabyte
+STRETCH = 10.0  # s of a log that are used in a row
+
+
+def in_stretches(logs: list[Recording]) -> tuple[list[Recording], list[str]]:
+    """The logs with no more rows than can be kept, and what is said of that.
+
+    Of very long logs one stretch of so many is used, evenly spread.
+    """
+    rows = sum(len(p.q) for r in logs for p in r.pieces)
+    among = -(-rows // MOST_ROWS)
+    if among <= 1:
+        return logs, []
+    found = []
+    for recording in logs:
+        long = round(STRETCH / recording.period)
+        pieces = [
+            piece.part(slice(k, k + long))
+            for piece in recording.pieces
+            for k in range(0, len(piece.q), among * long)
+        ]
+        found.append(replace(recording, pieces=recording.worth(pieces)))
+    names = ", ".join(dict.fromkeys(r.log for r in logs))
+    said = f"{names}: {rows} rows are more than a search needs; every {_nth(among)} {STRETCH:g} s"
+    return [r for r in found if r.pieces], [f"{said} are used."]
+
+
+def _nth(number: int) -> str:
+    ends = {1: "st", 2: "nd", 3: "rd"}
+    return f"{number}{'th' if 10 < number % 100 < 20 else ends.get(number % 10, 'th')}"
+
+
 def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:
     """The recording with some rows compared only, a mask over all pieces in a row."""
     ends = np.cumsum([len(p.q) for p in recording.pieces])

@@ -88,6 +88,7 @@ def test_numbers_of_numpy_in_a_description_are_numbers(tmp_path):
     [
         (None, [], None, "rig: a file or a mapping of keys, got NoneType"),
         (description(), [{"t": [0.0]}], None, r"train\[0\]: a file or a DataFrame, got dict"),
+        (description(), None, None, "train: a list of logs, got NoneType"),
         (description(), [], 3, "settings: Criteria, got int"),
         (description(), [], None, "at least one training log"),
     ],

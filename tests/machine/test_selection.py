@@ -1,10 +1,15 @@
-"""One log under several names is found by its rows."""
+"""One log under several names is found by its rows, and of a very long one a part is used."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from spirob.errors import ConfigError
-from spirob.machine.selection import each_once
+from spirob.errors import ConfigError, DataError
+from spirob.logs.readers.columns import from_frame
+from spirob.machine.recording import of_table, prepare
+from spirob.machine.rig import RigFile
+from spirob.machine.selection import MOST_ROWS, STRETCH, each_once, in_stretches
+from tests.machine.rigs import description
 
 COLUMNS = ["q", "u"]
 
@@ -39,3 +44,45 @@ def test_a_stretch_of_another_log_is_found_in_any_order(part):
 def test_what_stands_or_lacks_a_column_is_judged_elsewhere():
     still = {"q": np.zeros(50), "u": np.zeros(50)}
     each_once([("a", still), ("b", still), ("c", {"q": np.arange(9.0)})], COLUMNS)
+
+
+def recording(seconds, rate):
+    t = np.arange(0, seconds, 1.0 / rate)
+    rig = RigFile.model_validate(description(filter={"cutoff": 0.1 * rate}))
+    columns = {"t": t, "q": np.sin(0.7 * t) + 0.1 * np.sin(1.9 * t), "u": np.cos(0.7 * t)}
+    return prepare(f"{seconds} s", columns, rig)
+
+
+def test_of_a_long_log_stretches_are_used_evenly_along_all_of_it():
+    whole = recording(1500, 200.0)
+    (used,), (said,) = in_stretches([whole])
+    rows = sum(len(p.q) for p in whole.pieces)
+    among = -(-rows // MOST_ROWS)
+    assert sum(len(p.q) for p in used.pieces) <= MOST_ROWS
+    begins = np.array([p.seconds[0] for p in used.pieces])
+    assert np.allclose(np.diff(begins), among * STRETCH, atol=0.01)
+    assert used.pieces[-1].seconds[-1] > whole.pieces[0].seconds[-1] - among * STRETCH
+    piece, (all_of_it,) = used.pieces[3], whole.pieces
+    first = int(np.searchsorted(all_of_it.seconds, piece.seconds[0]))
+    for name in ("seconds", "q", "v", "a", "effort", "raw", "use"):
+        same = getattr(all_of_it, name)[first : first + len(piece.q)]
+        assert np.array_equal(getattr(piece, name), same)
+    assert said.startswith(
+        f"1500 s: {rows} rows are more than a search needs; every {among}th 10 s"
+    )
+
+
+def test_logs_that_a_search_can_keep_are_used_as_they_are():
+    logs = [recording(20, 200.0), recording(30, 200.0)]
+    assert in_stretches(logs) == (logs, [])
+
+
+def test_a_time_without_a_unit_needs_dates():
+    t = np.arange(0, 10, 0.01)
+    columns = {"t": t, "q": np.sin(3 * t), "u": np.cos(3 * t)}
+    rig = RigFile.model_validate(description(time={"column": "t"}))
+    with pytest.raises(DataError, match=r"plain: time\.unit: 't' holds numbers; known: "):
+        of_table(from_frame(pd.DataFrame(columns), "plain"), rig)
+    stamps = pd.to_datetime(1e9 * t.round(2), unit="ns")
+    dated = pd.DataFrame({**columns, "t": stamps, "u": columns["u"].astype(object)})
+    assert of_table(from_frame(dated, "dated"), rig).period == pytest.approx(0.01)

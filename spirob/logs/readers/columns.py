@@ -236,6 +236,9 @@ def _plain(cell: object) -> object:
 def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
     import pandas as pd
 
+    if cells.dtype.kind in "fiub":  # numbers that were kept as objects
+        table.columns[name] = cells.to_numpy(float)
+        return
     filled = cells.dropna()
     texts = filled[filled.map(lambda cell: isinstance(cell, str))].str.strip()
     filled = filled.drop(texts.index[texts == ""])

@@ -31,12 +31,12 @@ from spirob.machine.rig import (
     ANGLES,
     EFFORTS,
     LENGTHS,
-    TIME_UNITS,
     Bounded,
     Column,
     Effects,
     Entry,
     Rows,
+    TimeColumn,
 )
 from spirob.parameter import Parameter
 from spirob.plant import Plant, Rig
@@ -173,7 +173,7 @@ class ArmFile(Entry):
     """
 
     name: str
-    time: Column
+    time: TimeColumn
     body: Literal["arm"]
     left: MotorColumns
     right: MotorColumns
@@ -193,13 +193,6 @@ class ArmFile(Entry):
         for key, why in PLACELESS.items():
             if isinstance(value, dict) and key in value:
                 raise ValueError(f"{key}: has no place with body: arm; {why}")
-        return value
-
-    @field_validator("time")
-    @classmethod
-    def _known_time(cls, value: Column) -> Column:
-        if value.unit not in TIME_UNITS:
-            raise ValueError(f"unit '{value.unit}'; known: {', '.join(TIME_UNITS)}")
         return value
 
     @field_validator("arm")
@@ -232,7 +225,7 @@ class ArmFile(Entry):
             part, _, number = name.partition(".")
             if number in self.arm.get(part, {}):
                 raise ValueError(f"{name}: either in 'known' or in 'arm'")
-        given = {"time": self.time}
+        given: dict[str, Column] = {"time": self.time}
         for side, motor in (("left", self.left), ("right", self.right)):
             of = {"position": motor.position, "effort": motor.effort, "command": motor.command}
             given |= {f"{side}.{name}": column for name, column in of.items() if column}

@@ -118,7 +118,7 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
     """
     for column in rig.columns():
         table.column(column)
-    time = rig.time.model_copy(update={"unit": table.units.get(rig.time.column, rig.time.unit)})
+    time = rig.time.told(table.name, table.units)
     name, said = table.name, list(table.said)
     values = _regular(name, table.columns, rig.model_copy(update={"time": time}), said)
     length, current = (_both(values, kind) for kind in ("position", "effort"))
