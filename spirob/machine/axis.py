@@ -304,7 +304,7 @@ def _written(judged: Judged) -> Diagnosis:
     bare, chosen = found.rungs[0], found.chosen
     law = judged.law
     notes = [*ready.said, *[CUT] * search.models.cut]
-    notes += oddities(search, chosen, gate, ready.given)
+    notes += oddities(search, chosen, gate, ready.given, not verdict.doubts)
     notes += beyond(problems, ready.own, chosen.fit.changes)
     regimes = atlas(search.models.train, bare.fit.residual)
     written = rig_document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)

@@ -20,6 +20,7 @@ COUNTS = 50  # different whole numbers without a fraction: counts, not radians o
 LARGEST, SMALLEST = 1e100, 1e-100  # sizes whose squares are still numbers
 FEW = 100  # rows beside which a single one is judged
 SINGLE = 0.05  # share of a log that may be single broken values
+DIGITS = 2.0**24  # of a single-precision number: no sensor gives values as many times larger
 NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
 
 
@@ -62,6 +63,28 @@ def moving(where: str, name: str, values: np.ndarray) -> None:
         raise NothingLeft(
             f"{where}: column '{name}' is constant at {known[0]:g}; nothing can be told from it"
         )
+
+
+def without_sentinels(where: str, name: str, values: np.ndarray, said: list[str]) -> np.ndarray:
+    """Values (n,), NaN in the few rows that lie `DIGITS` times beyond all others.
+
+    So a missing number is written by some.
+    """
+    size = np.abs(values)
+    order = np.argsort(np.where(np.isfinite(size), size, -1.0))
+    top = order[len(order) - int(SINGLE * len(order)) - 1 :]
+    with np.errstate(over="ignore"):
+        beyond = (size[top[1:]] > DIGITS * size[top[:-1]]) & (size[top[:-1]] > 0.0)
+    if not beyond.any():
+        return values
+    missing = top[np.argmax(beyond) + 1 :]
+    said.append(
+        f"{where}: {len(missing)} values of '{name}', {size[missing].min():.3g} and more, are no "
+        "sizes that the others can be told beside, and were taken as missing."
+    )
+    cleaned = values.copy()
+    cleaned[missing] = np.nan
+    return cleaned
 
 
 def without_outliers(

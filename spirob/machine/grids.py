@@ -167,9 +167,11 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
     smooth = {key: values for key, values in log.values.items() if key != "reference"}
     clock = clock_of(log.where, np.sign(unit) * log.stamps, abs(unit), smooth, said)
     values = {key: v[clock.rows].astype(float) for key, v in log.values.items()}
-    for key in [key for key in values if not key.endswith("position") and "joint " not in key]:
+    for key in list(values):
         name = log.columns[key].column
-        values[key] = checks.without_outliers(log.where, name, values[key], clock.period, said)
+        values[key] = checks.without_sentinels(log.where, name, values[key], said)
+        if not key.endswith("position") and "joint " not in key:
+            values[key] = checks.without_outliers(log.where, name, values[key], clock.period, said)
     for key in [key for key in values if key == "effort" or key.endswith("position")]:
         checks.moving(log.where, log.columns[key].column, values[key])
     broken = np.zeros(len(clock.rows) - 1, bool)

@@ -68,11 +68,16 @@ def _odd_logs(search: RigSearch, found: Found) -> str:
     return odd_one_out(problems, residuals) or strangers(problems, residuals)
 
 
-def oddities(search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFile) -> list[str]:
-    """What a reader should know, though it changes no name: alignment, doubtful scales, bounds."""
+def oddities(
+    search: RigSearch, chosen: Model, gate: Identifiability, rig: RigFile, fits: bool
+) -> list[str]:
+    """What a reader should know, though it changes no name: alignment, doubtful scales, bounds.
+
+    fits  whether data and model fit together: else nothing is aligned that could be told
+    """
     said = []
     delay, period = chosen.fit.estimates.get(DELAY), search.models.train.recordings[0].period
-    if delay is not None and abs(delay.value) > SEEN * period:
+    if fits and delay is not None and abs(delay.value) > SEEN * period:
         way = "trails" if delay.value > 0 else "leads"
         more = " or more" if delay.at_bound else ""
         said.append(

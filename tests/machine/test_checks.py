@@ -53,7 +53,32 @@ def test_a_gap_cuts_the_log_and_is_said():
     assert any("1 gap, the longest 0.402 s" in said for said in made.said)
 
 
-@pytest.mark.parametrize("size", [20.0, 1e9, 1e200])
+@pytest.mark.parametrize("column", ["q", "u"])
+@pytest.mark.parametrize("sentinel", [3.4e38, -1e300, 1.7976931348623157e308])
+def test_a_number_that_stands_for_a_missing_one_is_taken_as_missing(column, sentinel):
+    rng, log = np.random.default_rng(0), good()
+    rows = rng.permutation(len(log["t"]))[:40]
+    missing = {**log, column: log[column].copy()}
+    log[column][rows], missing[column][rows] = sentinel, np.nan
+    made, bridged = prepare("log", log, RIG), prepare("log", missing, RIG)
+    assert any(f"40 values of '{column}', {abs(sentinel):.3g} and more" in s for s in made.said)
+    for one, other in zip(made.pieces, bridged.pieces, strict=True):
+        np.testing.assert_array_equal(one.q, other.q)
+        np.testing.assert_array_equal(one.effort, other.effort)
+
+
+def test_no_motion_is_a_sentinel_however_short():
+    """A log that stands nearly always, by an encoder with a little noise."""
+    t = np.arange(0, 40, 2e-3)
+    rng = np.random.default_rng(1)
+    wide = np.exp(-(((t - 20) / 0.3) ** 2))
+    for values in (wide, 1e-7 * rng.normal(size=len(t)) + wide, 1e6 * wide):
+        said = []
+        assert checks.without_sentinels("log", "q", values, said) is values
+        assert said == []
+
+
+@pytest.mark.parametrize("size", [20.0, 1e3, 1e6])
 @pytest.mark.parametrize("rows", [[700], [700, 720, 1201]])
 def test_single_efforts_that_outweigh_all_others_are_bridged(rows, size):
     log = good()
