@@ -17,7 +17,7 @@ Its logs, made even, filtered, alike:
 The inverse model, which tells the effort that a motion asks for:
     inverse.py, inverse_equations.py
                                    the model on the trials, and its equations
-    numbers.py                     what of it is fitted
+    numbers.py, bounds.py          what of it is fitted, and what comes of numbers beyond bounds
     delays.py, pipes.py            the delay of the effort; what lies between it and the torque
     scaling.py, shapes.py          the library's numbers at this size, and where they start
     kernel_loop.py, cache.py       effects along whole recordings, and what is held of them
@@ -33,7 +33,7 @@ What is left, doubted and shown:
     flexible.py, leftovers.py      what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
-    masses.py                      does a body of the model file weigh what the effort says
+    masses.py                      does a known inertia or body weigh what the effort says
     differing.py, turns.py         do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward
     result.py, document.py, page_tables.py
