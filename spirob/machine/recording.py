@@ -156,8 +156,7 @@ def prepare(
     _agreed(name, grids, rig, period, cutoff, said)
     grids = [_controlled(grid, rig, period) for grid in grids]  # by the speed that is right
     cutoff = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, said)
-    positions = [grid["position"] for grid in grids]
-    checks.a_motion(name, rig.motion.column, positions, BELOW * cutoff, period)
+    grids = checks.followed(name, rig.motion.column, grids, BELOW * cutoff, period, said)
     period, grids = _as_fine(period, grids, GRID * cutoff)
     every = max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
     if rig.filter.decimate is not None:

@@ -67,6 +67,21 @@ def test_a_number_that_stands_for_a_missing_one_is_taken_as_missing(column, sent
         np.testing.assert_array_equal(one.effort, other.effort)
 
 
+@pytest.mark.parametrize("size", [1.5, 300.0])
+def test_a_stretch_of_noise_is_cut_out(size):
+    log, clean = good(12.0), prepare("log", good(12.0), RIG)
+    noise = (log["t"] > 5.0) & (log["t"] < 6.5)
+    log["q"][noise] = size * np.random.default_rng(0).standard_normal(int(noise.sum()))
+    made = prepare("log", log, RIG)
+    assert len(made.pieces) == 2
+    assert made.pieces[0].seconds[-1] < 5.0
+    assert made.pieces[1].seconds[0] > 6.5
+    assert sum(len(p.q) for p in made.pieces) > 0.6 * sum(len(p.q) for p in clean.pieces)
+    whole = np.interp(made.pieces[1].seconds, clean.pieces[0].seconds, clean.pieces[0].a)
+    use = made.pieces[1].use
+    np.testing.assert_allclose(made.pieces[1].a[use], whole[use], atol=0.02 * np.ptp(whole))
+
+
 def test_no_motion_is_a_sentinel_however_short():
     """A log that stands nearly always, by an encoder with a little noise."""
     t = np.arange(0, 40, 2e-3)
