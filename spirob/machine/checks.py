@@ -21,6 +21,8 @@ LARGEST, SMALLEST = 1e100, 1e-100  # sizes whose squares are still numbers
 FEW = 100  # rows beside which a single one is judged
 SINGLE = 0.05  # share of a log that may be single broken values
 DIGITS = 2.0**24  # of a single-precision number: no sensor gives values as many times larger
+NINES = 10.0 ** np.arange(3, 16) - 1.0  # 999 and longer, which files hold for a missing number
+TEN = 10.0  # times beyond all others, for such a one
 NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
 PIECE = 0.5  # s, of what is left between noise
 
@@ -66,16 +68,20 @@ def moving(where: str, name: str, values: np.ndarray) -> None:
         )
 
 
-def without_sentinels(where: str, name: str, values: np.ndarray, said: list[str]) -> np.ndarray:
-    """Values (n,), NaN in the few rows that lie `DIGITS` times beyond all others.
+def without_sentinels(
+    where: str, name: str, values: np.ndarray, cells: np.ndarray, said: list[str]
+) -> np.ndarray:
+    """Values (n,), NaN in the few rows that stand for a missing number.
 
-    So a missing number is written by some.
+    They lie `DIGITS` times beyond all others, or are all nines as logged, in cells (n,), and lie
+    ten times beyond.
     """
     size = np.abs(values)
     order = np.argsort(np.where(np.isfinite(size), size, -1.0))
     top = order[len(order) - int(SINGLE * len(order)) - 1 :]
     with np.errstate(over="ignore"):
-        beyond = (size[top[1:]] > DIGITS * size[top[:-1]]) & (size[top[:-1]] > 0.0)
+        times = np.where(np.isin(np.abs(cells[top[1:]]), NINES), TEN, DIGITS)
+        beyond = (size[top[1:]] > times * size[top[:-1]]) & (size[top[:-1]] > 0.0)
     if not beyond.any():
         return values
     missing = top[np.argmax(beyond) + 1 :]
@@ -206,6 +212,8 @@ def usable(
         drop = round(min(SETTLED, max(EDGE, SHARE * len(v) * cutoff * period)) / (cutoff * period))
     use[:drop] = False
     use[max(len(use) - drop, 0) :] = False
+    if rig.filter.drop and not use.any():
+        lost[f", by filter.drop of {drop} at either end"] += len(use)
     reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
     unit = rig.speed_scale
     out = {

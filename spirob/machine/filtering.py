@@ -12,8 +12,11 @@ import numpy as np
 import scipy
 from numba import njit
 
+from spirob.errors import DataError
+
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
+PERIODS = 8  # of a filter, in a log at least
 ALIAS = 0.4  # of the thinned sample rate: edge of the filter before thinning
 
 
@@ -169,6 +172,28 @@ def acceleration_noise(values: np.ndarray, order: int, cutoff: float, period: fl
     Compared is what passes the last filter.
     """
     return sensor_noise(values) * _passed(order, BELOW * cutoff, period)
+
+
+def possible_cutoff(
+    name: str, asked: float | None, usual: float, log: tuple[int, float], said: list[str]
+) -> float:
+    """The cutoff that is asked for where a log of so many rows [1] and period [s] has room for it.
+
+    Raises DataError where the log holds no `PERIODS` of it.
+    """
+    rows, period = log
+    if asked is None:
+        return usual
+    if asked * period * rows < PERIODS:
+        raise DataError(
+            f"{name}: filter.cutoff of {asked:.3g} Hz leaves nothing of {period * rows:.3g} s; "
+            f"give {PERIODS} periods of it at least"
+        )
+    if asked * period <= ALIAS:
+        return asked
+    beyond = f"a cutoff of {asked:.3g} Hz is beyond what {1 / period:.4g} samples a second hold"
+    said.append(f"{name}: {beyond}; the usual {usual:.3g} Hz are used.")
+    return usual
 
 
 def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: float) -> float:

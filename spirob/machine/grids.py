@@ -169,7 +169,9 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
     values = {key: v[clock.rows].astype(float) for key, v in log.values.items()}
     for key in list(values):
         name = log.columns[key].column
-        values[key] = checks.without_sentinels(log.where, name, values[key], said)
+        values[key] = checks.without_sentinels(
+            log.where, name, values[key], log.cells[key][clock.rows], said
+        )
         if not key.endswith("position") and "joint " not in key:
             values[key] = checks.without_outliers(log.where, name, values[key], clock.period, said)
     for key in [key for key in values if key == "effort" or key.endswith("position")]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from spirob.errors import DataError, MissingChannel, NothingLeft
+from spirob.errors import MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
 from spirob.machine.checks import stands, usable
@@ -22,6 +22,7 @@ from spirob.machine.filtering import (
     averaged,
     before_thinning,
     derivative,
+    possible_cutoff,
     rates,
     smooth,
     thinned,
@@ -35,7 +36,8 @@ from spirob.units import UNITS
 FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample
 GRID = 20.0  # samples in a period of the cutoff: more say no more of what is compared
 CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
-LEAST = 8  # rows of a piece that are compared, and periods of the filter in a log
+LEAST = 8  # rows of a piece that are compared
+OWN = np.sqrt(2.0)  # times the noise of a derivative: half of a speed's is then its own
 FEWEST = 20  # rows of a trial that are compared
 
 
@@ -290,18 +292,7 @@ def _cutoff(
     """The cutoff that is asked for where it can be, or else the usual one [Hz]."""
     longest = max(grids, key=lambda grid: len(grid["time"]))
     usual = usual_cutoff(*_differentiated(longest), longest["effort"], period)
-    if asked is None:
-        return usual
-    if asked * period * len(longest["time"]) < LEAST:
-        raise DataError(
-            f"{name}: filter.cutoff of {asked:.3g} Hz leaves nothing of "
-            f"{period * len(longest['time']):.3g} s; give {LEAST} periods of it at least"
-        )
-    if asked * period <= ALIAS:
-        return asked
-    beyond = f"a cutoff of {asked:.3g} Hz is beyond what {1 / period:.4g} samples a second hold"
-    said.append(f"{name}: {beyond}; the usual {usual:.3g} Hz are used.")
-    return usual
+    return possible_cutoff(name, asked, usual, (len(longest["time"]), period), said)
 
 
 def _agreed(
@@ -324,7 +315,7 @@ def _agreed(
         said.append(f"{title} is no derivative of the position and was left out.")
         return
     noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
-    if noise > acceleration_noise(grids[0]["position"], 2, cutoff, period):
+    if noise > OWN * acceleration_noise(grids[0]["position"], 2, cutoff, period):
         said.append(f"{title} is noisier than the derivative of the position and was left out.")
         return
     if found.scale != 1.0:

@@ -84,5 +84,8 @@ def test_a_time_without_a_unit_needs_dates():
     with pytest.raises(DataError, match=r"plain: time\.unit: 't' holds numbers; known: "):
         of_table(from_frame(pd.DataFrame(columns), "plain"), rig)
     stamps = pd.to_datetime(1e9 * t.round(2), unit="ns")
-    dated = pd.DataFrame({**columns, "t": stamps, "u": columns["u"].astype(object)})
-    assert of_table(from_frame(dated, "dated"), rig).period == pytest.approx(0.01)
+    objects = columns["u"].astype(object)
+    for times in (stamps, stamps.tz_localize("Europe/Berlin"), stamps.astype(object)):
+        dated = from_frame(pd.DataFrame({**columns, "t": times, "u": objects}), "dated")
+        np.testing.assert_allclose(dated.column("t"), t, atol=1e-6)
+        assert of_table(dated, rig).period == pytest.approx(0.01)

@@ -217,7 +217,7 @@ def add(table: Table, name: str, values: "np.ndarray | pd.Series") -> None:
     if kind in "fiub":
         table.columns[name] = np.asarray(values, float)
     elif kind == "M":
-        _add_times(table, name, np.asarray(values).astype("datetime64[ns]"))
+        _add_times(table, name, np.asarray(values))
     elif kind == "m":
         _add_seconds(table, name, np.asarray(values).astype("timedelta64[ns]"))
     elif kind in "SUO":
@@ -238,6 +238,9 @@ def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
 
     if cells.dtype.kind in "fiub":  # numbers that were kept as objects
         table.columns[name] = cells.to_numpy(float)
+        return
+    if cells.dtype.kind == "M":  # instants were, of some time zone
+        _add_times(table, name, pd.to_datetime(cells, utc=True).dt.tz_localize(None).to_numpy())
         return
     filled = cells.dropna()
     texts = filled[filled.map(lambda cell: isinstance(cell, str))].str.strip()
@@ -262,7 +265,8 @@ def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
 
 
 def _add_times(table: Table, name: str, times: np.ndarray) -> None:
-    """Instants, (n,) datetime64[ns], as seconds since the first; exact to a nanosecond."""
+    """Instants, (n,) datetime64, as seconds since the first; exact to a nanosecond."""
+    times = times.astype("datetime64[ns]")
     known = times[~np.isnat(times)]
     first = known[0] if len(known) else np.datetime64(0, "ns")
     _add_seconds(table, name, times - first)

@@ -89,9 +89,13 @@ def _main_left_alone() -> Iterator[None]:
 
 def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     _bound()
+    own = os.getpid()
     threading.Thread(target=_end_with_asker, daemon=True).start()
     try:
-        there.send((True, function(*arguments)))
+        value = function(*arguments)
+        if os.getpid() != own:  # a child that the function left behind
+            os._exit(1)
+        there.send((True, value))
     except MemoryError:
         there.send((False, ValueError(f"reading it takes more than {MEMORY >> 20} MiB")))
     except DataError as error:

@@ -29,6 +29,17 @@ def test_a_crash_is_an_error_too():
         apart(os.abort)
 
 
+def forked():
+    if os.fork() == 0:
+        return "child"
+    return "parent"
+
+
+def test_a_child_that_is_left_behind_answers_nothing(capfd):
+    assert [apart(forked) for _ in range(3)] == ["parent"] * 3
+    assert capfd.readouterr().err == ""
+
+
 def test_memory_is_bounded():
     assert apart(resource.getrlimit, resource.RLIMIT_DATA)[0] <= MEMORY
     with pytest.raises(ValueError, match="takes more than 1024 MiB"):
