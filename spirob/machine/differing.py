@@ -16,13 +16,18 @@ from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import RigFile
 
 KINDS = ("offset", "payload", "zero")  # of numbers that logs may have each for itself
+FIRST = {"payload": 1.0, "zero": 0.0}  # of the first log, where the others count from it
 
 
 def differing(ready: Ready, search: RigSearch, chosen: Model) -> tuple[Ready, str] | None:
     """The rig whose logs differ by the kind of number that fits best, and what is said of it."""
     told = {k: ready.told(per_log=(k,)) for k in KINDS if may_differ(k, ready.rig, search, chosen)}
     made = {kind: _fitted(one, chosen, kind) for kind, one in told.items()}
-    fits = {kind: model for kind, model in made.items() if search.worth.matters(chosen, model)}
+    fits = {
+        kind: model
+        for kind, model in made.items()
+        if search.worth.matters(chosen, model) and tells(kind, model)
+    }
     if not fits:
         return None
     best = min(fits, key=lambda kind: fits[kind].heldout_square)
@@ -35,6 +40,21 @@ def _fitted(told: Ready, chosen: Model, kind: str) -> Model:
     weight = [e for e in search.candidates if e in LEVER.values() and e not in chosen.effects]
     effects = (*chosen.effects, *weight) if kind == "zero" else chosen.effects
     return search.models.fitted(effects, chosen.fit.changes)
+
+
+def tells(kind: str, model: Model) -> bool:
+    """Whether the numbers of two logs of a model lie apart, each within its interval.
+
+    A payload that is counted in that of the first log has to do something, too.
+    """
+    found = model.fit.estimates
+    ends = [(e.low, e.high) for name, e in found.items() if name.startswith(f"{kind}.")]
+    made = [e for name, e in found.items() if name.startswith("rig.payload_")]
+    if kind == "payload" and made and all(e.low <= 0.0 <= e.high for e in made):
+        return False
+    if kind == "zero" or (kind == "payload" and made):
+        ends.append((FIRST[kind], FIRST[kind]))
+    return max(low for low, _ in ends) > min(high for _, high in ends)
 
 
 def _said(best: str, fits: Mapping[str, Model], size: float) -> str:

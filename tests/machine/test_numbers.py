@@ -1,12 +1,14 @@
 """Numbers that a log has for itself: recovered, fixed where only differences count, refused."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from spirob.errors import ConfigError
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.differing import tells
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.recording import prepare
@@ -135,3 +137,22 @@ def test_three_payloads_tell_friction_that_grows_with_load():
     for described in (rig(logs=given), rig(per_log=["payload"])):
         found = diagnosed(described, made, held)
         assert [f.name for f in found.findings] == ["load_dependent_friction"], found.sentence
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "told"),
+    [
+        ("payload", {"payload.b": (1.5, 1.7), "rig.payload_inertia": (0.1, 0.3)}, True),
+        ("payload", {"payload.b": (0.9, 1.7), "rig.payload_inertia": (0.1, 0.3)}, False),
+        ("payload", {"payload.b": (1.5, 1.7), "rig.payload_inertia": (0.0, 22.0)}, False),
+        ("payload", {"payload.a": (0.2, 0.3), "payload.b": (0.4, 0.5)}, True),
+        ("zero", {"zero.b": (0.1, 0.2)}, True),
+        ("zero", {"zero.b": (-0.1, 0.2)}, False),
+        ("offset", {"offset.a": (0.1, 0.2), "offset.b": (0.1, 0.2)}, False),
+        ("offset", {"offset.a": (-0.1, 0.0), "offset.b": (0.1, 0.2)}, True),
+    ],
+)
+def test_logs_differ_where_the_intervals_of_their_numbers_lie_apart(kind, numbers, told):
+    estimates = {name: SimpleNamespace(low=a, high=b) for name, (a, b) in numbers.items()}
+    model = SimpleNamespace(fit=SimpleNamespace(estimates=estimates))
+    assert tells(kind, model) == told
