@@ -12,7 +12,6 @@ import scipy
 
 from spirob.errors import DataError, NothingLeft
 from spirob.machine.clock import SHORTEST
-from spirob.machine.filtering import smooth
 from spirob.machine.rig import RigFile
 
 REGISTERS = (16, 32)  # bits
@@ -23,8 +22,6 @@ SINGLE = 0.05  # share of a log that may be single broken values
 DIGITS = 2.0**24  # of a single-precision number: no sensor gives values as many times larger
 NINES = 10.0 ** np.arange(3, 16) - 1.0  # 999 and longer, which files hold for a missing number
 TEN = 10.0  # times beyond all others, for such a one
-NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
-PIECE = 0.5  # s, of what is left between noise
 
 
 def signed(where: str, name: str, raw: np.ndarray, said: list[str]) -> np.ndarray:
@@ -141,46 +138,6 @@ def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> No
             f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: "
             "these are counts; give their size as 'factor'"
         )
-
-
-def followed(
-    where: str,
-    name: str,
-    grids: list[dict[str, np.ndarray]],
-    edge: float,
-    period: float,
-    said: list[str],
-) -> list[dict[str, np.ndarray]]:
-    """The pieces of a log without seconds in which its position is noise; that is said.
-
-    Noise is what is faster than what is compared, `edge` [Hz], where it is more than half of the
-    whole motion's variance.  Raises NothingLeft where that is most of the log.
-    """
-    places = [grid["position"] for grid in grids]
-    motion = sum(float(np.sum((q - q.mean()) ** 2)) for q in places) / sum(map(len, places))
-    second = max(1, round(1.0 / period))
-    found, noisy, rows = [], 0, sum(map(len, places))
-    for grid, q in zip(grids, places, strict=True):
-        blocks = np.arange(len(q)) // second
-        fast = np.bincount(blocks, (q - smooth(q, edge, period)) ** 2) / np.bincount(blocks)
-        noise = widened(fast > NOISE * motion, 1)[blocks] if motion > 0.0 else blocks < 0
-        noisy += int(noise.sum())
-        ends = np.flatnonzero(np.diff(noise.astype(int))) + 1
-        parts = np.split(np.arange(len(q)), ends)
-        kept = [part for part in parts if not noise[part[0]] and len(part) > PIECE * second]
-        found += [{n: values[part] for n, values in grid.items()} for part in kept]
-    if 2 * noisy > rows or not found:
-        raise NothingLeft(
-            f"{where}: '{name}' is no motion that can be followed: in {noisy / rows:.0%} of the "
-            f"log most of its variance lies above {edge:.3g} Hz; is it another column, an axis "
-            "that stands, or an angle that turns too fast for these rows?"
-        )
-    if noisy:
-        said.append(
-            f"{where}: '{name}' is noise, or faster than what is compared, for "
-            f"{noisy * period:.3g} s, which were left out."
-        )
-    return found
 
 
 FULL = 0.98  # of the drive's limit counts as saturated

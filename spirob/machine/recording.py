@@ -14,6 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from spirob.errors import MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
+from spirob.machine.broken_seconds import Grid, followed, of_one_size
 from spirob.machine.checks import stands, usable
 from spirob.machine.filtering import (
     ALIAS,
@@ -154,11 +155,12 @@ def prepare(
         grid |= {key: _si(rig, key) * grid[key] for key in inside if key in grid}
     period, grids = _no_finer(name, period, grids, rig, said)
     grids = [_completed(grid, rig, period) for grid in grids]
+    grids = of_one_size(name, rig.effort.column or "effort", grids, period, said)
     said += _computed(name, rig)
     _agreed(name, grids, rig, period, cutoff, said)
     grids = [_controlled(grid, rig, period) for grid in grids]  # by the speed that is right
     cutoff = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, said)
-    grids = checks.followed(name, rig.motion.column, grids, BELOW * cutoff, period, said)
+    grids = followed(name, rig.motion.column, grids, BELOW * cutoff, period, said)
     period, grids = _as_fine(period, grids, GRID * cutoff)
     every = max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
     if rig.filter.decimate is not None:
@@ -173,8 +175,8 @@ def prepare(
 
 
 def _no_finer(
-    name: str, period: float, grids: list[dict[str, np.ndarray]], rig: RigFile, said: list[str]
-) -> tuple[float, list[dict[str, np.ndarray]]]:
+    name: str, period: float, grids: list[Grid], rig: RigFile, said: list[str]
+) -> tuple[float, list[Grid]]:
     """Grids of at most about a kilohertz, or of twenty samples in a period of a fast filter."""
     finest = max(FINEST, GRID * (rig.filter.cutoff or 0.0))
     coarser, means = _as_fine(period, grids, finest)
@@ -184,9 +186,7 @@ def _no_finer(
     return coarser, means
 
 
-def _as_fine(
-    period: float, grids: list[dict[str, np.ndarray]], rate: float
-) -> tuple[float, list[dict[str, np.ndarray]]]:
+def _as_fine(period: float, grids: list[Grid], rate: float) -> tuple[float, list[Grid]]:
     """The grids and their sample period, by means of so many samples that at least `rate` is left.
 
     rate  Hz
@@ -213,7 +213,7 @@ def _si(rig: RigFile, key: str) -> float:
     return column.scale
 
 
-def _completed(grid: dict[str, np.ndarray], rig: RigFile, period: float) -> dict[str, np.ndarray]:
+def _completed(grid: Grid, rig: RigFile, period: float) -> Grid:
     """A piece on its grid with what the log has no column for: position, effort of a controller."""
     if "position" not in grid:
         path = cumulative_trapezoid(grid["velocity"], dx=period, initial=0.0)
@@ -225,7 +225,7 @@ def _completed(grid: dict[str, np.ndarray], rig: RigFile, period: float) -> dict
     return grid
 
 
-def _controlled(grid: dict[str, np.ndarray], rig: RigFile, period: float) -> dict[str, np.ndarray]:
+def _controlled(grid: Grid, rig: RigFile, period: float) -> Grid:
     """A piece with the effort that its controller asks for, where the log has none."""
     if rig.control is None or rig.effort.source != "control":
         return grid
@@ -252,7 +252,7 @@ def _computed(name: str, rig: RigFile) -> list[str]:
 
 
 def _piece(
-    grid: dict[str, np.ndarray],
+    grid: Grid,
     full: np.ndarray,
     rig: RigFile,
     period: float,
@@ -284,7 +284,7 @@ def _differentiated(grid: Mapping[str, np.ndarray]) -> tuple[np.ndarray, int]:
 
 def _cutoff(
     name: str,
-    grids: list[dict[str, np.ndarray]],
+    grids: list[Grid],
     period: float,
     asked: float | None,
     said: list[str],
@@ -297,7 +297,7 @@ def _cutoff(
 
 def _agreed(
     name: str,
-    grids: list[dict[str, np.ndarray]],
+    grids: list[Grid],
     rig: RigFile,
     period: float,
     asked: float | None,
