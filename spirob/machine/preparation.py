@@ -177,7 +177,8 @@ def _unseen(names: Sequence[str], gate: Identifiability, train: InverseProblem) 
     ]
     return (
         f"fit: {', '.join(made)} of an effort of {size:.2g} {unit}, which cannot be seen: a unit, "
-        "a factor, a nominal value or the values of some rows are many times off."
+        "a factor, a nominal value or the values of some rows are many times off, or the motion "
+        "asks for none of it, as a constant speed does of an inertia."
     )
 
 
