@@ -177,12 +177,13 @@ def _kept(
 
 def _decoded(message: "Message", frames: list[Frame]) -> Series:
     rows: dict[str, list[float]] = {s.name: [] for s in message.signals}
+    in_turn = {s.name for s in message.signals if s.multiplexer_ids}  # held until it comes again
     for frame in frames:
         found: Any = message.decode(
             frame.data, decode_choices=False, allow_truncated=True, allow_excess=True
         )
         for name, column in rows.items():
-            column.append(found.get(name, column[-1] if column else np.nan))
+            column.append(found.get(name, column[-1] if name in in_turn and column else np.nan))
     stamps = np.array([frame.stamp for frame in frames], np.int64)
     values = {f"{message.name}.{name}": np.array(column, float) for name, column in rows.items()}
     there = {name: column for name, column in values.items() if not np.all(np.isnan(column))}

@@ -162,3 +162,18 @@ def test_a_clock_that_starts_again_does_not_mix_its_stretches(tmp_path, dbc):
     assert np.all(np.diff(table.column("time")) > 0)
     assert np.diff(table.column("time")).max() > 0.9
     assert any("its clock starts again 1 times" in said for said in table.said)
+
+
+def test_a_frame_too_short_for_a_signal_has_none_of_it(tmp_path, dbc):
+    """What comes in turn is held until it comes again; what a frame lacks is missing."""
+    frames = [f if f[2] != 256 or k % 5 else (*f[:3], f[3][:3]) for k, f in enumerate(lines(40))]
+    frames += [(s, bus, 258, bytes([k % 2, k, 0])) for k, (s, bus, *_) in enumerate(lines(40))]
+    path = written(tmp_path, frames=sorted(frames))
+    table = read_table(path, ["time", "position", "Motor.current", "state"], dbc)
+    whole = np.array([len(f[3]) > 3 for f in frames if f[2] == 256])
+    assert 0 < np.sum(~whole) < 20
+    np.testing.assert_array_equal(np.isfinite(table.column("state")), whole)
+    assert np.isfinite(table.column("position")).all()
+    turns = read_table(path, ["time", "cold", "warm"], dbc)
+    assert np.isfinite(turns.column("cold")).all()
+    assert np.isfinite(turns.column("warm")).mean() > 0.9
