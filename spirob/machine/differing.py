@@ -23,10 +23,11 @@ def differing(ready: Ready, search: RigSearch, chosen: Model) -> tuple[Ready, st
     """The rig whose logs differ by the kind of number that fits best, and what is said of it."""
     told = {k: ready.told(per_log=(k,)) for k in KINDS if may_differ(k, ready.rig, search, chosen)}
     made = {kind: _fitted(one, chosen, kind) for kind, one in told.items()}
+    alone = not {r.log for r in ready.test} <= {r.log for r in ready.train}
     fits = {
         kind: model
         for kind, model in made.items()
-        if search.worth.matters(chosen, model) and tells(kind, model)
+        if search.worth.matters(chosen, model) and tells(kind, model, alone)
     }
     if not fits:
         return None
@@ -42,10 +43,13 @@ def _fitted(told: Ready, chosen: Model, kind: str) -> Model:
     return search.models.fitted(effects, chosen.fit.changes)
 
 
-def tells(kind: str, model: Model) -> bool:
+def tells(kind: str, model: Model, alone: bool = False) -> bool:
     """Whether the numbers of two logs of a model lie apart, each within its interval.
 
     A payload that is counted in that of the first log has to do something, too.
+
+    alone  whether a held-out log has a number for itself, which no interval is known of: the logs
+           may differ by that
     """
     found = model.fit.estimates
     ends = [(e.low, e.high) for name, e in found.items() if name.startswith(f"{kind}.")]
@@ -54,7 +58,7 @@ def tells(kind: str, model: Model) -> bool:
         return False
     if kind == "zero" or (kind == "payload" and made):
         ends.append((FIRST[kind], FIRST[kind]))
-    return max(low for low, _ in ends) > min(high for _, high in ends)
+    return alone or max(low for low, _ in ends) > min(high for _, high in ends)
 
 
 def _said(best: str, fits: Mapping[str, Model], size: float) -> str:

@@ -156,3 +156,5 @@ def test_logs_differ_where_the_intervals_of_their_numbers_lie_apart(kind, number
     estimates = {name: SimpleNamespace(low=a, high=b) for name, (a, b) in numbers.items()}
     model = SimpleNamespace(fit=SimpleNamespace(estimates=estimates))
     assert tells(kind, model) == told
+    idle = numbers.get("rig.payload_inertia") == (0.0, 22.0)
+    assert tells(kind, model, alone=True) == (not idle)
