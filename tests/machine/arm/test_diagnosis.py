@@ -53,7 +53,7 @@ def test_a_hidden_friction_is_named_and_the_held_out_error_falls(tmp_path):
     [
         ({"left": {"position": {"column": "a", "unit": "deg"}}}, "left.effort: Field required"),
         ({"position": {"column": "q", "unit": "m"}}, "position: no such key"),
-        ({"time": {"column": "t", "unit": "hours"}}, "time: unit 'hours'"),
+        ({"time": {"column": "t", "unit": "hours"}}, r"time\.unit: 'hours'"),
     ],
 )
 def test_a_mistake_in_the_description_names_its_place(tmp_path, changes, sentence):
