@@ -85,7 +85,8 @@ def test_a_time_without_a_unit_needs_dates():
         of_table(from_frame(pd.DataFrame(columns), "plain"), rig)
     stamps = pd.to_datetime(1e9 * t.round(2), unit="ns")
     objects = columns["u"].astype(object)
-    for times in (stamps, stamps.tz_localize("Europe/Berlin"), stamps.astype(object)):
+    spans = (stamps - stamps[0]).astype(object)
+    for times in (stamps, stamps.tz_localize("Europe/Berlin"), stamps.astype(object), spans):
         dated = from_frame(pd.DataFrame({**columns, "t": times, "u": objects}), "dated")
         np.testing.assert_allclose(dated.column("t"), t, atol=1e-6)
         assert of_table(dated, rig).period == pytest.approx(0.01)

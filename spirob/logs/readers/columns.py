@@ -217,11 +217,17 @@ def add(table: Table, name: str, values: "np.ndarray | pd.Series") -> None:
     if kind in "fiub":
         table.columns[name] = np.asarray(values, float)
     elif kind == "M":
-        _add_times(table, name, np.asarray(values))
+        _add_times(table, name, np.asarray(values).astype("datetime64[ns]"))
     elif kind == "m":
         _add_seconds(table, name, np.asarray(values).astype("timedelta64[ns]"))
     elif kind in "SUO":
-        _add_text(table, name, pd.Series(values, dtype=object).map(_plain))
+        cells = pd.Series(values, dtype=object).map(_plain)  # which tells what objects are
+        if isinstance(cells.dtype, pd.DatetimeTZDtype):
+            cells = cells.dt.tz_convert(None)
+        if cells.dtype.kind == "O":
+            _add_text(table, name, cells)
+        else:
+            add(table, name, cells.to_numpy())
     else:
         table.text[name] = f"values such as {example(np.asarray(values).flat[0])}"
 
@@ -236,12 +242,6 @@ def _plain(cell: object) -> object:
 def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
     import pandas as pd
 
-    if cells.dtype.kind in "fiub":  # numbers that were kept as objects
-        table.columns[name] = cells.to_numpy(float)
-        return
-    if cells.dtype.kind == "M":  # instants were, of some time zone
-        _add_times(table, name, pd.to_datetime(cells, utc=True).dt.tz_localize(None).to_numpy())
-        return
     filled = cells.dropna()
     texts = filled[filled.map(lambda cell: isinstance(cell, str))].str.strip()
     filled = filled.drop(texts.index[texts == ""])
@@ -265,8 +265,7 @@ def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
 
 
 def _add_times(table: Table, name: str, times: np.ndarray) -> None:
-    """Instants, (n,) datetime64, as seconds since the first; exact to a nanosecond."""
-    times = times.astype("datetime64[ns]")
+    """Instants, (n,) datetime64[ns], as seconds since the first; exact to a nanosecond."""
     known = times[~np.isnat(times)]
     first = known[0] if len(known) else np.datetime64(0, "ns")
     _add_seconds(table, name, times - first)

@@ -22,7 +22,7 @@ from spirob.logs.readers.columns import printable
 ALWAYS = ("spirob.logs.readers", "pandas")  # loaded before the first process is forked
 LONGEST = 60.0  # s
 ENDING = 5.0  # s that a process has to be gone once it has closed its end
-TIMED = -getattr(signal, "SIGPROF", 0)  # exit code of one that its timer ended
+TIMED = -signal.SIGPROF if hasattr(signal, "SIGPROF") else None  # exit code, by its own timer
 MEMORY = 2**30  # bytes of data, where the system can bound it
 _STARTING = threading.Lock()
 
@@ -90,18 +90,21 @@ def _main_left_alone() -> Iterator[None]:
 def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     _bound()
     own = os.getpid()
-    threading.Thread(target=_end_with_asker, daemon=True).start()
-    try:
-        value = function(*arguments)
+
+    def tell(done: bool, value: Any) -> None:
         if os.getpid() != own:  # a child that the function left behind
             os._exit(1)
-        there.send((True, value))
+        there.send((done, value))
+
+    threading.Thread(target=_end_with_asker, daemon=True).start()
+    try:
+        tell(True, function(*arguments))
     except MemoryError:
-        there.send((False, ValueError(f"reading it takes more than {MEMORY >> 20} MiB")))
+        tell(False, ValueError(f"reading it takes more than {MEMORY >> 20} MiB"))
     except DataError as error:
-        there.send((False, DataError(printable(str(error)))))
+        tell(False, DataError(printable(str(error))))
     except Exception as error:
-        there.send((False, ValueError(" ".join(str(error).split())[:200] or type(error).__name__)))
+        tell(False, ValueError(" ".join(str(error).split())[:200] or type(error).__name__))
 
 
 def _end_with_asker() -> None:

@@ -31,7 +31,7 @@ def test_a_crash_is_an_error_too():
 
 def forked():
     if os.fork() == 0:
-        return "child"
+        raise ValueError("child")
     return "parent"
 
 
