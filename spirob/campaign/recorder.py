@@ -17,6 +17,8 @@ SI = {"rad": 1.0, "deg": np.pi / 180, "turn": 2 * np.pi, "m": 1.0, "mm": 1e-3}
 SI |= {"N·m": 1.0, "mN·m": 1e-3, "N": 1.0, "A": 1.0, "mA": 1e-3, "V": 1.0}
 WRAPPED = 0.2  # of a turn in a sample at most, where a position wraps
 AHEAD = 0.05  # s, by which the effort may lead or trail
+WHITE = (0.002, 0.2)  # noise of an effort over its RMS, as published logs of currents have it
+SLOW = (0.005, 0.1)
 
 
 @dataclass(frozen=True)
@@ -69,12 +71,17 @@ def drawn_recorder(
         bool(machine.angular and machine.stroke > 4.0 and slow_enough and rng.uniform() < 0.5),
         float(rng.choice([0.0, 0.0, 0.0, 0.1, 0.2])),
         bool(rng.uniform() < 0.5),
-        float(np.exp(rng.uniform(np.log(0.002), np.log(0.02)))),
-        float(rng.choice([0.0, rng.uniform(0.005, 0.02)])),
+        _even(rng, WHITE),
+        float(rng.choice([0.0, _even(rng, SLOW)])),
         float(rng.uniform(0.05, 0.5)),
         place,
         str(rng.choice(UNITS[machine.effort])),
     )
+
+
+def _even(rng: np.random.Generator, span: tuple[float, float]) -> float:
+    """Drawn evenly in the logarithm."""
+    return float(np.exp(rng.uniform(*np.log(span))))
 
 
 def reported(motion: Motion, machine: Machine, hidden: Hidden) -> Motion:
