@@ -23,6 +23,7 @@ class Unit:
     offset: float = 0.0
 
 
+PREFIX = 1e3  # between a unit and the one with the next prefix
 _INCH = 0.0254
 UNITS = {
     "s": Unit("s"),

@@ -6,18 +6,16 @@ once a search has ended at the bounds.
 """
 
 import numpy as np
-import scipy
 
 from spirob.diagnosis.model import Model
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import FAMILIAR, HALF, RESISTING, explained, plain_columns
+from spirob.machine.odd_logs import FAMILIAR, HALF, RESISTING, beside_plain, plain_columns
 from spirob.machine.preparation import Ready
 from spirob.machine.rig import Bounded, RigFile
+from spirob.units import PREFIX
 
-FAR = 20.0  # between a number and its nominal one
-BEYOND = np.sqrt(10.0)  # times a bound: nearer to ten than to one
-PREFIX = 1e3  # between a unit and its next prefix
+TENFOLD = np.sqrt(10.0)  # times: nearer to ten than to one
 ALIKE = ("inertia", "viscous", "stiffness")  # numbers that a factor of the effort scales
 
 
@@ -25,20 +23,25 @@ def in_scale(ready: Ready) -> Ready:
     """A rig with its numbers where the logs have them, if all of them are many times off.
 
     What inertia or body ask of the drive by the description is taken a number of times to explain
-    the effort, beside the plain columns.  Where that number lies `BEYOND` what the description
-    allows, and leaves less than half of what this would, the scale, or else the numbers that a
-    factor of the effort scales, begin there, in bounds as wide as a unit's prefix may be wrong.
+    the effort, beside the plain columns.  Where that number lies `TENFOLD` beyond what the
+    description allows, and leaves less than half of what this would, the scale, or else the numbers
+    that a factor of the effort scales, begin there, in bounds as wide as a unit's prefix may be
+    wrong.
     """
     fit, (low, high) = ready.rig.fit, _allowed(ready)
     if low == high:
         return ready
-    effort, columns = _columns(ready)
-    times, left = _fitted(effort, columns, 0.0, np.inf)
-    _, none = _fitted(effort, columns * [0.0, *np.ones(columns.shape[1] - 1)], 0.0, np.inf)
-    told = left <= 1.0 - FAMILIAR and left <= HALF * none
-    if not told or low / BEYOND <= times <= high * BEYOND:
+    effort, asked, plain = _columns(ready)
+
+    def fitted(column: np.ndarray, low: float, high: float) -> tuple[float, float]:
+        numbers, left = beside_plain(effort, plain, RESISTING - 1, column[:, None], (low, high))
+        return float(numbers[0]), left
+
+    times, left = fitted(asked, 0.0, np.inf)
+    familiar = left <= (1.0 - FAMILIAR) * float(np.var(effort))
+    if not familiar or low / TENFOLD <= times <= high * TENFOLD:
         return ready
-    if left > HALF * _fitted(effort, columns, low, high)[1]:
+    if left > HALF * min(fitted(0.0 * asked, 0.0, np.inf)[1], fitted(asked, low, high)[1]):
         return ready
     if "scale" in fit:
         moved = ready.told(fit={**fit, "scale": released(_scaled(fit["scale"], 1.0 / times))})
@@ -62,8 +65,8 @@ def _allowed(ready: Ready) -> tuple[float, float]:
     return low, high
 
 
-def _columns(ready: Ready) -> tuple[np.ndarray, np.ndarray]:
-    """The effort, (N,), and what inertia or body ask of it beside the plain columns, (N, k)."""
+def _columns(ready: Ready) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """The effort, what inertia or body ask of it, and the plain columns beside that, (N,) each."""
     about = ready.sizes, ready.rest_speed
     problem = InverseProblem(ready.rig, ready.body, ready.train, (), *about, work=ready.work)
     begin = {n: b.nominal * (n in ("inertia", "scale")) for n, b in ready.rig.fit.items()}
@@ -72,19 +75,7 @@ def _columns(ready: Ready) -> tuple[np.ndarray, np.ndarray]:
     plain = plain_columns(problem)[1:]
     if ready.body is not None:  # it knows its weight
         plain = plain[:RESISTING]
-    return effort, np.column_stack([asked, *plain])
-
-
-def _fitted(
-    effort: np.ndarray, columns: np.ndarray, low: float, high: float
-) -> tuple[float, float]:
-    """How many times the first column the effort has, within bounds, and the share that is left."""
-    size = np.linalg.norm(columns, axis=0) + 1e-300
-    rest = columns.shape[1] - RESISTING
-    lows = np.r_[low * size[0], np.zeros(RESISTING - 1), np.full(rest, -np.inf)]
-    highs = np.r_[high * size[0], np.full(columns.shape[1] - 1, np.inf)]
-    found = scipy.optimize.lsq_linear(columns / size, effort, (lows, highs)).x
-    return float(found[0] / size[0]), 1.0 - explained(effort, columns / size @ found)
+    return effort, asked, plain
 
 
 def _scaled(known: Bounded, times: float) -> Bounded:

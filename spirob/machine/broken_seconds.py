@@ -10,9 +10,9 @@ import numpy as np
 from spirob.errors import NothingLeft
 from spirob.machine.checks import widened
 from spirob.machine.filtering import smooth
+from spirob.units import PREFIX
 
 NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
-PREFIX = 1e3  # between a unit and its next prefix
 FASTER = 10.0  # times the speed of all other seconds: an effort has a reason there
 PIECE = 0.5  # s, of what is left between broken seconds
 Grid = dict[str, np.ndarray]

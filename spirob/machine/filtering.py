@@ -175,18 +175,17 @@ def acceleration_noise(values: np.ndarray, order: int, cutoff: float, period: fl
 
 
 def possible_cutoff(
-    name: str, asked: float | None, usual: float, log: tuple[int, float], said: list[str]
+    name: str, asked: float | None, usual: float, seconds: float, period: float, said: list[str]
 ) -> float:
-    """The cutoff that is asked for where a log of so many rows [1] and period [s] has room for it.
+    """The cutoff that is asked for where a log of so many seconds has room for it.
 
     Raises DataError where the log holds no `PERIODS` of it.
     """
-    rows, period = log
     if asked is None:
         return usual
-    if asked * period * rows < PERIODS:
+    if asked * seconds < PERIODS:
         raise DataError(
-            f"{name}: filter.cutoff of {asked:.3g} Hz leaves nothing of {period * rows:.3g} s; "
+            f"{name}: filter.cutoff of {asked:.3g} Hz leaves nothing of {seconds:.3g} s; "
             f"give {PERIODS} periods of it at least"
         )
     if asked * period <= ALIAS:

@@ -9,15 +9,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from spirob.diagnosis.model import Model
 from spirob.machine.body import RigidBody
+from spirob.machine.bounds import TENFOLD
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import FAMILIAR, RESISTING, explained, plain_columns
+from spirob.machine.odd_logs import FAMILIAR, RESISTING, beside_plain, plain_columns
 
-FAR = np.sqrt(10.0)  # times too heavy or too light: nearer to ten than to one
 HALF = 0.5  # of the squared error: a factor takes more than that, of any other model, too
 
 
@@ -66,7 +65,7 @@ def out_of_scale(search: RigSearch, chosen: Model) -> str:
         best = whole
     found = 1.0 - chosen.mean_square / max(float(np.var(measured)), 1e-300)
     enough = 1.0 - best.share <= HALF * (1.0 - max(as_described, found))
-    far = best.factor > 0.0 and not 1.0 / FAR < best.factor < FAR
+    far = best.factor > 0.0 and not 1.0 / TENFOLD < best.factor < TENFOLD
     return best.said(as_described) if far and enough and best.share >= FAMILIAR else ""
 
 
@@ -82,19 +81,14 @@ def _resisted(
 ) -> tuple[float, np.ndarray]:
     """The share of the effort explained by `asked`, by what resists, a force and columns (N, k).
 
-    Also the numbers of the columns, (k,).  Where there is no body, whose inertia is another and
+    Also their numbers, (k,).  Where there is no body, whose inertia is another and
     which knows its weight, a known inertia is all of it, and a weight and a spring are free.
     """
     plain, resisting = plain_columns(problem)[: RESISTING + 1], RESISTING
     if problem.body is None:
         plain, resisting = plain_columns(problem)[1:], RESISTING - 1
-    design = np.column_stack([*plain, columns])
-    size = np.linalg.norm(design, axis=0) + 1e-300
-    low = np.r_[np.zeros(resisting), np.full(design.shape[1] - resisting, -np.inf)]
-    bounds = (low, np.full(len(low), np.inf))
-    found = scipy.optimize.lsq_linear(design / size, measured - asked, bounds).x
-    share = explained(measured, asked + design / size @ found)
-    return share, (found / size)[len(plain) :]
+    numbers, left = beside_plain(measured - asked, plain, resisting, columns)
+    return 1.0 - left / max(float(np.var(measured)), 1e-300), numbers
 
 
 def _weighed(

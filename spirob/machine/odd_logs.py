@@ -11,6 +11,7 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
+import scipy
 
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import Recording
@@ -276,6 +277,30 @@ def plain_columns(problem: InverseProblem, times: float = 1.0) -> list[np.ndarra
         if problem.sizes.axis_unit == "rad":
             columns += [np.sin(signals["position"]), np.cos(signals["position"])]
     return columns
+
+
+def beside_plain(
+    effort: np.ndarray,
+    plain: Sequence[np.ndarray],
+    resisting: int,
+    columns: np.ndarray,
+    within: tuple[float, float] = (-np.inf, np.inf),
+) -> tuple[np.ndarray, float]:
+    """Numbers of columns (N, k) that fit an effort (N,) beside plain ones, (k,).
+
+    Also the mean square that is left.
+
+    resisting  how many of the plain columns, the first ones, can only resist
+    within     bounds of the numbers of `columns`
+    """
+    count, rest = columns.shape[1], len(plain) - resisting
+    design = np.column_stack([columns, *plain])
+    size = np.linalg.norm(design, axis=0) + 1e-300
+    low = np.r_[within[0] * size[:count], np.zeros(resisting), np.full(rest, -np.inf)]
+    high = np.r_[within[1] * size[:count], np.full(len(plain), np.inf)]
+    found = scipy.optimize.lsq_linear(design / size, effort, (low, high)).x
+    left = float(np.mean((effort - design / size @ found) ** 2))
+    return (found / size)[:count], left
 
 
 def far_movers(recordings: Sequence[Recording]) -> list[str]:

@@ -14,7 +14,7 @@ from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.identifiability import Identifiability
-from spirob.machine.bounds import FAR, set_free
+from spirob.machine.bounds import set_free
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.flexible import RigCeiling
 from spirob.machine.laws import LOAD_SIDE
@@ -34,6 +34,7 @@ from spirob.machine.odd_logs import (
 )
 from spirob.machine.rig import RigFile
 
+FAR = 20.0  # between a number and its nominal one
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart

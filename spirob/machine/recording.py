@@ -292,7 +292,7 @@ def _cutoff(
     """The cutoff that is asked for where it can be, or else the usual one [Hz]."""
     longest = max(grids, key=lambda grid: len(grid["time"]))
     usual = usual_cutoff(*_differentiated(longest), longest["effort"], period)
-    return possible_cutoff(name, asked, usual, (len(longest["time"]), period), said)
+    return possible_cutoff(name, asked, usual, period * len(longest["time"]), period, said)
 
 
 def _agreed(

@@ -143,13 +143,8 @@ def in_stretches(logs: list[Recording]) -> tuple[list[Recording], list[str]]:
         ]
         found.append(replace(recording, pieces=recording.worth(pieces)))
     names = ", ".join(dict.fromkeys(r.log for r in logs))
-    said = f"{names}: {rows} rows are more than a search needs; every {_nth(among)} {STRETCH:g} s"
-    return [r for r in found if r.pieces], [f"{said} are used."]
-
-
-def _nth(number: int) -> str:
-    ends = {1: "st", 2: "nd", 3: "rd"}
-    return f"{number}{'th' if 10 < number % 100 < 20 else ends.get(number % 10, 'th')}"
+    said = f"{names}: {rows} rows are more than a search needs; {STRETCH:g} s of each "
+    return [r for r in found if r.pieces], [f"{said}{among * STRETCH:g} s are used."]
 
 
 def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:

@@ -68,7 +68,7 @@ def test_of_a_long_log_stretches_are_used_evenly_along_all_of_it():
         same = getattr(all_of_it, name)[first : first + len(piece.q)]
         assert np.array_equal(getattr(piece, name), same)
     assert said.startswith(
-        f"1500 s: {rows} rows are more than a search needs; every {among}th 10 s"
+        f"1500 s: {rows} rows are more than a search needs; 10 s of each {among * STRETCH:g} s"
     )
 
 
