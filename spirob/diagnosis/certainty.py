@@ -11,8 +11,7 @@ squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the
-               other is no richer, without the effect, says something else, and is the rest of the
-               set or takes at least half of what the effect takes on data that chose it
+               other is no richer, without the effect, and says something else
 ahead_of_kin   the same, of models without its kin, too: what the kin is judged by
 left           ln of what still follows from the motion, or is far more than noise, over what
                this effect took
@@ -113,12 +112,7 @@ def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
     order = [next(iter(b.names - a.names)) for a, b in pairwise(found.rungs)]
 
     def ahead(of: Collection[str]) -> float:
-        enough = without.mean_square - MOSTLY * fall
-        others = [
-            m.heldout_square
-            for m in _others(search, chosen, of)
-            if m.names < chosen.names or m.mean_square <= enough
-        ]
+        others = [m.heldout_square for m in _others(search, chosen, of)]
         return ratio(min(others, default=bare.heldout_square), chosen.heldout_square)
 
     told = {
