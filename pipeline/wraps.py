@@ -7,10 +7,10 @@ Each job of the Hydra multirun plays one share and writes its features to data/w
 as many jobs at once as there are cores; another launcher (SLURM, Dask) is a choice of the command
 line, `hydra/launcher=...`.
 
-Of the machines that play them no two have the same numbers.  A model is never quite the robot.
-What is learned from one model alone leans on whatever tells its sizes best, on features too that
-the robot has otherwise; learned from many machines about the model it has to do with what they have
-in common (domain randomisation: Tobin et al., IROS 2017).
+No two of the machines that play them are built alike or have the same numbers.  A model is never
+quite the robot.  What is learned from one model alone leans on whatever tells its sizes best, on
+features too that the robot has otherwise; learned from many builds about the model it has to do
+with what they have in common (domain randomisation: Tobin et al., IROS 2017).
 """
 
 import sys
@@ -29,12 +29,13 @@ from pipeline.model import plant
 from pipeline.schema import Config
 from pipeline.stage import FAILED, public_config, read_json, tell, workers
 from pipeline.trials import paper_wraps, train_wraps
-from spirob.effects import Effect, find_effects
+from spirob.effects import find_effects
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, MissingLog, SpirobError
 from spirob.files import replacing
-from spirob.parameter import Table
+from spirob.identify.builds import TOLERANCES, apart_by, hinges, holes
 from spirob.perceive.features import table
+from spirob.plant import Plant
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate
 
@@ -111,10 +112,10 @@ def wrapped(
         number, plain = job
         trial = Trial.from_plain(plain)
         seed = config.perceive.seed + number
-        numbers = changes
+        played, numbers = machine, changes
         if training and number >= listed:
-            numbers = numbers_of(config, machine.effects, machine.table, changes, number - listed)
-        return table([simulate(machine, trial, numbers, SENSOR_NOISE, seed)])
+            played, numbers = build_of(config, machine, changes, number - listed)
+        return table([simulate(played, trial, numbers, SENSOR_NOISE, seed)])
 
     with ThreadPoolExecutor(threads or workers()) as pool:
         return pd.concat(list(pool.map(one, enumerate(trials, first))))
@@ -129,27 +130,31 @@ def write(path: Path, features: pd.DataFrame) -> None:
 MACHINES = 9  # stream of the seed
 
 
-def numbers_of(
-    config: Config,
-    effects: Sequence[type[Effect]],
-    table: Table,
-    changes: Mapping[str, float],
-    k: int,
-) -> dict[str, float]:
-    """Numbers of the machine that plays the k-th drawn wrap.
+def build_of(
+    config: Config, model: Plant, changes: Mapping[str, float], k: int
+) -> tuple[Plant, dict[str, float]]:
+    """The machine that plays the k-th drawn wrap, and its numbers.
 
-    What is fitted, and what the model's `effects` bring, is multiplied by a factor of its own,
-    drawn evenly from 1 ± `perceive.drawn.machines`, and kept within its bounds; all else is as in
-    `changes`.  The k-th machine depends on no other.
+    It is a build of the model's arm: its hinges and holes scatter, and what a fit leaves open of a
+    build differs (`identify.builds`).  What is fitted, and what the model's effects bring, is
+    multiplied by a factor of its own besides, drawn evenly from 1 ± `perceive.drawn.machines`, and
+    kept within its bounds; all else is as in `changes`.  Where that is 0, it is the model itself.
+    The k-th machine depends on no other.
     """
-    spread = config.perceive.drawn.machines
-    brought = [f"{e.name()}.{f}" for e in effects for f in e.parameters()]
+    spread, table = config.perceive.drawn.machines, model.table
+    if spread == 0.0:
+        return model, dict(changes)
+    brought = [f"{e.name()}.{f}" for e in model.effects for f in e.parameters()]
     names = [*config.identify.parameters, *brought]
     rng = np.random.default_rng([config.perceive.seed, MACHINES, k])
     factors = 1.0 + spread * rng.uniform(-1.0, 1.0, len(names))
     values = table.vector(changes)[[table.position(name) for name in names]]
     moved = np.clip(values * factors, *table.bounds(names))
-    return {**changes, **dict(zip(names, moved.tolist(), strict=True))}
+    numbers = {**changes, **dict(zip(names, moved.tolist(), strict=True))}
+    known = dict(zip(table.names, table.vector(numbers).tolist(), strict=True))
+    units = model.rig.units
+    build = model.scattered(hinges(rng, units), holes(rng, units))
+    return build, numbers | apart_by(rng, TOLERANCES, known, table)
 
 
 if __name__ == "__main__":

@@ -40,6 +40,7 @@ from spirob.identify.fit import STEPS, anchor_of
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.identify.scaling import Scaling
+from spirob.parameter import Table
 
 SCATTER = 0.05  # of printed flexures, one deviation: stiffness goes with the cube of the thickness
 FARTHEST = 2.0  # deviations
@@ -121,7 +122,7 @@ class Builds:
             factors, off = hinges(rng, units), holes(rng, units) if self.single else None
             build = replace(whole, plant=plant.scattered(factors, off))
             try:
-                apart = build({**numbers, **_drawn(rng, self.widths, values, whole)}) - at
+                apart = build({**numbers, **apart_by(rng, self.widths, values, table)}) - at
             except SimulationError:
                 continue  # such a build cannot be played
             step = linear_step(apart[:fitted], slopes[:fitted], room, self.scale, still)
@@ -190,15 +191,15 @@ def most_of(squares: Sequence[float]) -> float:
     return mean * float(scipy.stats.f.ppf(LEVEL, freedom, freedom * len(squares)))
 
 
-def _drawn(
+def apart_by(
     rng: np.random.Generator,
     widths: Mapping[str, float],
     values: Mapping[str, float],
-    problem: Residual,
+    table: Table,
 ) -> dict[str, float]:
-    about = problem.table.about
+    """Numbers of a build that differ from these values by widths at 95 %, within their bounds."""
     drawn = {n: values[n] + rng.standard_normal() * w / SURE for n, w in widths.items()}
-    return {n: float(np.clip(v, about[n].low, about[n].high)) for n, v in drawn.items()}
+    return {n: float(np.clip(v, *table.bounds([n]))[0]) for n, v in drawn.items()}
 
 
 def _reason(share: float, drawn: int, builds: Builds, counting: float) -> str:

@@ -8,8 +8,9 @@ import pytest
 from pipeline.config import composed
 from pipeline.model import plant
 from pipeline.schema import validated
-from pipeline.wraps import numbers_of
+from pipeline.wraps import build_of
 from spirob.effects import find_effects
+from spirob.identify.builds import TOLERANCES
 
 ROOT = Path(__file__).parents[2]
 EFFECTS = find_effects(["capstan_friction"])
@@ -27,9 +28,7 @@ def default():
 
 def drawn(config, count, changes=CHANGES):
     model = plant(config, EFFECTS)
-    return model.table, [
-        numbers_of(config, model.effects, model.table, changes, k) for k in range(count)
-    ]
+    return model.table, [build_of(config, model, changes, k)[1] for k in range(count)]
 
 
 def test_every_fitted_number_varies_evenly_about_the_model(default):
@@ -67,6 +66,17 @@ def test_no_spread_is_the_model_itself():
     table, machines = drawn(none, 3)
     for one in machines:
         np.testing.assert_array_equal(table.vector(one), table.vector(CHANGES))
+    model = plant(none, EFFECTS)
+    assert build_of(none, model, CHANGES, 0)[0] is model
+
+
+def test_hinges_holes_and_what_a_fit_leaves_open_differ_from_build_to_build(default):
+    model = plant(default, EFFECTS)
+    one, two = (build_of(default, model, CHANGES, k) for k in range(2))
+    assert len({one[0].scatter, two[0].scatter, model.scatter}) == 3
+    assert not np.array_equal(one[0].off, two[0].off)
+    assert all(one[1][name] != two[1][name] for name in TOLERANCES)
+    assert model.off is None
 
 
 def test_a_machine_depends_on_its_number_and_the_seed_alone(default):
