@@ -114,7 +114,10 @@ def build(config: Config, rig: Rig, hidden: Mapping[str, Any]) -> Robot:
             by_voltage=rig.host is not None,
         )
         effect = HiddenSettings(
-            str(hidden["effect"]), float(hidden["strength"]), str(hidden["build"])
+            str(hidden["effect"]),
+            float(hidden["strength"]),
+            str(hidden["build"]),
+            hidden.get("built"),
         )
         return EmulatedRobot(machine, effect, int(hidden["seed"]), robot.faults)
     if robot.kind == "simulated":

@@ -88,7 +88,7 @@ class Machine:
         self.dt = CYCLE / rig.steps_per_cycle
         self.drawn = truth.draw(self.generator("machine"))
         arm = rig.geometry.arm(HINGES)
-        self.build = built(settings.build, arm, self.drawn, self.generator("build"))
+        self.build = built(settings.build, arm, self.drawn, self.generator("build", settings.built))
         self.numbers = truth.machine(rig, self.build, self.dt)
         self.hidden = hidden.apply(settings, self.generator, self.numbers)
         self.state = np.zeros(1, STATE)
@@ -208,6 +208,7 @@ class Machine:
         self._advance(self.numbers, np.zeros(2), steps=0)
         self.state["wound"] = self._scratch["shortening"]
 
-    def generator(self, purpose: str) -> np.random.Generator:
-        """A source of chance that depends on nothing but the seed and its purpose."""
-        return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])
+    def generator(self, purpose: str, seed: int | None = None) -> np.random.Generator:
+        """A source of chance that depends on nothing but a seed, the machine's, and its purpose."""
+        own = self.seed if seed is None else seed
+        return np.random.default_rng([own, zlib.crc32(purpose.encode())])

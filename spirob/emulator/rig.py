@@ -58,11 +58,14 @@ class HiddenSettings:
               of its own where one is written, "cogging:0.5+joint_creep:1.2"
     strength  of all of them; it multiplies their own
     build     one of `spirob.emulator.build.BUILDS`
+    built     seed that the build alone is drawn by, for the same machine built anew; the machine's
+              own where none is given
     """
 
     effect: str = "guide_friction"
     strength: float = 1.0
     build: str = AS_DESIGNED
+    built: int | None = None
 
     def __post_init__(self) -> None:
         require_build(self.build)

@@ -290,3 +290,19 @@ def test_a_rough_build_driven_hard_stays_finite_and_near_its_stops(machine, seed
         play(made, currents, 700)
         assert np.isfinite(made.state["phi"][0]).all()
         assert np.rad2deg(np.abs(hinge_angles(made))).max() < 16.0
+
+
+def test_a_machine_built_anew_keeps_its_data_sheet_and_what_it_hides():
+    def truth(built):
+        hidden = HiddenSettings("guide_friction", build="typical", built=built)
+        robot = EmulatedRobot(EmulatedRig(), hidden, seed=6)
+        robot.close()
+        return robot.truth()
+
+    own, anew, same = truth(None), truth(7), truth(6)
+    assert own == same
+    assert own["hidden"] == anew["hidden"]
+    assert not np.allclose(own["build"]["rows"]["hole"], anew["build"]["rows"]["hole"])
+    apart = {"stiffness", "damping_time", "mass", "winch_radius", "gear_stiffness"}
+    for name in own["drawn"].keys() - apart:
+        np.testing.assert_array_equal(own["drawn"][name], anew["drawn"][name], err_msg=name)
