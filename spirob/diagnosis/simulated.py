@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.dry import another_dry
 from spirob.diagnosis.evidence import block_errors, complete, foreseen
 from spirob.diagnosis.fitting import (
     Begun,
@@ -22,7 +21,7 @@ from spirob.diagnosis.fitting import (
     parameters_of,
     to_the_end,
 )
-from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, label
+from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, another_dry, label
 from spirob.diagnosis.screen import Screened, amplitudes, screen
 from spirob.effects import Effect
 from spirob.identify.builds import RESOLUTION, Floor

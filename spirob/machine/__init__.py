@@ -12,8 +12,7 @@ Its logs, made even, filtered, alike:
                                    which logs take part, and which of their rows
     recording.py                   one trial in SI
     grids.py, clock.py             even grids of a log's columns, and when each row was
-    filtering.py, positions.py, unwrapping.py
-                                   its filters; a position as the axis moved
+    filtering.py, positions.py     its filters; a position as the axis moved, turns and jumps told
     motion.py                      the motion of all trials in a row, and what remembers along it
 The inverse model, which tells the effort that a motion asks for:
     inverse.py, inverse_equations.py
@@ -32,7 +31,7 @@ The search, by the rules of `spirob.diagnosis`:
     candidates.py, laws/           which effects can act; laws that a plain axis has instead
     screening.py                   which absent effects explain what is left
 What is left, doubted and shown:
-    flexible.py, leftovers.py      what could still be explained, and from what
+    leftovers.py                   what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
     masses.py                      does a known inertia or body weigh what the effort says

@@ -6,8 +6,7 @@ from math import prod
 
 import numpy as np
 
-from spirob.diagnosis.dry import another_dry
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Model, another_dry
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.machine.laws import LEVER, shares_inertia

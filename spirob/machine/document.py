@@ -24,9 +24,9 @@ from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect
 from spirob.identify.intervals import covariance_of
 from spirob.machine.body import RigidBody
-from spirob.machine.flexible import RigCeiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import by_module
+from spirob.machine.leftovers import RigCeiling
 from spirob.machine.models import ROBUST, RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.odd_logs import way_of

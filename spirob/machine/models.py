@@ -13,7 +13,7 @@ import numpy as np
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.evidence import block_errors
-from spirob.diagnosis.flexible import folds_of
+from spirob.diagnosis.flexible import folds_of, products, steps
 from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, label
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect
@@ -23,10 +23,16 @@ from spirob.identify.scaling import Scaling
 from spirob.machine.candidates import related, repeated_waves, same_wave, seldom_seen
 from spirob.machine.delays import DELAY, only_aligns
 from spirob.machine.filtering import noise_in_effort
-from spirob.machine.flexible import RigCeiling, products, rig_ceiling, steps
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
-from spirob.machine.leftovers import left_of, nothing, structured, unexplained
+from spirob.machine.leftovers import (
+    RigCeiling,
+    left_of,
+    nothing,
+    rig_ceiling,
+    structured,
+    unexplained,
+)
 from spirob.machine.screening import Screening, room
 from spirob.score import Score, score
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.dry import is_dry
+from spirob.diagnosis.model import is_dry
 from spirob.effects import all_effects
 from spirob.machine.candidates import related
 from spirob.machine.motion import holds, late, without_holds
