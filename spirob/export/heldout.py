@@ -18,7 +18,7 @@ import numpy as np
 from spirob.errors import ExportError
 from spirob.export.code import python_text
 from spirob.export.corrected import Corrected, Held
-from spirob.logs.parquet import read_table
+from spirob.logs.trace import read_table
 from spirob.machine.motion import Motion, late
 from spirob.machine.recording import Recording
 

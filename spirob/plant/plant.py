@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 import mujoco
 import numpy as np
 
-from spirob.can.codec import VOLT_PER_COUNT
+from spirob.can_protocol import VOLT_PER_COUNT
 from spirob.control import Schedule
 from spirob.effects import Effect
 from spirob.effects.effect import differences
