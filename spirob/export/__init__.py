@@ -22,7 +22,7 @@ As a MuJoCo model:
     native.py       effects that MuJoCo holds by itself
 And its proof:
     exporting.py    writes the files, each whole or not at all, and proves them
-    heldout.py      held-out logs, played in what was written;  arm_heldout.py  trials of an arm
+    heldout.py      held-out logs of a rig, or trials of an arm, played in what was written
 """
 
 import importlib
