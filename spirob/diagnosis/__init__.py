@@ -3,12 +3,12 @@
 What it works on:
     model.py                   sets of effects, fitted; laws of dry friction, of which each has one
     fitting.py, simulated.py   those of an arm, by simulation
-    evidence.py                errors on trials that no fit has seen, above the sensors' noise
 The search:
     screen.py                  which absent effects could explain what is left, alone or together
     orders.py, spectrum.py     waves that come round with a turn
     search.py                  what is added, taken back, exchanged
-    criteria.py                when an effect is worth its place
+    criteria.py                when an effect is worth its place: errors on trials that no fit has
+                               seen, above the sensors' noise, and what they have to show
 The verdict:
     contest.py                 who stands beside what was found
     proposals.py, followup.py  which trial tells them apart; ask, play, decide

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.criteria import noise_floor
 from spirob.diagnosis.flexible import NOTHING, left_out, named, share, tree, worth
 from spirob.diagnosis.model import Left, Model
 from spirob.diagnosis.orders import spectrum

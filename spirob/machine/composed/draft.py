@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from spirob.diagnosis.evidence import block_errors
+from spirob.diagnosis.criteria import block_errors
 from spirob.diagnosis.flexible import error, left_out_linear, products, step
 from spirob.diagnosis.model import Model, is_dry
 from spirob.machine.composed.ground import Ground, Side, ground_of

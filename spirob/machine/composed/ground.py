@@ -16,8 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.criteria import Criteria, Settings, Worth
-from spirob.diagnosis.evidence import HALF
+from spirob.diagnosis.criteria import HALF, Criteria, Settings, Worth
 from spirob.effects import Effect
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.fit import STEPS
