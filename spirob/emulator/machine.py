@@ -17,8 +17,7 @@ from numpy.random import Generator
 from spirob.emulator import hidden
 from spirob.emulator.build import built
 from spirob.emulator.physics import HINGES
-from spirob.emulator.physics.layout import SCRATCH, STATE
-from spirob.emulator.physics.step import run_cycle
+from spirob.emulator.physics.step import SCRATCH, STATE, run_cycle
 from spirob.emulator.rig import EmulatedRig, HiddenSettings, draw, numbers_of
 from spirob.errors import ConfigError, HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene, Weights

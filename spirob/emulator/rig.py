@@ -11,7 +11,7 @@ import numpy as np
 
 from spirob.emulator.build import AS_DESIGNED, Build, anatomy, require_build
 from spirob.emulator.physics import HINGES, SIDES
-from spirob.emulator.physics.layout import NUMBERS
+from spirob.emulator.physics.step import NUMBERS
 from spirob.errors import ConfigError
 from spirob.geometry import BASE_WIDTH, PUBLISHED
 from spirob.unit_table import Geometry

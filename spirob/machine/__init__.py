@@ -19,16 +19,18 @@ The inverse model, which tells the effort that a motion asks for:
                                    the model on the trials, and its equations
     numbers.py, bounds.py          what of it is fitted, and what comes of numbers beyond bounds
     delays.py                      the delay of the effort
-    scaling.py, shapes.py          the library's numbers at this size, and where they start
+    scaling.py, shapes.py          the library's numbers at this size; where they start, and which
+                                   waves are one
     kernel_loop.py                 effects along whole recordings; back through those that lie
                                    between effort and torque
     swings.py                      what effects begin with
 The search, by the rules of `spirob.diagnosis`:
-    diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on
+    diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on: logs, and
+                                   the effects that can act
     axis.py, judging.py            fit, search; judge, which law a verdict asks for, and whether a
                                    law does better than the names
     models.py                      sets of effects, each fitted in full
-    candidates.py, laws/           which effects can act; laws that a plain axis has instead
+    laws/                          laws that a plain axis has instead of the library's
     screening.py                   which absent effects explain what is left
 What is left, doubted and shown:
     leftovers.py                   what could still be explained, and from what

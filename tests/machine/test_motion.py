@@ -7,7 +7,7 @@ import pytest
 
 from spirob.diagnosis.model import is_dry
 from spirob.effects import all_effects
-from spirob.machine.candidates import related
+from spirob.machine.laws import related
 from spirob.machine.motion import holds, late, without_holds
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
