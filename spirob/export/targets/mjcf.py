@@ -21,7 +21,7 @@ PLAYER = "mjcf"
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: its body, two winches on springy tendons, drives in ampere."""
-    from spirob.export.arm_body import with_tendons
+    from spirob.export.arm_mujoco import with_tendons
     from spirob.export.code import c_name
     from spirob.export.heldout import arm_left_out
 
