@@ -31,8 +31,7 @@ from spirob.perceive.size import SizeSettings
 from spirob.perceive.study import require_choices
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
-from spirob.trials.trial import ROLES
-from spirob.trials.wrap import WrapSettings
+from spirob.trials.trial import ROLES, WrapSettings
 
 LEAST_SIZES = 3  # that a stack can learn from
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from pipeline.model import plant, residual
 from pipeline.stage import entry, public_config, read_json, tell, write_json
+from spirob.identify.intervals import score
 from spirob.identify.residual import Residual
 from spirob.robot import MOTORS
-from spirob.score import score
 
 CHANNELS = {"current": "A", "displacement": "m", "velocity": "m/s"}
 LONGEST_DELAY = 50  # samples at 1 kHz

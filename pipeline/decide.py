@@ -20,9 +20,8 @@ from pipeline.schema import Config
 from pipeline.stage import ASKED, entry, public_config, read_json, tell, write_json
 from spirob.diagnosis import schema
 from spirob.diagnosis.atlas import KEYS
-from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.criteria import Settings, noise_floor
 from spirob.diagnosis.document import CEILING, document, metrics, restated
-from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.followup import Answer, Question, answered
 from spirob.diagnosis.proposals import Proposal
 from spirob.files import write_text

@@ -11,9 +11,8 @@ from pipeline.schema import Config
 from pipeline.stage import entry, public_config, read_json, tell, write_json
 from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.certainty import Ended
-from spirob.diagnosis.criteria import ArmCriteria, Settings
+from spirob.diagnosis.criteria import ArmCriteria, Settings, floor_at, noise_floor
 from spirob.diagnosis.document import document, metrics
-from spirob.diagnosis.evidence import floor_at, noise_floor
 from spirob.diagnosis.fitting import begun
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.schema import checked

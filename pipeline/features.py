@@ -9,8 +9,8 @@ from pipeline.trials import paper_wraps, robot_wraps, unseen_wraps
 from pipeline.wraps import together, wrapped, write
 from spirob.errors import MissingLog
 from spirob.logs import read_parquet
+from spirob.logs.trace import Trace
 from spirob.perceive.features import table
-from spirob.trace import Trace
 
 FOLDER = Path("data/features")
 

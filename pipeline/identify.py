@@ -9,11 +9,11 @@ from pipeline.model import fitted_names, plant, residual, start
 from pipeline.stage import entry, public_config, tell, write_json
 from spirob.identify.fit import Fit, best_start, block_covariance, fit_identifiable, polished
 from spirob.identify.identifiability import probe
+from spirob.identify.intervals import score
 from spirob.identify.problem import Problem
 from spirob.identify.residual import near, refuse_senseless
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
-from spirob.score import score
 
 
 def stage(root: Path) -> None:

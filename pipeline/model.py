@@ -5,7 +5,7 @@ from pathlib import Path
 
 from pipeline.schema import Config
 from pipeline.stage import read_json, workers
-from spirob.diagnosis.evidence import weighed_at
+from spirob.diagnosis.criteria import weighed_at
 from spirob.diagnosis.simulated import ROLES
 from spirob.effects import Effect, find_effects
 from spirob.errors import MissingLog

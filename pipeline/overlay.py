@@ -15,10 +15,9 @@ import pandas as pd
 
 from pipeline.stage import workers
 from spirob.diagnosis.model import label
-from spirob.diagnosis.screen import without
+from spirob.diagnosis.screen import Alone, together, without
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.simulated import Simulated
-from spirob.diagnosis.together import Alone, together
 from spirob.effects import Effect
 from spirob.files import replacing
 from spirob.identify.residual import Residual

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.schema import Config
 from spirob.plant import Rig
-from spirob.trials.wrap import WrapSettings, wrap_trial
+from spirob.trials.trial import WrapSettings, wrap_trial
 
 # Streams of the seed.  1, 3, 4 and 6 to 8 are used up: the errors on wraps drawn from them were
 # known when what the stack learns from was fixed, so that they cannot test it any more.

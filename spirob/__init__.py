@@ -8,7 +8,7 @@ errors.py                      every mistake of a user has a class and a sentenc
 files.py, plain_yaml.py        what is read, and what is written whole or not at all
 ending.py, progress.py         how processes end, and how far a search is
 units.py, parameter.py         units of a file; bounded numbers
-ports.py, trace.py, score.py   where effects act; signals on a time base; errors with intervals
+ports.py                       where effects act
 can_protocol.py, robot.py      frames on the bus; what all robots have in common
 geometry.py, unit_table.py     what an arm is, by its drawing or as it was measured
 control.py                     what a trial asks of each motor in a cycle

@@ -4,6 +4,9 @@
 same layouts are compiled here to `struct` and `numpy` for speed, and a test proves both equal on
 random payloads.  Counts become SI units in `can` and `logs`, nowhere else.
 
+Voltages are a command payload, too, as GM6020-style motors take it: ±25000 counts = ±24 V.  Their
+DBC file, `gm6020.dbc`, is the truth; a test proves both equal.
+
 Besides: whether an interface of python-can can be used here, before it is opened.
 """
 
@@ -25,6 +28,11 @@ COMMAND_ID = 0x200
 FEEDBACK_ID = 0x200  # plus the drive's number, from 1
 AMPERE_PER_COUNT = 20.0 / 16384.0  # C620: ±16384 counts = ±20 A
 COUNTS_PER_TURN = 8192  # rotor angle
+VOLTAGE_ID = 0x1FF
+VOLTAGE_FEEDBACK_ID = 0x204  # plus the motor's number, from 1
+FULL_SCALE = 25000  # counts
+VOLT_PER_COUNT = 24.0 / FULL_SCALE
+PLACES = 4  # motors in a frame
 _COMMAND = struct.Struct(">4h")
 _FEEDBACK = struct.Struct(">HhhBx")
 _FEEDBACK_ARRAY = np.dtype(
@@ -90,6 +98,17 @@ def command_counts(data: bytes) -> tuple[int, ...]:
 def command_payload(counts: tuple[int, ...]) -> bytes:
     """The command frame's payload for four currents in counts."""
     return _COMMAND.pack(*counts)
+
+
+def encode_volts(volts: tuple[float, ...]) -> bytes:
+    """The payload for up to four voltages [V], rounded to counts; what is no number is zero."""
+    counts = [round(max(-24.0, min(24.0, u)) / VOLT_PER_COUNT) if u == u else 0 for u in volts]
+    return command_payload((*counts, *([0] * (PLACES - len(counts)))))
+
+
+def decode_volts(data: bytes, motors: int = 2) -> tuple[float, ...]:
+    """The voltages [V] in a payload; raises DataError on another size."""
+    return tuple(count * VOLT_PER_COUNT for count in command_counts(data)[:motors])
 
 
 def encode_feedback(feedback: Feedback) -> bytes:

@@ -55,7 +55,7 @@ PARENTS = {
         (folder / "asleep.py").write_text(NOTE)
         sys.path.append(str(folder))
         import asleep
-        from spirob.logs.readers.isolation import apart
+        from spirob.logs.readers import apart
         for _ in range(2):
             threading.Thread(target=apart, args=(asleep.sleeper, str(folder))).start()
     """,

@@ -1,9 +1,10 @@
 """The test of the diagnosis of rigs: simulated axes that nothing here was tuned for.
 
 case.py, recorder.py      a machine of `simulators/` with something hidden, and what its logs hold
+                          and show of that
 running.py                cases diagnosed blind, in parallel
 scoring.py                the answer key, what became of each case, rates
-strength.py, true_law.py  how much is hidden, and what knowing its law would leave
+true_law.py               what knowing the hidden law would leave
 tracking.py               what the feed-forward of the found model is worth
 calibration.py            how sure a name may be, from cases whose truth is known
 other_laws.py             composed laws beside those of other programs

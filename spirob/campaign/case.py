@@ -3,7 +3,7 @@
 What is drawn follows from simulator, kind and seed alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from spirob.campaign.recorder import (
     drawn_recorder,
     length_of,
     reported,
+    share,
 )
 from spirob.campaign.scoring import (
     BESIDE,
@@ -31,7 +32,6 @@ from spirob.campaign.scoring import (
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.hidden import Hidden, Hiding, Scale, hiding
 from spirob.campaign.simulators.motion import Machine, Motion, Plan, Simulator, plan
-from spirob.campaign.strength import HIGH, LOW, SEEN, share, strength
 
 FASTEST = (0.3, 2.0)  # Hz, of the motion
 SLOW_LOG = 40.0  # samples in a period of the fastest motion at least
@@ -39,6 +39,10 @@ QUICK = (4.0, 8.0)  # Hz, of machines whose time in the log is hidden
 PROMPT = 500.0  # Hz, of their logs at least
 SLOW = 0.05  # of the usual speed: what is slower goes no way
 DRAWS = 200  # of partners, until they go together
+LOW, HIGH = 0.12, 0.40  # of the effort: what is drawn
+NEAR = (0.9, 1.1)  # of the wanted share: near enough
+SEEN = 0.1  # of the effort: what a diagnosis can be asked for
+TRIES = 6
 LESS = (0.2, 0.6)  # of what the library's effect shows: what the one beside it shows
 
 
@@ -240,6 +244,40 @@ def _adjusted(
         return made.at(1.0), shown(1.0)
     at, found = strength(shown, wanted, made.most)
     return made.at(at), found
+
+
+def strength(shown: Callable[[float], float], wanted: float, most: float) -> tuple[float, float]:
+    """The strength at which a kind shows as much as is wanted, as nearly as can be; and the share.
+
+    Where no strength shows it, it is moderate: what cannot be seen is no reason for a monster.
+
+    shown  share at a strength
+    """
+    tried: list[tuple[float, float]] = []
+    at = min(2.0 * wanted, most)
+    for _ in range(TRIES):
+        tried.append((at, shown(at)))
+        ratio = wanted / max(tried[-1][1], 1e-6)
+        if 1 / NEAR[1] < ratio < 1 / NEAR[0]:
+            break
+        at = min(max(_next(tried, wanted), 1e-3), most)
+        if any(abs(at - before) < 1e-3 * at for before, _ in tried):
+            break
+    if max(found for _, found in tried) < SEEN:
+        return tried[0]
+    return min(tried, key=lambda one: abs(np.log(max(one[1], 1e-6) / wanted)))
+
+
+def _next(tried: Sequence[tuple[float, float]], wanted: float) -> float:
+    """Between the nearest below and above where there are both, else further in proportion."""
+    below = [one for one in tried if one[1] < wanted]
+    above = [one for one in tried if one[1] >= wanted]
+    if below and above:
+        (a, low), (b, high) = max(below, key=lambda o: o[1]), min(above, key=lambda o: o[1])
+        part = np.log(wanted / max(low, 1e-6)) / np.log(high / max(low, 1e-6))
+        return float(np.exp(np.log(a) + min(max(part, 0.15), 0.85) * np.log(b / a)))
+    at, shown = tried[-1]
+    return float(at * min(max(wanted / max(shown, 1e-6), 0.1), 6.0))
 
 
 def _truth(

@@ -1,5 +1,12 @@
-"""What a log holds of a motion: rate, delay, counts, wraps, jitter, noise, units."""
+"""What a log holds of a motion: rate, delay, counts, wraps, jitter, noise, units.
 
+And how much of the effort is hidden in it: what numbers of the description cannot take up.  The
+effort is fitted by acceleration and speed of the motion as it is reported, beside what the
+description knows of it, without noise and without delay; all pass the filter that a log of this
+rate allows.  What is left, over the effort, is how much is hidden.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +26,8 @@ WRAPPED = 0.2  # of a turn in a sample at most, where a position wraps
 AHEAD = 0.05  # s, by which the effort may lead or trail
 WHITE = (0.002, 0.2)  # noise of an effort over its RMS, as published logs of currents have it
 SLOW = (0.005, 0.1)
+FASTEST, SAMPLES = 20.0, 16.0  # Hz, and samples in a period, of what a log shows
+EDGE = 0.5  # s at both ends, where the filter has no neighbours
 
 
 @dataclass(frozen=True)
@@ -182,3 +191,29 @@ def description(
     }
     rig |= {"known": known} if known else {}
     return rig | ({"gear": machine.turn} if machine.turn != 1.0 else {})
+
+
+def share(motions: Sequence[Motion], rate: float) -> float:
+    """Share of the effort's RMS that is hidden in logs of this rate [Hz]."""
+    rows = [_rows(m, rate) for m in motions]
+    design, effort, whole = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+    size = np.linalg.norm(design, axis=0) + 1e-300
+    found, *_ = np.linalg.lstsq(design / size, effort, rcond=None)
+    left = effort - design / size @ found
+    return float(np.sqrt(np.mean(left**2) / max(np.mean(whole**2), 1e-300)))
+
+
+def _rows(motion: Motion, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Acceleration and speed, (n, 2); the effort beside what is known, and all of it, (n,)."""
+    sos = scipy.signal.butter(4, min(FASTEST, rate / SAMPLES), fs=FINE, output="sos")
+
+    def smooth(values: np.ndarray) -> np.ndarray:
+        return np.asarray(scipy.signal.sosfiltfilt(sos, values))
+
+    q, whole = smooth(motion.q), smooth(motion.effort)
+    v = np.gradient(q, 1 / FINE)
+    effort = whole if motion.known is None else whole - smooth(motion.known(motion.q))
+    every = max(1, int(FINE / (8 * FASTEST)))
+    kept = slice(int(EDGE * FINE), len(q) - int(EDGE * FINE), every)
+    design = np.column_stack([np.gradient(v, 1 / FINE), v])
+    return design[kept], effort[kept], whole[kept]

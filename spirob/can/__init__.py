@@ -1,8 +1,7 @@
 """Everything between a controller and motors on a CAN bus, but for the frames' own language.
 
-codec.py        messages of a DBC file, compiled where their signals lie on bytes; voltages as a
-                command payload, for drives that take them
-description.py  which message and signal is which motor's command, angle, speed ...
+description.py  which message and signal is which motor's command, angle, speed ...; the messages of
+                a DBC file, compiled where their signals lie on bytes
 drive.py        a kind of drive: commands out, its frames in, one cycle or a whole log at a time, on
                 a bus that is fast enough; those in `drives/`, each a DBC file and a description
 bus.py          a bus through python-can: opened, listened to without saying anything, and checked

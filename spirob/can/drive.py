@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from spirob import files, plain_yaml
-from spirob.can.codec import VOLT_PER_COUNT, Codec
 from spirob.can.description import (
     UNITS,
     VOLTS,
+    Codec,
     Description,
     Motor,
     Sent,
@@ -30,6 +30,7 @@ from spirob.can_protocol import (
     COMMAND_ID,
     COUNTS_PER_TURN,
     FEEDBACK_ID,
+    VOLT_PER_COUNT,
     CanFrame,
     Feedback,
     command_counts,

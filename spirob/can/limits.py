@@ -12,11 +12,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
 
-from spirob.can.codec import VOLT_PER_COUNT
 from spirob.can.motor import TIMES, Flicker, MotorState
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COUNTS_PER_TURN,
+    VOLT_PER_COUNT,
     CanFrame,
     command_counts,
     command_payload,

@@ -1,15 +1,14 @@
 """Compare model and measurement, see where it fails, name the missing effect, add it.
 
 What it works on:
-    model.py                   sets of effects, fitted
+    model.py                   sets of effects, fitted; laws of dry friction, of which each has one
     fitting.py, simulated.py   those of an arm, by simulation
-    evidence.py                errors on trials that no fit has seen, above the sensors' noise
 The search:
-    screen.py                  which absent effects could explain what is left
-    together.py, dry.py        several candidates at once; laws of dry friction
+    screen.py                  which absent effects could explain what is left, alone or together
     orders.py, spectrum.py     waves that come round with a turn
     search.py                  what is added, taken back, exchanged
-    criteria.py                when an effect is worth its place
+    criteria.py                when an effect is worth its place: errors on trials that no fit has
+                               seen, above the sensors' noise, and what they have to show
 The verdict:
     contest.py                 who stands beside what was found
     proposals.py, followup.py  which trial tells them apart; ask, play, decide
@@ -17,6 +16,6 @@ The verdict:
     certainty.py               how sure a name is, of the figures in `certainty.json`
 What is shown besides:
     atlas.py                   which regimes hold the error
-    flexible.py                what any law could still explain
+    flexible.py                what any law could still explain; regression within bounds
     schema.py, document.py     what `diagnosis.json` holds, and how it is made
 """

@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnosis.certainty import Ended
-from spirob.diagnosis.criteria import Settings, Worth
-from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.criteria import Settings, Worth, complete
 from spirob.diagnosis.fitting import Begun, briefly
 from spirob.diagnosis.model import Model, Offer, alike
 from spirob.diagnosis.proposals import Proposal, propose

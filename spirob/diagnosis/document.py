@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from spirob.diagnosis.certainty import LIKELY, Ended
-from spirob.diagnosis.evidence import half_seconds
+from spirob.diagnosis.criteria import half_seconds
 from spirob.diagnosis.flexible import Ceiling, ceiling
 from spirob.diagnosis.model import Model, label
 from spirob.diagnosis.proposals import Proposal, told
 from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict
+from spirob.identify.intervals import Interval, score, score_interval
 from spirob.identify.problem import Problem
-from spirob.score import Interval, score, score_interval
 
 CEILING = "flexible residual on top (ceiling)"
 

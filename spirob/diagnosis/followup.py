@@ -35,8 +35,7 @@ from spirob.diagnosis.contest import (
     proposed,
     settled,
 )
-from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.criteria import Settings, complete
 from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposal
 from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, Weighed, judge, weigh
 from spirob.effects import Effect

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from spirob.diagnosis.criteria import Criteria, Worth
-from spirob.diagnosis.dry import is_dry
 from spirob.diagnosis.model import (
     ABSORBED,
     ALIKE,
@@ -17,6 +16,7 @@ from spirob.diagnosis.model import (
     Offer,
     Predictor,
     equivalents,
+    is_dry,
     label,
     richness,
 )

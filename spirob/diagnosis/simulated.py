@@ -10,9 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.dry import another_dry
-from spirob.diagnosis.evidence import block_errors, complete, foreseen
+from spirob.diagnosis.criteria import Settings, block_errors, complete, foreseen
 from spirob.diagnosis.fitting import (
     Begun,
     again_from,
@@ -22,14 +20,14 @@ from spirob.diagnosis.fitting import (
     parameters_of,
     to_the_end,
 )
-from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, label
+from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, another_dry, label
 from spirob.diagnosis.screen import Screened, amplitudes, screen
 from spirob.effects import Effect
 from spirob.identify.builds import RESOLUTION, Floor
 from spirob.identify.fit import INDEPENDENT, Fit
+from spirob.identify.intervals import Score, score
 from spirob.identify.problem import Problem, effort_rms
 from spirob.identify.residual import near
-from spirob.score import Score, score
 
 ROLES = ("train", "validate", "heldout")
 PAIRED = 3  # candidates of which pairs are tried

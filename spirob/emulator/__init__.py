@@ -5,8 +5,8 @@ geometry and the CAN protocol: 48 hinges instead of 24, its own integrator, its 
 own tendon routing, and a hidden effect that the model does not know.  A model that is tested on
 data from its own equations proves nothing.
 
-    rig.py      what a user may know and choose: ratio, winch, size, gravity, noise
-    truth.py    how this one machine differs from its data sheet, drawn from a seed
+    rig.py      what a user may know and choose: ratio, winch, size, gravity, noise; how this one
+                machine differs from its data sheet, drawn from a seed
     build.py    how it is built: scatter and other choices of design, drawn from the seed
     faults/     what goes wrong on the bus, one file each
     hidden/     effects that nobody told the model about, one file each

@@ -97,7 +97,7 @@ class Build:
     before  (SIDES, HINGES, 2) where each tendon leaves what is before a hinge, the mount or the
             unit nearer the base, as (x, y) from the hinge [m], the right side mirrored to +y
     after   (SIDES, HINGES, 2) where it enters the unit after the hinge
-    sheet   numbers of the data sheet as drawn (`truth.SPREADS`); what is one number there may be
+    sheet   numbers of the data sheet as drawn (`rig.SPREADS`); what is one number there may be
             one for each hinge or unit, (HINGES,), here
     rows    what was drawn of each row
     """

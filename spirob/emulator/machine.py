@@ -14,12 +14,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.random import Generator
 
-from spirob.emulator import hidden, truth
+from spirob.emulator import hidden
 from spirob.emulator.build import built
 from spirob.emulator.physics import HINGES
-from spirob.emulator.physics.layout import SCRATCH, STATE
-from spirob.emulator.physics.step import run_cycle
-from spirob.emulator.rig import EmulatedRig, HiddenSettings
+from spirob.emulator.physics.step import SCRATCH, STATE, run_cycle
+from spirob.emulator.rig import EmulatedRig, HiddenSettings, draw, numbers_of
 from spirob.errors import ConfigError, HardwareError
 from spirob.robot import CYCLE_NS, MOTORS, Scene, Weights
 
@@ -86,10 +85,10 @@ class Machine:
         self.settings = settings
         self.seed = seed
         self.dt = CYCLE / rig.steps_per_cycle
-        self.drawn = truth.draw(self.generator("machine"))
+        self.drawn = draw(self.generator("machine"))
         arm = rig.geometry.arm(HINGES)
         self.build = built(settings.build, arm, self.drawn, self.generator("build", settings.built))
-        self.numbers = truth.machine(rig, self.build, self.dt)
+        self.numbers = numbers_of(rig, self.build, self.dt)
         self.hidden = hidden.apply(settings, self.generator, self.numbers)
         self.state = np.zeros(1, STATE)
         self.latency = BusLatency(self.generator("bus")) if rig.by_voltage else None

@@ -22,13 +22,15 @@ from typing import Any
 import can
 import numpy as np
 
-from spirob.can.codec import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, decode_volts
 from spirob.can_protocol import (
     COMMAND_ID,
     FEEDBACK_ID,
+    VOLTAGE_FEEDBACK_ID,
+    VOLTAGE_ID,
     CanFrame,
     Feedback,
     decode_command,
+    decode_volts,
     encode_command,
     encode_feedback,
 )

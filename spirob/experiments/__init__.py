@@ -8,9 +8,8 @@ trials, its measure.  No list names it.  What they share:
 
 response.py       when a signal answers, and by how much; the detector's answer to a contact, while
                   a trial is played
-direct_drive.py   what the two passive ones share;  host_loop.py  what those on the host do
-apparent_period.py  a period of several plays, and how sure it is
-compared.py       whether a model is within a share of the robot, by standard errors of both
+passive.py        what the passive ones share: a hit without gear, its figure beside the robot's, a
+                  period of several plays;  host_loop.py  what those on the host share
 contact_rates.py  how often and how soon contacts are told, over many uncurlings
 
 Measures are pure functions of signals; they do not know who played.  The paper's figure stands
@@ -29,9 +28,9 @@ import numpy as np
 
 from spirob.errors import ConfigError
 from spirob.geometry import PUBLISHED
+from spirob.logs.trace import Trace, moving_average
 from spirob.plant.plant import Motion
 from spirob.robot import CYCLE_NS, MOTORS
-from spirob.trace import Trace, moving_average
 from spirob.trials.play import Reaction
 from spirob.unit_table import Geometry
 

@@ -40,7 +40,7 @@ from spirob.experiments.response import (
     onset,
 )
 from spirob.perceive.contact import ContactSettings
-from spirob.trials.wrap import beside
+from spirob.trials.trial import beside
 
 RIGHT = 1
 RESTS = 0.3  # s before and after the motion

@@ -25,7 +25,7 @@ from spirob.experiments import (
     within,
 )
 from spirob.experiments.response import PERIOD, crossing, step_times
-from spirob.trace import moving_average
+from spirob.logs.trace import moving_average
 
 PAPER = 52.4  # ms, "steady-state delay" at 1 N
 AIM = 0.05  # of the robot's

@@ -19,9 +19,18 @@ import numpy as np
 
 from spirob.errors import ConfigError
 from spirob.experiments import BLOCK, Play, Side, Sides, curve, row
-from spirob.experiments.compared import BEYOND, OPEN, SURE, WITHIN, Figure, compared, off, percent
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE
 from spirob.experiments.host_loop import COMPARED, GainSet, OnHost, or_none
+from spirob.experiments.passive import (
+    BEYOND,
+    COUNTS_PER_AMPERE,
+    OPEN,
+    SURE,
+    WITHIN,
+    Figure,
+    compared,
+    off,
+    percent,
+)
 from spirob.experiments.response import smooth
 from spirob.experiments.single_contact import (
     FIGURES,

@@ -31,7 +31,7 @@ import scipy
 from spirob.control import HostLoop, Placed, Winding, placed
 from spirob.errors import DataError
 from spirob.experiments import Experiment, Known, Play, Side, Sides, plan, row, trial
-from spirob.experiments.direct_drive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
+from spirob.experiments.passive import COUNTS_PER_AMPERE, DIRECT, DRUM, RADIUS
 from spirob.plant.rig import Motor
 
 NOISY = ("robot", "base", "named")  # sides that no two plays of a trial find alike

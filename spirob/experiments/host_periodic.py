@@ -1,6 +1,6 @@
 """Periodic contact with the current loop on the host: the wheel of `periodic_contact`.
 
-The apparent period is told by the two rules of `apparent_period`, the same for robot and models:
+The apparent period is told by the two rules of `passive`, the same for robot and models:
 the strongest line of the mean spectrum, of a count at least, and the mean interval between peaks
 that stand out of what the robot's current does without a contact.  A period does not depend on how
 high a peak has to be: the robot has none by the interval where it is another, by more than `ALIKE`,
@@ -23,10 +23,23 @@ import scipy
 
 from spirob.errors import ConfigError
 from spirob.experiments import Play, Side, Sides, curve, row
-from spirob.experiments.apparent_period import highest, interval, line, mean_spectrum
-from spirob.experiments.compared import BEYOND, OPEN, SURE, WITHIN, Figure, compared, off, percent
-from spirob.experiments.direct_drive import per_unit, reconstructed
 from spirob.experiments.host_loop import COMPARED, NOISY, GainSet, OnHost, or_none
+from spirob.experiments.passive import (
+    BEYOND,
+    OPEN,
+    SURE,
+    WITHIN,
+    Figure,
+    compared,
+    highest,
+    interval,
+    line,
+    mean_spectrum,
+    off,
+    per_unit,
+    percent,
+    reconstructed,
+)
 from spirob.experiments.periodic_contact import (
     BAND,
     PAPER,

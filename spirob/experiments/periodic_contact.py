@@ -12,10 +12,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spirob.experiments import WINDOW, Experiment, Play, Side, Sides, curve, row, trial
-from spirob.experiments.direct_drive import both, difference, direct, reconstructed
+from spirob.experiments.passive import both, difference, direct, reconstructed
 from spirob.experiments.response import PERIOD, amplitude, smooth, strongest_period
-from spirob.trace import moving_average
-from spirob.trials.wrap import beside
+from spirob.logs.trace import moving_average
+from spirob.trials.trial import beside
 
 PAPER = (0.4, 0.35, 0.15)  # s, from base to tip
 SMOOTHING, SHOWN = 11, 4000  # samples, of the current in the report

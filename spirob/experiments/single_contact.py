@@ -17,9 +17,9 @@ import numpy as np
 import scipy
 
 from spirob.experiments import Experiment, Play, Side, Sides, curve, row, trial
-from spirob.experiments.direct_drive import both, difference, direct, profile, reconstructed
+from spirob.experiments.passive import both, difference, direct, profile, reconstructed
 from spirob.experiments.response import smooth
-from spirob.trials.wrap import beside
+from spirob.trials.trial import beside
 
 SHIFT = (0.3, 0.6)  # s after the hit: the paper's steady shift
 PEAK = 0.3  # s after the hit

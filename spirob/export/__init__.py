@@ -16,13 +16,13 @@ What is exported:
 As equations:
     axis.py         those of a plain axis, of axis_text.py and the kernels
     code.py         the same as C99 and as a Python module; of an arm's motors, as C99
-    arm_loop.py     the coupled loop of the arm as a Python module
 As a MuJoCo model:
-    body.py         the machine, or the arm alone;  arm_body.py  the arm with winches and tendons
+    body.py         the machine, or the arm alone
+    arm_mujoco.py   the arm with winches and tendons; its coupled loop as a Python module
     native.py       effects that MuJoCo holds by itself
 And its proof:
     exporting.py    writes the files, each whole or not at all, and proves them
-    heldout.py      held-out logs, played in what was written;  arm_heldout.py  trials of an arm
+    heldout.py      held-out logs of a rig, or trials of an arm, played in what was written
 """
 
 import importlib

@@ -29,7 +29,7 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Filter, Residual
 from spirob.identify.scaling import Scaling
 from spirob.logs import read_parquet
-from spirob.logs.parquet import read_table
+from spirob.logs.trace import read_table
 from spirob.machine.arm.replay import again
 from spirob.machine.rig import NUMBERS
 from spirob.plant import Plant, Rig

@@ -34,7 +34,7 @@ from spirob.export.law import kernel_functions, kernel_name
 from spirob.export.translate import Function
 from spirob.machine.forward.torque import PASSES as SENSED
 from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, READINGS, SENSOR
-from spirob.machine.pipes import PASSES
+from spirob.machine.kernel_loop import PASSES
 
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
 SHARE = "winch.efficiency"

@@ -3,7 +3,7 @@
 `drive` is an actuator whose control is the effort, in the unit of the diagnosis.  Where no model
 file describes the body, the axis is a joint of that name with the fitted inertia.
 
-The arm's body is bare here, for the coupled loop; `arm_body` adds winches and tendons.
+The arm's body is bare here, for the coupled loop; `arm_mujoco` adds winches and tendons.
 """
 
 from dataclasses import dataclass

@@ -9,6 +9,6 @@ The fit, from before it to after it:
     identifiability.py  what moves a signal, what starts on a bound, what cannot be told apart
     scaling.py          the coordinates in which a fit moves
     fit.py, descent.py  bounded robust least squares; its steps, where all else is a simulation
-    intervals.py        how sure a fit is
+    intervals.py        how sure a fit is, and a score of it
     builds.py           by how much builds of one machine differ after each is fitted
 """

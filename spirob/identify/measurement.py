@@ -7,8 +7,8 @@ import numpy as np
 
 from spirob.control import CURRENT, Schedule
 from spirob.errors import DataError
+from spirob.logs.trace import Trace
 from spirob.robot import MOTORS, Scene, scene_from
-from spirob.trace import Trace
 
 MEASURED = ("current", "displacement", "velocity")
 

@@ -32,13 +32,13 @@ import scipy
 
 from spirob.control import CURRENT, DISPLACEMENT, VELOCITY
 from spirob.errors import DataError, SimulationError
+from spirob.identify.intervals import score
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Effort, Problem, Rotor, Stretch, compared, effort_rms
+from spirob.logs.trace import moving_average
 from spirob.parameter import Table
 from spirob.plant import Plant, Response
 from spirob.robot import MOTORS
-from spirob.score import score
-from spirob.trace import moving_average
 
 STILL = 1e-3  # m/s, slower is standing
 BLOCK = 0.5  # s, over which a residual is correlated at most

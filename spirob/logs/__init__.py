@@ -8,7 +8,7 @@ Raw CAN frames are the truth of a log; everything in SI units is derived from th
     reader.py     an MCAP log as a `Trace`;  payloads.py  its payloads in bulk
     cycles.py     its frames sorted into cycles, and in SI units
     recovery.py   what a torn or damaged MCAP file still holds
-    parquet.py    a `Trace` as one Parquet file
+    trace.py      signals on a time base, and as one Parquet file
 Of others:
     readers/      logs of any kind as tables, one file for each kind
     foreign.py    such a table as a `Trace`, by a mapping file
@@ -16,8 +16,8 @@ Of others:
 """
 
 from spirob.logs.cycles import Transmission
-from spirob.logs.parquet import read_parquet, write_parquet
 from spirob.logs.reader import read_log
+from spirob.logs.trace import read_parquet, write_parquet
 from spirob.logs.writer import TrialLog
 
 __all__ = [

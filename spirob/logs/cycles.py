@@ -4,12 +4,12 @@ from math import pi
 
 import numpy as np
 
-from spirob.can.codec import VOLT_PER_COUNT
 from spirob.can_protocol import (
     AMPERE_PER_COUNT,
     COMMAND_ID,
     COUNTS_PER_TURN,
     FEEDBACK_ID,
+    VOLT_PER_COUNT,
     decode_feedback_array,
 )
 from spirob.errors import DataError, MissingChannel

@@ -28,7 +28,7 @@ from spirob import files, plain_yaml
 from spirob.errors import ConfigError, DataError
 from spirob.logs.readers import Table
 from spirob.logs.stamps import even_clock, ordered
-from spirob.trace import Trace
+from spirob.logs.trace import Trace
 from spirob.units import UNITS, unit
 
 LARGEST = 2**18  # bytes of a mapping file

@@ -42,8 +42,8 @@ from spirob.logs.messages import (
     unpack_frames,
 )
 from spirob.logs.payloads import CHUNK_LIMIT, RECORD, MessagesByTopic, Payloads, stream
+from spirob.logs.trace import Trace, moving_average
 from spirob.robot import MOTORS
-from spirob.trace import Trace, moving_average
 
 MAGIC = b"\x89MCAP0\r\n"
 FILE_LIMIT = 256 * 2**20  # about 24 minutes of both motors at 1 kHz

@@ -12,30 +12,32 @@ Its logs, made even, filtered, alike:
                                    which logs take part, and which of their rows
     recording.py                   one trial in SI
     grids.py, clock.py             even grids of a log's columns, and when each row was
-    filtering.py, positions.py, unwrapping.py
-                                   its filters; a position as the axis moved
-    motion.py                      the motion of all trials in a row
+    filtering.py, positions.py     its filters; a position as the axis moved, turns and jumps told
+    motion.py                      the motion of all trials in a row, and what remembers along it
 The inverse model, which tells the effort that a motion asks for:
     inverse.py, inverse_equations.py
                                    the model on the trials, and its equations
     numbers.py, bounds.py          what of it is fitted, and what comes of numbers beyond bounds
-    delays.py, pipes.py            the delay of the effort; what lies between it and the torque
-    scaling.py, shapes.py          the library's numbers at this size, and where they start
-    kernel_loop.py, cache.py       effects along whole recordings, and what is held of them
-    memory.py, swings.py           what they remember through gaps, and begin with
+    delays.py                      the delay of the effort
+    scaling.py, shapes.py          the library's numbers at this size; where they start, and which
+                                   waves are one
+    kernel_loop.py                 effects along whole recordings; back through those that lie
+                                   between effort and torque
+    swings.py                      what effects begin with
 The search, by the rules of `spirob.diagnosis`:
-    diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on
+    diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on: logs, and
+                                   the effects that can act
     axis.py, judging.py            fit, search; judge, which law a verdict asks for, and whether a
                                    law does better than the names
     models.py                      sets of effects, each fitted in full
-    candidates.py, laws/           which effects can act; laws that a plain axis has instead
+    laws/                          laws that a plain axis has instead of the library's
     screening.py                   which absent effects explain what is left
 What is left, doubted and shown:
-    flexible.py, leftovers.py      what could still be explained, and from what
+    leftovers.py                   what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
     masses.py                      does a known inertia or body weigh what the effort says
-    differing.py, turns.py         do logs differ by a number of their own, or by whole turns
+    differing.py                   do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward
     result.py, document.py, page_tables.py
                                    what was found, as plain data and for the page

@@ -16,7 +16,7 @@ from spirob.errors import NothingLeft
 from spirob.machine.bounds import beyond_bounds, in_scale, released
 from spirob.machine.composed.law import beyond
 from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, widened
-from spirob.machine.differing import differing
+from spirob.machine.differing import counted_alike, differing
 from spirob.machine.document import heldout, plain, rig_document, standing
 from spirob.machine.inverse import Work
 from spirob.machine.judging import Judged, Searched, judged_of
@@ -35,7 +35,6 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
-from spirob.machine.turns import counted_alike
 
 SHORTER = "fewer or slower rows make it shorter."
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"

@@ -23,10 +23,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spirob.diagnosis.flexible import bounded
 from spirob.diagnosis.model import Model
 from spirob.effects import Effect
 from spirob.errors import DataError
-from spirob.machine.flexible import bounded
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import shares_inertia
 from spirob.machine.recording import Recording

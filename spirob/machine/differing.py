@@ -1,22 +1,44 @@
-"""Do the logs differ by a number of their own: another force, payload or zero in each?
+"""Do the logs differ, by a number of their own, or by whole turns of their position?
 
-Such a number of every log has to pass what an effect has to pass; of several that do, the one that
-fits the held-out logs best is taken.
+A number of their own is another force, payload or zero in each: that of every log has to pass what
+an effect has to pass; of several that do, the one that fits the held-out logs best is taken.
+
+Whole turns: a position that begins again after a turn is unwrapped from where each log begins, so
+logs of a motion over several turns may be some turns apart.  What depends on the place (a spring, a
+tight spot) is then another curve in each.  The turn is taken by which one curve tells the most of
+all logs: what the fitted numbers leave of the effort, as a piecewise linear function of the place,
+beside and times the speed and its sign,
+
+    argmin over k of  Σ (r - f_0(q + k·T) - v·f_1(q + k·T) - tanh(v/ω_0)·f_2(q + k·T))²
+
+with f of the logs before, the one of the longest way first, then again with that of all others.
+Rows where these never were count as they are.
 """
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import scipy
 
 from spirob.diagnosis.model import Model
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LEVER
 from spirob.machine.models import RigSearch
 from spirob.machine.preparation import Ready, search_of
+from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 
 KINDS = ("offset", "payload", "zero")  # of numbers that logs may have each for itself
 FIRST = {"payload": 1.0, "zero": 0.0}  # of the first log, where the others count from it
+KNOTS = 8  # in a turn: what changes faster comes round with it
+MOST = 20  # turns that a log is looked for, either way
+PASSES = 3  # over fits of the numbers
+ROUNDS = 2  # the logs that come first have seen little of the way
+TELLS = 0.5  # of the squared residual: less says nothing of the turn
+PRIOR = 1e-3  # of the columns' mean square, against what few rows tell
 
 
 def differing(ready: Ready, search: RigSearch, chosen: Model) -> tuple[Ready, str] | None:
@@ -83,7 +105,7 @@ def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> boo
     logs = {r.log for r in search.models.train.recordings}
     if rig.per_log is not None or rig.logs or len(logs) < 2:
         return False
-    columns = _columns(kind, rig, search)
+    columns = _first_order(kind, rig, search)
     if columns is None:
         return False
     residual, edges = chosen.fit.residual, search.models.train.edges
@@ -92,7 +114,7 @@ def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> boo
     return together - apart > search.criteria.share * float(np.dot(residual, residual))
 
 
-def _columns(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | None:
+def _first_order(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | None:
     """What a number of this kind does to the effort, to first order, (N, k); None where nothing."""
     signals = search.models.train.signals()
     ones = np.ones_like(signals["speed"])
@@ -110,3 +132,120 @@ def _columns(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | None:
 def _left(columns: np.ndarray, residual: np.ndarray) -> float:
     found = np.linalg.lstsq(columns, residual, rcond=None)[0]
     return float(np.sum((residual - columns @ found) ** 2))
+
+
+@dataclass(frozen=True)
+class Log:
+    """Rows of one log: place, speed over its RMS, its smooth sign, residual; (n,) each."""
+
+    q: np.ndarray
+    v: np.ndarray
+    sign: np.ndarray
+    residual: np.ndarray
+
+    def moved(self, way: float) -> "Log":
+        """The same from another turn."""
+        return replace(self, q=self.q + way)
+
+
+def counted_alike(ready: Ready) -> Ready:
+    """Logs of one position count their turns alike, where what depends on the place tells how.
+
+    Numbers that were fitted to uneven turns are fitted anew, and it is asked again.  Held-out logs
+    are counted, too: a number of turns is no law that they could judge.
+    """
+    turn = max(r.turn for r in [*ready.train, *ready.test])
+    if not turn or len({r.log for r in [*ready.train, *ready.test]}) < 2:
+        return ready
+    counted, moves = ready, Counter[str]()
+    for _ in range(PASSES):
+        more = _uneven(counted, turn)
+        if not more:
+            break
+        moves.update(more)
+        ways = {name: k * turn for name, k in more.items()}
+        train, test = ([_shifted(r, ways) for r in rs] for rs in (counted.train, counted.test))
+        counted = counted.with_logs(train, test)
+    told = ", ".join(f"{name} {k:+d}" for name, k in sorted(moves.items()) if k)
+    said = f"Turns that a wrapping position does not tell were counted by the effort: {told}."
+    return replace(counted, said=[*ready.said, said]) if told else ready
+
+
+def _uneven(ready: Ready, turn: float) -> dict[str, int]:
+    """Logs that are whole turns further on than they say, by what the fitted numbers leave."""
+    models = search_of(ready)[0].models
+    bare = models.fitted((), {})
+    logs = _logs(models.train, bare.fit.residual)
+    logs |= {n: log for n, log in _logs(models.heldout, bare.heldout).items() if n not in logs}
+    return {name: k for name, k in turns(list(logs.items()), turn).items() if k}
+
+
+def turns(logs: Sequence[tuple[str, Log]], turn: float) -> dict[str, int]:
+    """Whole turns by which each log, by name, is further on than it says."""
+    (first, begin), *others = sorted(logs, key=lambda one: -float(np.ptp(one[1].q)))
+    found, placed = {first: 0}, {first: begin}
+    for _ in range(ROUNDS):
+        for name, log in others:
+            known = [one for other, one in placed.items() if other != name]
+            found[name] = _best(known, log, turn)
+            placed[name] = log.moved(found[name] * turn)
+    return found
+
+
+def _best(known: Sequence[Log], log: Log, turn: float) -> int:
+    """The turn at which the curves of the known logs tell the most of another; 0 in doubt."""
+    low = min(float(one.q.min()) for one in known)
+    high = max(float(one.q.max()) for one in known)
+    columns = scipy.sparse.vstack([_columns(one, low, high, turn) for one in known])
+    wanted = np.concatenate([one.residual for one in known])
+    products = columns.T @ columns
+    power = PRIOR * products.diagonal() + 1e-300
+    whole = scipy.sparse.csc_array(products + scipy.sparse.diags_array(power))
+    curves = scipy.sparse.linalg.spsolve(whole, columns.T @ wanted)
+    ends = (low - float(log.q.max())) / turn, (high - float(log.q.min())) / turn
+    tried = range(max(int(np.ceil(ends[0])), -MOST), min(int(np.floor(ends[1])), MOST) + 1)
+    left = {0: float(np.sum(log.residual**2))}
+    for k in tried:
+        there = log.moved(k * turn)
+        told = _columns(there, low, high, turn) @ curves
+        left[k] = float(np.sum((log.residual - told) ** 2))
+    best = min(left, key=lambda k: (left[k], abs(k)))
+    enough = TELLS * min(left[0], float(np.sum(log.residual**2)))
+    return best if left[best] < enough else 0
+
+
+def _columns(log: Log, low: float, high: float, turn: float) -> scipy.sparse.csr_array:
+    """Piecewise linear functions of the place between two ends, zero beyond, (n, 3·knots)."""
+    count = max(2, round(KNOTS * (high - low) / turn) + 1)
+    at = (log.q - low) / (high - low) * (count - 1)
+    before = np.clip(np.floor(at).astype(int), 0, count - 2)
+    inside, share = (at >= 0.0) & (at <= count - 1), at - before
+    cells = np.concatenate([before, before + 1])
+    rows, hats = np.tile(np.arange(len(at)), 2), np.concatenate([1.0 - share, share])
+    parts = [
+        scipy.sparse.csr_array((np.tile(inside * by, 2) * hats, (rows, cells)), (len(at), count))
+        for by in (np.ones_like(at), log.v, log.sign)
+    ]
+    return scipy.sparse.hstack(parts, format="csr")
+
+
+def _logs(problem: InverseProblem, residual: np.ndarray) -> dict[str, Log]:
+    """Rows of each log, by name; parts of one log are one."""
+    signals = problem.signals()
+    v = signals["speed"] / max(problem.sizes.speed, 1e-300)
+    sign = np.tanh(signals["speed"] / problem.rest_speed)
+    names = np.repeat([r.log for r in problem.recordings], np.diff(problem.edges))
+    return {
+        str(name): Log(signals["position"][rows], v[rows], sign[rows], residual[rows])
+        for name in dict.fromkeys(names.tolist())
+        for rows in [names == name]
+    }
+
+
+def _shifted(recording: Recording, ways: Mapping[str, float]) -> Recording:
+    way = ways.get(recording.log, 0.0)
+    pieces = [
+        replace(p, q=p.q + way, reference=None if p.reference is None else p.reference + way)
+        for p in recording.pieces
+    ]
+    return replace(recording, pieces=pieces) if way else recording

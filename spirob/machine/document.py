@@ -14,25 +14,24 @@ import numpy as np
 import pandas as pd
 
 from spirob.diagnosis.atlas import Regime, lateness, worst
+from spirob.diagnosis.criteria import half_seconds, noise_floor
 from spirob.diagnosis.document import CEILING, candidates, findings, numbers
-from spirob.diagnosis.evidence import half_seconds, noise_floor
 from spirob.diagnosis.flexible import worth
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.spectrum import orders
 from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect
-from spirob.identify.intervals import covariance_of
+from spirob.identify.intervals import Interval, covariance_of, score, score_interval
 from spirob.machine.body import RigidBody
-from spirob.machine.flexible import RigCeiling
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import by_module
+from spirob.machine.leftovers import RigCeiling
 from spirob.machine.models import ROBUST, RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.odd_logs import way_of
 from spirob.machine.rig import NUMBERS, RigFile
 from spirob.ports import PORTS
-from spirob.score import Interval, score, score_interval
 
 
 def rig_document(

@@ -26,9 +26,7 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine import pipes
-from spirob.machine.cache import Cache
-from spirob.machine.kernel_loop import Kernels, feels_load
+from spirob.machine.kernel_loop import Cache, Kernels, Tangent, feels_load, nearby, solved, tangent
 from spirob.machine.motion import Motion, late
 from spirob.machine.numbers import cells_of
 from spirob.machine.rig import NUMBERS
@@ -77,7 +75,7 @@ class AskedEffort(Kernels):
         self._carried = self._load_cells()
         self._torques: Cache[np.ndarray] = Cache(int(KEPT / (motion.q.nbytes + 1)))
         self._corrections: Cache[tuple[Motion, dict[str, np.ndarray]]] = Cache(MOTIONS)
-        self._tangents: Cache[pipes.Tangent] = Cache(TANGENTS)
+        self._tangents: Cache[Tangent] = Cache(TANGENTS)
         self._correcting, self._piping = self._correcting_cells(), self._piping_cells()
         self._fixed = self._moving(motion)
         self._read: tuple[float, np.ndarray] = (0.0, motion.effort)
@@ -198,7 +196,7 @@ class AskedEffort(Kernels):
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Signals
     ) -> np.ndarray:
         """e with P(e) = wanted, (n,)."""
-        return pipes.solved(lambda e: self._passed(e, p, motion, signals), wanted)
+        return solved(lambda e: self._passed(e, p, motion, signals), wanted)
 
     def _nearby(
         self, wanted: np.ndarray, p: np.ndarray, motion: Motion, signals: Signals
@@ -213,11 +211,11 @@ class AskedEffort(Kernels):
         key = (mark, p[self._piping].tobytes())
         return self._tangents(key, lambda: self._tangent(p, motion, signals)).reached(wanted)
 
-    def _tangent(self, p: np.ndarray, motion: Motion, signals: Signals) -> pipes.Tangent:
+    def _tangent(self, p: np.ndarray, motion: Motion, signals: Signals) -> Tangent:
         """The pipes about the measured effort, from before its reading."""
         before = self.made(p, motion, signals)
         at = {**signals, "motor.current": before, "motor.command": before}
-        return pipes.tangent(lambda e: self._passed(e, p, motion, at), before)
+        return tangent(lambda e: self._passed(e, p, motion, at), before)
 
     def made(self, p: np.ndarray, motion: Motion, signals: Signals) -> np.ndarray:
         """The measured effort from before its reading, without back-EMF, when it was made, (n,)."""
@@ -225,7 +223,7 @@ class AskedEffort(Kernels):
         read = self._in_time(own["delay"], motion) - own["back_emf"] * motion.v
         if not any(self.present(port, p) for port in READ):
             return read
-        return pipes.nearby(lambda e: self._shown(e, p, motion, signals), read, read)
+        return nearby(lambda e: self._shown(e, p, motion, signals), read, read)
 
     def _in_time(self, delay: float, motion: Motion) -> np.ndarray:
         """The measured effort when it was made, (n,); kept, because it has one delay mostly."""

@@ -15,15 +15,13 @@ import numpy as np
 
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
-from spirob.diagnosis.dry import is_dry
-from spirob.diagnosis.model import Model, richness
+from spirob.diagnosis.model import Model, is_dry, richness
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
-from spirob.machine.flexible import RigCeiling
-from spirob.machine.leftovers import noisy, structured, unexplained
+from spirob.machine.leftovers import RigCeiling, noisy, structured, unexplained
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
 from spirob.machine.plausibility import doubts, only_of_logs

@@ -1,24 +1,109 @@
-"""What is left of a rig's model: how much follows from the motion, and from what, in words."""
+"""What is left of a rig's model: how much could still be explained, from what, and in words.
 
+Boosted trees predict the residual on folds left out from the signals of the motion alone.  What
+they find is no law, but a ceiling: where they find nothing, no effect of these signals is missing;
+and the signals that they need describe an effect that the library does not hold.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spirob.diagnosis.evidence import noise_floor
-from spirob.diagnosis.flexible import share
+from spirob.diagnosis.criteria import noise_floor
+from spirob.diagnosis.flexible import NOTHING, left_out, named, share, tree, worth
 from spirob.diagnosis.model import Left, Model
+from spirob.diagnosis.orders import spectrum
 from spirob.diagnosis.verdict import TWICE
 from spirob.machine.delays import DELAY, usual
-from spirob.machine.flexible import RigCeiling, depends_on
+from spirob.machine.inverse import InverseProblem
 
 if TYPE_CHECKING:
     from spirob.machine.inverse import InverseProblem
     from spirob.machine.models import Models
 
+TALL = 0.3  # of the structured part: a wave that holds so much of it is worth a sentence
+SIGNALS = {
+    "position": ("position",),
+    "speed": ("speed", "direction"),
+    "acceleration": ("acceleration",),
+    "time": ("time",),
+}
 SOME = 0.25  # of what is left follows from the motion: worth a sentence
 LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak of a missing effect
 # of the effort's RMS, and times the noise: three quarters of the square are then no noise
 MUCH, NOISY = 0.1, 2.0
+
+
+@dataclass(frozen=True)
+class RigCeiling:
+    """What a flexible residual explains on folds left out.
+
+    left       (N,) residual that it leaves on the training trials
+    heldout    (M,) the same on the held-out ones
+    share      of the squared residual that it explains, 0 where it explains nothing
+    order      periods in a turn (or unit angle) of the strongest wave;  wave  its share
+    by_signal  what tells the share that a group of signals explains by itself
+    """
+
+    left: np.ndarray
+    heldout: np.ndarray
+    share: float
+    order: float
+    wave: float
+    by_signal: Callable[[], dict[str, float]]
+
+    @cached_property
+    def alone(self) -> dict[str, float]:
+        """Signal -> share that it explains by itself; four times the work of all else here."""
+        return self.by_signal()
+
+
+def rig_ceiling(
+    train: InverseProblem,
+    heldout: InverseProblem,
+    residual: np.ndarray,
+    other: np.ndarray,
+    folds: np.ndarray,
+) -> RigCeiling:
+    """Fit the flexible residual; `residual` and `other` are of the training and held-out trials."""
+    features, held = _features(train), _features(heldout)
+    names = list(features)
+
+    def without(own: Sequence[str]) -> np.ndarray:
+        return left_out(np.column_stack([features[n] for n in own]), residual, folds)
+
+    def by_signal() -> dict[str, float]:
+        groups = {group: own for group, own in SIGNALS.items() if set(own) <= set(names)}
+        return {group: share(residual, without(own)) for group, own in groups.items()}
+
+    whole = without(names)
+    trees = tree().fit(np.column_stack([features[n] for n in names]), residual)
+    # as much of it as it was worth on the folds left out: trees know nothing of a time to come
+    guess = trees.predict(np.column_stack([held[n] for n in names]))
+    rest = other - worth(residual, residual - whole) * guess
+    orders, power = spectrum(residual, train.signals()["angle"], 0.01, 100.0)
+    top = int(np.argmax(power)) if len(power) else 0
+    order, wave = (float(orders[top]), float(power[top])) if len(power) else (0.0, 0.0)
+    return RigCeiling(whole, rest, share(residual, whole), order, wave, by_signal)
+
+
+def depends_on(found: RigCeiling) -> str:
+    """What the residual depends on, as the middle of a sentence."""
+    best = max(found.alone.values())
+    said = f"on {named(found.alone)}" if best > NOTHING else "on several signals together"
+    if found.wave > TALL * max(found.share, 0.1):
+        said += f", with a wave of {found.order:.3g} periods a turn of the motor"
+    return said
+
+
+def _features(problem: InverseProblem) -> dict[str, np.ndarray]:
+    signals = problem.signals()
+    signals["direction"] = np.tanh(signals["speed"] / problem.rest_speed)
+    told = ("position", "speed", "direction", "acceleration", "time")
+    return {n: signals[n] for n in told if n != "position" or problem.rig.position is not None}
 
 
 def left_of(models: "Models", model: Model, rest: RigCeiling) -> Left:

@@ -17,7 +17,7 @@ from spirob import plain_yaml
 from spirob.effects import Effect, all_effects, find_effects, load_file, replay
 from spirob.errors import ConfigError, EffectError
 from spirob.files import checked, content, inside
-from spirob.logs.readers.isolation import Crashed, TooLong, apart
+from spirob.logs.readers import Crashed, TooLong, apart
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.kernel_loop import loop_of
 from spirob.machine.rig import RigFile

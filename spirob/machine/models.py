@@ -11,24 +11,29 @@ from functools import cached_property
 
 import numpy as np
 
-from spirob.diagnosis.criteria import Criteria
-from spirob.diagnosis.evidence import block_errors
-from spirob.diagnosis.flexible import folds_of
+from spirob.diagnosis.criteria import Criteria, block_errors
+from spirob.diagnosis.flexible import folds_of, products, steps
 from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, label
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect
 from spirob.identify.descent import descend, slopes_ahead
 from spirob.identify.fit import Fit, fit
+from spirob.identify.intervals import Score, score
 from spirob.identify.scaling import Scaling
-from spirob.machine.candidates import related, repeated_waves, same_wave, seldom_seen
 from spirob.machine.delays import DELAY, only_aligns
 from spirob.machine.filtering import noise_in_effort
-from spirob.machine.flexible import RigCeiling, products, rig_ceiling, steps
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.laws import shares_inertia
-from spirob.machine.leftovers import left_of, nothing, structured, unexplained
+from spirob.machine.laws import related, shares_inertia
+from spirob.machine.leftovers import (
+    RigCeiling,
+    left_of,
+    nothing,
+    rig_ceiling,
+    structured,
+    unexplained,
+)
 from spirob.machine.screening import Screening, room
-from spirob.score import Score, score
+from spirob.machine.shapes import repeated_waves, same_wave, seldom_seen
 
 BENT = 0.1  # of the residual: by so much it may differ from what its slopes told of a step
 WORST = 1e6  # of the largest residual: by how much more a fold is missed says nothing

@@ -16,9 +16,8 @@ from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.bounds import set_free
 from spirob.machine.delays import DELAY, usual
-from spirob.machine.flexible import RigCeiling
 from spirob.machine.laws import LOAD_SIDE
-from spirob.machine.leftovers import drifting
+from spirob.machine.leftovers import RigCeiling, drifting
 from spirob.machine.masses import out_of_scale
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (

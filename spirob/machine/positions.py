@@ -1,14 +1,29 @@
-"""A position as the axis moved, and a sensor's speed beside its derivative."""
+"""A position as the axis moved: what begins again goes on, and what jumps is told.
+
+A position that begins again after a turn, or after as much as its number holds, is unwrapped: a
+wrapped step is the true one less a whole modulus.  The true one is less than half a modulus, or it
+continues the speed before; what a sensor's speed says tells turns that no row shows.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import median_filter
 
 from spirob.errors import DataError
-from spirob.machine.unwrapping import LONG, RARE, WITHIN, Track, modulus_of, unwrapped
 
+LARGE = 0.5  # of the span: a step that no motion makes in one row
+RARE = 0.005  # of the values may be spikes at either end
+FULL = 0.9  # of the modulus that the values span at least
+ALIKE = 0.75  # of the large steps say the same modulus, within
+WITHIN = 0.05  # of it
+SNAP = 2e-3  # of a usual modulus: what is so near is meant to be it
+LONG = 1.5  # periods between two rows: samples are lost between
+SLOW = 0.01  # moduli a row: what is slower stands
+JUMPS = 6  # and spikes, that may hide a modulus
+TURNS = 4  # whole turns a row that are looked for at most, either way
 FEW, LEAST = 0.01, 10  # share of a log that may be jumps, and how many at least
 SINGLE = 0.05  # share of it that may be spikes: what they hide stands beside them
 UNUSUAL = ((0.98, 8.0), (0.9, 30.0))  # so many times what such a share of the rows does at most
@@ -19,6 +34,139 @@ SURELY = 6.0  # times what is usual: a change of speed, and a speed that is none
 SMOOTHER = 0.5  # of the squared changes of speed: another modulus explains the motion better
 SLOWEST, QUARTER = 0.05, 0.25  # of the rows, and of a modulus a row
 SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
+
+
+@dataclass(frozen=True)
+class Track:
+    """A position as it was logged, one finite value a row.
+
+    values   (n,);  seconds  (n,)
+    period   of the samples [s];  longest  seconds without a row after which anything may follow
+    usual    moduli that are known in the unit of the values, such as a turn
+    modulus  where it is known;  speed  (n,) by a sensor of its own, up to a factor, where there is
+    """
+
+    values: np.ndarray
+    seconds: np.ndarray
+    period: float
+    longest: float
+    usual: Sequence[float] = ()
+    modulus: float | None = None
+    speed: np.ndarray | None = None
+
+    @property
+    def apart(self) -> np.ndarray:
+        """Seconds from each row to the next, (n - 1,)."""
+        return np.diff(self.seconds)
+
+    def rates(self) -> np.ndarray:
+        """Change of the value over a period, (n - 1,); across gaps that of the rows beside."""
+        found = np.diff(self.values) * self.period / self.apart
+        index, far = np.arange(len(found)), self.apart > self.longest
+        return np.where(far, np.interp(index, index[~far], found[~far]), found)
+
+    def without(self, rows: np.ndarray) -> "Track":
+        """The track without some rows, a mask (n,)."""
+        speed = None if self.speed is None else self.speed[~rows]
+        return replace(self, values=self.values[~rows], seconds=self.seconds[~rows], speed=speed)
+
+
+def modulus_of(track: Track) -> float | None:
+    """The modulus of a position that wraps round; None where it does not.
+
+    A row that wraps differs from its neighbours by a whole modulus, at any speed.  A jump beyond it
+    hides that, so parts between the largest steps are looked at, too.
+    """
+    if track.modulus is not None:
+        return track.modulus
+    rows = np.arange(len(track.values))
+    largest = np.argsort(-np.abs(np.diff(track.values)))[:JUMPS] + 1
+    for count in range(len(largest) + 1):
+        ends = [0, *sorted(largest[:count].tolist()), len(rows)]
+        begin, end = max(pairwise(ends), key=lambda part: part[1] - part[0])
+        if found := _modulus(track.without((rows < begin) | (rows >= end))):
+            return found
+    return None
+
+
+def _modulus(track: Track) -> float | None:
+    steps = np.diff(track.values)[track.apart <= LONG * track.period]
+    low, high = np.quantile(track.values, [RARE, 1 - RARE])
+    large = np.abs(steps) > LARGE * (high - low)
+    back = large[1:] & large[:-1] & (steps[1:] * steps[:-1] < 0)  # a spike, or on the edge
+    wraps = large & ~np.append(back, False) & ~np.insert(back, 0, False)
+    small = np.flatnonzero(~large)
+    moved = np.count_nonzero(steps[small])  # at rest, two counts in turn are no wraps
+    if not wraps.any() or moved <= np.count_nonzero(wraps):
+        return None
+    beside = np.interp(np.arange(len(steps)), small, steps[small])
+    sizes = np.abs(steps - beside)[wraps]
+    size = float(np.median(sizes))
+    rough = 4.0 * float(np.median(np.abs(np.diff(steps[small]))))
+    alike = np.mean(np.abs(sizes - size) < WITHIN * size + rough) >= ALIKE
+    spans = high - low, float(np.ptp(track.values))
+    if (
+        rough > size
+        or not alike
+        or not any(FULL * size - rough <= span <= size / FULL for span in spans)
+    ):
+        return None
+    for known in track.usual:
+        if abs(size - known) < SNAP * known + rough:
+            return float(known)
+    return size if len(sizes) > 1 else None
+
+
+def unwrapped(track: Track, modulus: float) -> tuple[np.ndarray, int, bool]:
+    """The values without wraps, (n,), how many there were, and whether some row turned by half."""
+    steps = np.diff(track.values)
+    near = steps - modulus * np.rint(steps / modulus)
+    true, fast = _continued(track, near, modulus)
+    wraps = int(np.count_nonzero(np.rint((true - steps) / modulus)))
+    return np.concatenate([track.values[:1], track.values[0] + np.cumsum(true)]), wraps, fast
+
+
+def _continued(track: Track, near: np.ndarray, modulus: float) -> tuple[np.ndarray, bool]:
+    """Steps of one speed after another, (n - 1,), from the shortest that each could be."""
+    apart, period = track.apart, track.period
+    known = np.flatnonzero(apart <= LONG * period)
+    if len(known) < 2:
+        return near, False
+    rates = near[known] * period / apart[known]
+    smooth = np.unwrap(rates, period=modulus)
+    fast = bool(np.abs(np.diff(rates)).max() > 0.5 * modulus)
+    fast = fast and bool(np.abs(np.diff(smooth)).max() < 0.5 * np.abs(np.diff(rates)).max())
+    if fast or track.speed is not None:
+        smooth = smooth if fast else rates
+        turns = _turns(track, known, smooth, modulus)
+        fast = fast or turns != 0
+        rates = smooth + turns * modulus
+    middle = track.seconds[:-1] + 0.5 * apart
+    expected = np.interp(middle, middle[known], rates) * apart / period
+    # where rows are lost, the shortest way is not the likeliest
+    expected[known] = rates * apart[known] / period
+    return near + modulus * np.rint((expected - near) / modulus), fast
+
+
+def _turns(track: Track, known: np.ndarray, rates: np.ndarray, modulus: float) -> int:
+    """Whole moduli a row that all rates lack: by the sensor of speed, else with the most rest."""
+    many = np.arange(-TURNS, TURNS + 1)
+    if track.speed is None:
+        speeds = np.abs(rates / modulus + many[:, None])
+        return int(many[int(np.argmin(np.log(speeds + SLOW).mean(axis=1)))])
+    told = 0.5 * (track.speed[:-1] + track.speed[1:])[known]
+    good = np.isfinite(told)
+    told = told[good]
+    power = float(np.dot(told, told))
+    if power == 0.0:
+        return 0
+    missed = []
+    for k in many:
+        tried = rates[good] + k * modulus
+        left = tried - told * (np.dot(tried, told) / power)
+        missed.append(float(np.dot(left, left) / max(np.dot(tried, tried), 1e-300)))
+    best = int(many[int(np.argmin(missed))])
+    return best if min(missed) < 0.5 * missed[TURNS] else 0
 
 
 @dataclass(frozen=True)
@@ -191,69 +339,3 @@ def _unusual(off: np.ndarray, values: np.ndarray) -> float:
     sizes = [times * float(np.quantile(np.abs(off), share)) for share, times in UNUSUAL]
     least = min((size for size in sizes if size > 0), default=0.0)
     return max(least, SEEN * float(high - low))
-
-
-ALIKE = 0.8  # correlation below which it is no derivative of the position
-LATE = 0.1  # s by which it may be late, and is looked for
-SURELY_SHIFTED = 0.5  # of what is missed: a shift that takes less is none
-NEAR = 0.03  # of 1: a scale this close is a right one
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """How a speed follows from the motion: scale times it, `late` samples later.
-
-    alike  correlation when it is scaled and shifted
-    """
-
-    scale: float
-    late: float
-    alike: float
-
-
-def agreement(
-    given: Sequence[np.ndarray], derived: Sequence[np.ndarray], period: float
-) -> Agreement | None:
-    """What a given speed has to do with the derived one, over all pieces, equal lengths each.
-
-    None where nothing moves, or it is no derivative of the position within a tenth of a second.
-    """
-    most = min(max(2, round(LATE / period)), min(map(len, given)) // 4)
-    shifts = np.arange(-most, most + 1)
-    alike = np.array([_alike(given, derived, int(k)) for k in shifts])
-    best, late = int(np.argmax(np.abs(alike))), 0.0
-    if 1 - alike[best] ** 2 >= SURELY_SHIFTED * (1 - alike[most] ** 2):
-        best = most
-    elif 0 < best < len(shifts) - 1:
-        left, middle, right = np.abs(alike[best - 1 : best + 2])
-        late = float(shifts[best] + 0.5 * (left - right) / (left - 2 * middle + right))
-    else:
-        return None
-    at = alike[best]
-    if not abs(at) >= ALIKE:
-        return None
-    one, two, both = _powers(given, derived, int(shifts[best]))
-    low, high = both / two, one / both  # noise in the derivative, in the sensor
-    sure = low > 0 and low * (1 - NEAR) <= 1.0 <= high * (1 + NEAR)
-    return Agreement(1.0 if sure else float(np.sign(at) * np.sqrt(low * high)), late, float(at))
-
-
-def shifted(values: np.ndarray, samples: float) -> np.ndarray:
-    """A signal as it is so many samples later, same length; its end is held."""
-    index = np.arange(len(values))
-    return np.interp(index + samples, index, values)
-
-
-def _powers(
-    given: Sequence[np.ndarray], derived: Sequence[np.ndarray], shift: int
-) -> tuple[float, float, float]:
-    """Mean squares of both, and of their product, `given` taken so many samples later."""
-    pairs = [(a[max(shift, 0) :], b[max(-shift, 0) :]) for a, b in zip(given, derived, strict=True)]
-    one = np.concatenate([a[: len(b)] for a, b in pairs])
-    two = np.concatenate([b[: len(a)] for a, b in pairs])
-    return float(np.mean(one**2)), float(np.mean(two**2)), float(np.mean(one * two))
-
-
-def _alike(given: Sequence[np.ndarray], derived: Sequence[np.ndarray], shift: int) -> float:
-    one, two, both = _powers(given, derived, shift)
-    return both / float(np.sqrt(one * two)) if one > 0 and two > 0 else 0.0

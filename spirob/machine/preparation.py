@@ -14,18 +14,43 @@ from spirob.errors import ConfigError
 from spirob.identify.identifiability import TENTH, Identifiability, probe
 from spirob.identify.problem import effort_rms
 from spirob.machine.body import RigidBody
-from spirob.machine.candidates import applicable, with_room
 from spirob.machine.delays import is_told, partnered, strange
 from spirob.machine.inverse import InverseProblem, Work
-from spirob.machine.laws import for_axis
+from spirob.machine.laws import LEVER, for_axis, shares_inertia
 from spirob.machine.loading import chosen, files
 from spirob.machine.models import Models
 from spirob.machine.motion import without_holds
 from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes, sizes_of
+from spirob.machine.scaling import Sizes, parameters, sizes_of
 from spirob.machine.selection import in_stretches, split
+
+DRIVE = {  # port -> what it is, for rigs whose effort a sensor takes behind the motor
+    "motor.drive_torque": "the motor's torque per ampere",
+    "winch.efficiency": "the gear's efficiency",
+    "sensing.current": "the drive's current sensor",
+    "sensing.report": "the drive's report of its current",
+}
+ALWAYS = {"motor.torque", "tendon.force", "sensing.displacement"}
+PLACED = {"motor.angle", "winch.displacement", "hinge.angle"}
+SIGNALS = {
+    "time",
+    "motor.rest_speed",
+    "motor.current",
+    "motor.speed",
+    "motor.angle",
+    "motor.load_torque",
+    "motor.inertia_torque",
+    "winch.displacement",
+}
+HINGE = {
+    "hinge.angle",
+    "hinge.speed",
+    "hinge.stiffness",
+    "hinge.weight_x",
+    "hinge.weight_y",
+}
 
 
 @dataclass(frozen=True)
@@ -184,3 +209,71 @@ def _unseen(names: Sequence[str], gate: Identifiability, train: InverseProblem) 
 
 def _stroke(recordings: list[Recording]) -> float:
     return float(np.ptp(np.concatenate([p.q[p.use] for r in recordings for p in r.pieces])))
+
+
+def applicable(
+    effects: Sequence[type[Effect]], rig: RigFile, has_tip: bool, stiffness: float, angular: bool
+) -> tuple[list[type[Effect]], dict[str, str]]:
+    """The effects that this rig can show, and name -> reason for those that it cannot."""
+    possible, excluded = [], {}
+    for effect in effects:
+        reason = _reason(effect, rig, has_tip, stiffness, angular)
+        if reason:
+            excluded[effect.name()] = reason
+        else:
+            possible.append(effect)
+    return possible, excluded
+
+
+def with_room(
+    effects: Sequence[type[Effect]], sizes: Sizes
+) -> tuple[list[type[Effect]], dict[str, str]]:
+    """The effects that a motion of this size can show, and name -> reason for the others."""
+    possible, excluded = [], {}
+    for effect in effects:
+        closed = [n for n, about in parameters(effect, sizes).items() if not about.low < about.high]
+        if closed:
+            excluded[effect.name()] = (
+                f"the motion is too small to show it: nothing is left between the bounds of its "
+                f"number '{closed[0]}'"
+            )
+        else:
+            possible.append(effect)
+    return possible, excluded
+
+
+def _reason(
+    effect: type[Effect], rig: RigFile, has_tip: bool, stiffness: float, angular: bool
+) -> str:
+    port, reads = effect.port, set(effect.reads.values())
+    hinged = not isinstance(rig.body, str)
+    if rig.position is None and (reads & PLACED or port == "sensing.displacement"):
+        return "the log has no position"
+    if shares_inertia(effect) and not (hinged or "inertia" in rig.fit or rig.known.get("inertia")):
+        return "the rig moves no inertia that could stay behind"
+    if port == "command.current" and rig.effort.origin != "command":
+        return "the log holds no commanded effort to compare with"
+    if port == "sensing.report" and rig.effort.origin == "command":
+        return "a logged command is no report of a current"
+    if port == "sensing.frame" and reads:
+        return "the frame of a bus is not in the log"
+    if port in DRIVE and rig.effort.origin == "sensor":
+        return f"{DRIVE[port]} lies before the sensor that measures this effort"
+    if port == "body.tip_mass":
+        return "" if has_tip else "the rig's body has no tip that carries anything"
+    if effect in LEVER.values():
+        return ""
+    if port == "body.hinge_torque":
+        if not hinged or not angular:
+            return "the rig has no hinged body"
+        if "hinge.stiffness" in reads and stiffness <= 0.0:
+            return "the driven joint has no spring"
+        return _unread(reads - SIGNALS - HINGE)
+    if port not in ALWAYS | set(DRIVE) | {"command.current", "sensing.frame"}:
+        return f"the rig has no {port.replace('.', ' ')}"
+    missing = reads - SIGNALS - ({"motor.command"} if rig.effort.origin == "command" else set())
+    return _unread(missing)
+
+
+def _unread(missing: set[str]) -> str:
+    return f"the log has no {', '.join(sorted(missing))}" if missing else ""

@@ -12,11 +12,11 @@ from itertools import combinations
 
 import numpy as np
 
+from spirob.diagnosis.flexible import error, products, step
 from spirob.diagnosis.model import Offer
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling
-from spirob.machine.flexible import error, products, step
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.shapes import places, shaping, starts
 from spirob.parameter import Parameter, Table

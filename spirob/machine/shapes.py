@@ -3,20 +3,28 @@
 An amplitude can be found by regression from anywhere, a shape cannot: a ripple's order fitted from
 a wrong start stays wrong.  So shapes start from a grid, and numbers that count periods of an angle
 from the peaks of the residual's spectrum over that angle, those of a disc also from its turn.
+
+Of the waves that a model was fitted with, it is told which are one wave, and which are none.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
-from itertools import product
+from itertools import combinations, product
 from math import prod
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spirob.diagnosis.model import Model
 from spirob.diagnosis.orders import peaks
 from spirob.effects import Effect
+from spirob.identify.fit import Fit
 from spirob.machine.kernel_loop import is_pipe
 from spirob.parameter import Parameter
 from spirob.ports import SIGNALS
+
+if TYPE_CHECKING:
+    from spirob.machine.scaling import Sizes
 
 MOST = 12  # combinations of one effect
 DRAWS = 30  # of all that a kernel is given, over six decades, to see what matters to it
@@ -168,5 +176,62 @@ def _matters(effect: type[Effect], amplitude: str, field: str) -> bool:
             if effect.kernel(**values) != effect.kernel(**other):
                 return True
         except (ArithmeticError, ValueError):  # not made for such numbers: nothing is known
+            return True
+    return False
+
+
+def same_wave(model: Model, sizes: "Sizes") -> bool:
+    """Whether two of a model's effects are waves of one order, as far as the stroke can tell.
+
+    Each of several laws can ripple at the same order; two of them together fit the edges of any.
+    """
+    apart = _apart(sizes)
+    orders = [
+        model.fit.changes[f"{e.name()}.{f}"]
+        for e in model.effects
+        for f in e.parameters()
+        if f not in e.neutral and counts_periods(e, f)
+    ]
+    return any(abs(one - two) < apart for one, two in combinations(orders, 2))
+
+
+def repeated_waves(effects: Sequence[type[Effect]], fit: Fit, sizes: "Sizes") -> list[str]:
+    """Numbers of waves of an effect that come at the order of another of its waves.
+
+    Two waves that the stroke cannot tell apart are one wave.  Fitted as two, of opposite signs,
+    they beat: a curve that fades in and out along the way, which no periodic law is.
+    """
+    found: list[str] = []
+    for effect in effects:
+        kept: dict[str, float] = {}  # numbers of the waves that stay -> order of one of them
+        for amplitudes, shape in waves(effect):  # type: ignore[arg-type] # a class is hashable
+            fitted = [f"{effect.name()}.{f}" for f in (*amplitudes, *shape)]
+            if not all(name in fit.estimates for name in fitted):
+                continue
+            order = prod(fit.changes[name] for name in fitted[len(amplitudes) :])
+            if any(abs(order - other) < _apart(sizes) for other in kept.values()):
+                found += [name for name in fitted if name not in kept]
+            else:
+                kept |= dict.fromkeys(fitted, order)
+    return found
+
+
+def _apart(sizes: "Sizes") -> float:
+    """By how much orders differ that the stroke tells apart: a period of it."""
+    return float(2 * np.pi * sizes.angle / sizes.stroke)
+
+
+def seldom_seen(model: Model) -> bool:
+    """Whether a wave of the model ends as long as the bounds of its order let it.
+
+    They let it come round twice on the way: two periods are needed to give its length.  What would
+    be longer still comes round less, and is a curve of the place, as any other.
+    """
+    for effect in model.effects:
+        names = {f: f"{effect.name()}.{f}" for f in effect.fitted() if f not in effect.neutral}
+        told = {f: model.fit.estimates[n] for f, n in names.items() if n in model.fit.estimates}
+        orders = [told[f] for f in told if counts_periods(effect, f)]
+        slowest = any(o.at_bound and o.value - o.low < o.high - o.value for o in orders)
+        if slowest and not reads_a_disc(effect):
             return True
     return False

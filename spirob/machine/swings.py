@@ -17,9 +17,8 @@ from itertools import pairwise
 import numpy as np
 
 from spirob.effects import Effect
-from spirob.machine.cache import Cache
 from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, READ, AskedEffort
-from spirob.machine.kernel_loop import is_pipe
+from spirob.machine.kernel_loop import Cache, is_pipe
 from spirob.machine.motion import late
 
 KEPT = 8  # laws whose swings are kept

@@ -22,8 +22,8 @@ import pandas as pd
 import scipy
 
 from spirob.errors import ConfigError, DataError
+from spirob.logs.trace import Trace
 from spirob.perceive.wrap import FEATURES, Feature, Wrap, feature, read_wrap
-from spirob.trace import Trace
 
 
 @feature("m", "electromechanical")

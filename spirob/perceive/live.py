@@ -29,6 +29,7 @@ from spirob.can.motor import MotorState
 from spirob.can_protocol import FEEDBACK_ID, CanFrame
 from spirob.errors import DataError
 from spirob.logs.cycles import Transmission
+from spirob.logs.trace import Trace
 from spirob.perceive.contact import ContactDetector, ContactSettings
 from spirob.perceive.features import SECONDS, extract
 from spirob.perceive.interval import CONFIDENCE, Estimate, estimate
@@ -36,7 +37,6 @@ from spirob.perceive.passive import PassiveDetector, Response, features
 from spirob.perceive.size import SizeModel
 from spirob.perceive.wrap import LEAST_STROKE, STILL_MOVING
 from spirob.robot import CYCLE_NS, MOTORS
-from spirob.trace import Trace
 
 LONGEST = 50  # periods
 

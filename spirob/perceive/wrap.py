@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from spirob.errors import DataError
-from spirob.trace import Trace, moving_average
+from spirob.logs.trace import Trace, moving_average
 
 WINDOW = 100  # samples, the paper's filter
 FREE = (0.45, 0.75)  # of the end stroke: past the start-up, before the rise

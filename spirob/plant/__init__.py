@@ -11,8 +11,8 @@ The compiled cycle:
 The equations that it calls:
     motor.py      electrics, and motor and winch at a one-sided tendon
     tendon.py     a tendon at one hinge, in closed form
-    body.py       the arm as a MuJoCo chain of hinges;  objects.py  what it may touch
-    chain.py      the arm that touches nothing, in MuJoCo's own step
+    body.py       the arm as a MuJoCo chain of hinges, and what it may touch
+    chain.py      the arm that touches nothing, in MuJoCo's own step; its outline that may touch
 And check.py, what only the whole model can show of an effect.
 """
 

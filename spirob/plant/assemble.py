@@ -29,7 +29,7 @@ from spirob.effects import Effect
 from spirob.effects.effect import SUFFIX, differences
 from spirob.effects.generated import CALLED, call, kernels, load, pasted
 from spirob.errors import EffectError, SimulationError
-from spirob.plant import body, chain, loop, motor, objects, steps, tendon
+from spirob.plant import body, chain, loop, motor, steps, tendon
 from spirob.ports import PORTS
 
 COMPONENTS: tuple[Callable[..., object], ...] = (
@@ -41,7 +41,7 @@ COMPONENTS: tuple[Callable[..., object], ...] = (
     motor.own,
     motor.current_loop_gains,
     motor.drive_current,
-    objects.bend_outline,
+    chain.bend_outline,
     tendon.small_angle,
     tendon.half_angle,
     tendon.guide_length,

@@ -1,4 +1,4 @@
-"""The arm as a MuJoCo chain of hinges, generated from the spiral's law, and its weight.
+"""The arm as a MuJoCo chain of hinges, from the spiral's law, its weight, and what it may touch.
 
 Each unit is a trapezoid mirrored about the elastic axis, of thickness h·width; its two outer edges
 and its four slanted faces are thin capsules, for objects and for other turns of the arm.
@@ -12,6 +12,10 @@ direction u_i and centre of mass at l_i/2, the first moment of all that hinge i 
     S_i = (m_i/2 + M_(i+1)) l_i u_i + S_(i+1),      M_i = m_i + M_(i+1),
 
 with the mass at the tip as M_(N+1).  Gravity g then turns the hinge by the moment S_i × g.
+
+Ball and peg are bodies of their own beside the arm, so MuJoCo moves them and the coupled loop does
+not know of them; their coordinates come after the hinges.  The ball slides in the plane.  The peg
+sits on a wheel so heavy that no contact slows it.  Gravity in the plane acts on neither.
 """
 
 import copy
@@ -22,12 +26,14 @@ import mujoco
 import numpy as np
 
 from spirob.geometry import SpiralArm
-from spirob.plant.objects import ARM_BIT, CONTACT, OBJECT_BIT, add_objects
 from spirob.plant.rig import Arm, Holes
 from spirob.plant.tendon import with_holes
-from spirob.robot import MOTORS, Scene
+from spirob.robot import MOTORS, Ball, Cylinder, Peg, Scene
 from spirob.unit_table import Geometry
 
+CONTACT = [0.001, 1.0]  # s, damping ratio: as stiff as MuJoCo has it, two steps; a print is stiffer
+ARM_BIT, OBJECT_BIT = 1, 2  # arm touches arm and objects; objects touch the arm
+WHEEL = 1e3  # kg·m², of the peg's wheel: a newton at 10 mm slows it by 1e-5 rad/s in a second
 OUTLINE_RADIUS = 0.1  # capsule radius over half width
 Shape = tuple[Geometry, int]  # what the arm is, and into how many units the model cuts it
 SPRINGY = {  # the arm's numbers from which nothing but its hinges' stiffness and damping follows
@@ -40,6 +46,71 @@ SPRINGY = {  # the arm's numbers from which nothing but its hinges' stiffness an
         "bends_per_hinge",
     )
 }
+
+
+def add_objects(spec: mujoco.MjSpec, scene: Scene, geometry: SpiralArm) -> None:
+    """Add what the scene holds; call it when the arm is complete."""
+    height = 2 * geometry.half_width[0]  # taller than the arm is thick
+    if scene.cylinder is not None:
+        _add_cylinder(spec, scene.cylinder, height)
+    if scene.ball is not None:
+        _add_ball(spec, scene.ball)
+    if scene.peg is not None:
+        _add_peg(spec, scene.peg, height)
+
+
+def launch(data: mujoco.MjData, scene: Scene, hinges: int) -> None:
+    """Give ball or peg its velocity at the start of a trial."""
+    if scene.ball is not None:
+        data.qvel[hinges:] = scene.ball.vx, scene.ball.vy
+    if scene.peg is not None:
+        data.qvel[hinges:] = 2 * np.pi / scene.peg.period
+
+
+def _add_cylinder(spec: mujoco.MjSpec, cylinder: Cylinder, half: float) -> None:
+    _round(
+        spec.worldbody,
+        "cylinder",
+        cylinder.diameter,
+        cylinder.friction,
+        [cylinder.x, cylinder.y, -half, cylinder.x, cylinder.y, half],
+    )
+
+
+def _add_ball(spec: mujoco.MjSpec, ball: Ball) -> None:
+    body = spec.worldbody.add_body(name="ball", pos=[ball.x, ball.y, 0], gravcomp=1.0)
+    body.explicitinertial = True
+    body.mass = ball.mass
+    body.inertia = np.full(3, ball.mass * ball.diameter**2 / 10)
+    for axis in ([1, 0, 0], [0, 1, 0]):
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+    _round(body, "ball", ball.diameter, ball.friction, None)
+
+
+def _add_peg(spec: mujoco.MjSpec, peg: Peg, half: float) -> None:
+    body = spec.worldbody.add_body(name="peg", pos=[peg.x, peg.y, 0], gravcomp=1.0)
+    body.explicitinertial = True
+    body.mass = 1.0
+    body.inertia = np.full(3, WHEEL)
+    body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1])
+    x, y = peg.radius * np.cos(peg.phase), peg.radius * np.sin(peg.phase)
+    _round(body, "peg", peg.diameter, peg.friction, [x, y, -half, x, y, half])
+
+
+def _round(body, name: str, diameter: float, friction: float, ends: list[float] | None) -> None:
+    """A capsule between two ends [m], or a sphere at the body's origin."""
+    kind = mujoco.mjtGeom.mjGEOM_SPHERE if ends is None else mujoco.mjtGeom.mjGEOM_CAPSULE
+    shape = {} if ends is None else {"fromto": ends}
+    body.add_geom(
+        name=name,
+        type=kind,
+        size=[diameter / 2, 0, 0],
+        contype=OBJECT_BIT,
+        conaffinity=ARM_BIT,
+        friction=[friction, 0.005, 0.0001],
+        solref=CONTACT,
+        **shape,
+    )
 
 
 def hinge_stiffness(arm: Arm, geometry: SpiralArm) -> np.ndarray:

@@ -13,15 +13,14 @@ from dataclasses import dataclass, fields
 import mujoco
 import numpy as np
 
-from spirob.can.codec import VOLT_PER_COUNT
+from spirob.can_protocol import VOLT_PER_COUNT
 from spirob.control import Schedule
 from spirob.effects import Effect
 from spirob.effects.effect import differences
 from spirob.errors import SimulationError
 from spirob.parameter import Parameter, Table
 from spirob.plant.assemble import assemble, law_numbers, memory_rows
-from spirob.plant.body import build_spec, compiled
-from spirob.plant.objects import launch
+from spirob.plant.body import build_spec, compiled, launch
 from spirob.plant.records import SETTINGS, Frames, Layout, Response, made
 from spirob.plant.rig import Arm, Holes, Rig
 from spirob.plant.session import CYCLE, Session, Torque

@@ -155,7 +155,7 @@ def arm_kind(hinges: int) -> np.dtype:
             ("place", "f8", (8, hinges)),  # scratch of `chain`
             ("factor", "f8", (4, hinges)),
             ("work", "f8", (2, hinges)),
-            ("bows", "f8", (hinges,)),  # move the units' outlines (`objects.bend_outline`)
+            ("bows", "f8", (hinges,)),  # move the units' outlines (`chain.bend_outline`)
             ("heights", "f8", (hinges, LINES)),
             ("outline", "i8", (hinges, LINES)),
         ]

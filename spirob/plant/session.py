@@ -19,9 +19,8 @@ from spirob.control import CURRENT, Schedule
 from spirob.effects import Effect
 from spirob.errors import SimulationError
 from spirob.plant.assemble import Laws, memory_rows
-from spirob.plant.body import hinge_weights
-from spirob.plant.chain import chain_of
-from spirob.plant.objects import bow, launch, outlines
+from spirob.plant.body import hinge_weights, launch
+from spirob.plant.chain import bow, chain_of, outlines
 from spirob.plant.records import (
     COLUMNS,
     NOISE,

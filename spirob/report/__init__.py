@@ -9,7 +9,7 @@ say they stand there.
     sections/       the parts of the page, one file each, with a file in templates/
 What they share:
     words.py        numbers and fits as people read them
-    figures.py      figures as plotly describes them;  regimes.py  those of the atlas
+    figures.py      figures as plotly describes them, and when each regime of the atlas holds
     embed.py        data and plotly.js inside the page
     arm.py          the arm's motion for the page;  clip.py  the same, rendered
 """

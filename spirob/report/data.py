@@ -22,7 +22,7 @@ from spirob.diagnosis import schema
 from spirob.effects import Effect, all_effects
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs.messages import LOOP
-from spirob.logs.parquet import KEY
+from spirob.logs.trace import KEY
 from spirob.plant import Rig
 from spirob.report.arm import NoClip, film
 from spirob.report.provenance import Provenance, collect

@@ -1,8 +1,8 @@
 """Trials: what is asked of each motor, and how it is played on a robot and logged.
 
-trial.py        one trial in plain data, of a motor's mode, profile and limit
+trial.py        one trial in plain data, of a motor's mode, profile and limit; the one that winds
+                the arm round a cylinder
 profiles.py     reference profiles: what one is, and those there are
-wrap.py         the trial that winds the arm round a cylinder
 play.py         plays a trial on a robot, cycle by cycle, and hands everything to the log
 simulation.py   trials without any robot: the model played at once, or as a robot
 """

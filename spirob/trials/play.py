@@ -10,12 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from spirob.can.codec import encode_volts
 from spirob.can.drive import Drive, Translator
 from spirob.can.guard import GuardedRobot
 from spirob.can.limits import Limits, interruptible
 from spirob.can.motor import MotorState
-from spirob.can_protocol import encode_command
+from spirob.can_protocol import encode_command, encode_volts
 from spirob.control import CYCLE, Gains, HostLoop, Placed, current_command, host_voltage, placed
 from spirob.errors import ConfigError, HardwareError
 from spirob.logs.cycles import Transmission

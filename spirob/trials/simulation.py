@@ -19,9 +19,9 @@ from spirob.can_protocol import (
 from spirob.control import CURRENT, Schedule
 from spirob.errors import HardwareError
 from spirob.logs.reader import CHANNELS, FILTER_WINDOW, VOLTAGE
+from spirob.logs.trace import Trace, moving_average
 from spirob.plant import Frames, Plant, Response, Session
 from spirob.robot import CYCLE_NS, MOTORS, Scene
-from spirob.trace import Trace, moving_average
 from spirob.trials.play import Reaction
 from spirob.trials.trial import Trial
 

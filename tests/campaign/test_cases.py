@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from spirob.campaign import case as drawing
-from spirob.campaign.case import Case, able, cases, drawn, together
+from spirob.campaign.case import HIGH, LOW, Case, able, cases, drawn, strength, together
+from spirob.campaign.recorder import share
 from spirob.campaign.scoring import KINDS, LIBRARY, OUTSIDE, answers
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.motion import FINE, Motion
-from spirob.campaign.strength import HIGH, LOW, share, strength
 from spirob.effects import all_effects
 from spirob.machine.rig import RigFile
 

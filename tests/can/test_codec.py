@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.can.codec import Codec
+from spirob.can.description import Codec
 from spirob.errors import ConfigError, DataError, SpirobError
 
 FILES = {

@@ -7,13 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spirob.can.codec import (
-    VOLT_PER_COUNT,
-    VOLTAGE_FEEDBACK_ID,
-    VOLTAGE_ID,
-    decode_volts,
-    encode_volts,
-)
 from spirob.can.drive import (
     Drive,
     Translator,
@@ -22,7 +15,18 @@ from spirob.can.drive import (
     seconds_a_cycle,
     translated,
 )
-from spirob.can_protocol import COMMAND_ID, CanFrame, Feedback, decode_feedback, encode_feedback
+from spirob.can_protocol import (
+    COMMAND_ID,
+    VOLT_PER_COUNT,
+    VOLTAGE_FEEDBACK_ID,
+    VOLTAGE_ID,
+    CanFrame,
+    Feedback,
+    decode_feedback,
+    decode_volts,
+    encode_feedback,
+    encode_volts,
+)
 from spirob.errors import ConfigError
 from spirob.logs.messages import pack_frame, unpack_frames
 

@@ -14,7 +14,7 @@ from spirob.perceive.size import train
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial, record
 from spirob.trials.simulation import simulate
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from can.interfaces import virtual
 from spirob.cli.main import main
 from spirob.perceive.model_file import save_model
 from spirob.perceive.passive import learned
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 from tests.perceive.live.played import frames_and_features, pushed
 from tests.perceive.test_passive import drawn
 

@@ -6,9 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.criteria import Settings, floor_at, noise_floor
 from spirob.diagnosis.document import document, metrics
-from spirob.diagnosis.evidence import floor_at, noise_floor
 from spirob.diagnosis.fitting import Begun, begun
 from spirob.diagnosis.simulated import ROLES, Simulated
 from spirob.diagnosis.verdict import SENSELESS, judge, searched, weigh

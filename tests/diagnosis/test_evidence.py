@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.diagnosis.evidence import foreseen
+from spirob.diagnosis.criteria import foreseen
 
 
 def test_fitted_errors_are_raised_to_those_of_new_trials():

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.evidence import half_seconds
+from spirob.diagnosis.criteria import half_seconds
 from spirob.diagnosis.flexible import ceiling
 from spirob.identify.problem import Stretch
 

@@ -9,9 +9,8 @@ import pytest
 import spirob
 from spirob.campaign.case import Case, drawn
 from spirob.diagnosis.atlas import survey
-from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.criteria import Settings, noise_floor
 from spirob.diagnosis.document import document as document_of_arm
-from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.fitting import begun
 from spirob.diagnosis.schema import FORMAT, LONGEST, Part, checked, unknown
 from spirob.diagnosis.simulated import ROLES, Simulated

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.criteria import Settings, Worth
-from spirob.diagnosis.evidence import block_errors, foreseen
+from spirob.diagnosis.criteria import Settings, Worth, block_errors, foreseen
 from spirob.diagnosis.fitting import Begun, begun
 from spirob.diagnosis.simulated import ROLES, Simulated, modelled
 from spirob.effects import find_effects

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.together import Alone, together
+from spirob.diagnosis.screen import Alone, together
 from spirob.effects import find_effects
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Effort

@@ -13,8 +13,7 @@ from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.build import BUILDS, ROWS, Build, anatomy, built
 from spirob.emulator.machine import CYCLE, Machine
 from spirob.emulator.physics import HINGES, SIDES
-from spirob.emulator.truth import draw
-from spirob.emulator.truth import machine as machine_numbers
+from spirob.emulator.rig import draw, numbers_of
 from spirob.errors import ConfigError
 from spirob.geometry import spiral_arm
 from spirob.logs import read_log
@@ -266,7 +265,7 @@ def test_the_truth_holds_every_number_that_was_drawn():
     for name, row in ROWS.items():
         rebuilt = row.put(rebuilt, np.array(told["rows"][name]))
     rig = EmulatedRig()
-    numbers = machine_numbers(rig, rebuilt, CYCLE / rig.steps_per_cycle)
+    numbers = numbers_of(rig, rebuilt, CYCLE / rig.steps_per_cycle)
     for name, value in truth["numbers"].items():
         np.testing.assert_allclose(value, numbers[name][0], rtol=1e-12, err_msg=name)
 

@@ -89,7 +89,7 @@ def test_truth_is_plain_data_and_holds_the_effect(robot):
 
 
 def test_truth_stays_within_what_can_be_identified():
-    from spirob.emulator.truth import draw
+    from spirob.emulator.rig import draw
 
     for seed in range(300):
         drawn = draw(np.random.default_rng(seed))

@@ -4,7 +4,7 @@ import can
 import numpy as np
 import pytest
 
-from spirob.can.codec import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, encode_volts
+from spirob.can_protocol import VOLTAGE_FEEDBACK_ID, VOLTAGE_ID, encode_volts
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.emulator.machine import CYCLE, JITTER, MEAN, BusLatency
 from spirob.robot import Scene

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from spirob.experiments.direct_drive import profile
+from spirob.experiments.passive import profile
 from spirob.geometry import ARM_LENGTH, spiral_arm
 from spirob.plant.body import build_spec, hinge_stiffness
 from spirob.plant.rig import Arm

@@ -7,11 +7,21 @@ import pytest
 
 from spirob.errors import ConfigError
 from spirob.experiments import Side
-from spirob.experiments.apparent_period import bootstrap, highest, interval, line
-from spirob.experiments.compared import BEYOND, OPEN, WITHIN, Figure, compared, off
 from spirob.experiments.host_contact import HostContact, standard_error
 from spirob.experiments.host_loop import GainSet, Windings
 from spirob.experiments.host_periodic import HostPeriodic, judged
+from spirob.experiments.passive import (
+    BEYOND,
+    OPEN,
+    WITHIN,
+    Figure,
+    bootstrap,
+    compared,
+    highest,
+    interval,
+    line,
+    off,
+)
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate

@@ -22,8 +22,8 @@ from spirob.experiments.response import (
     strongest_period,
 )
 from spirob.experiments.single_contact import SingleContact, rank_agreement, responses, visible
+from spirob.logs.trace import moving_average
 from spirob.perceive.contact import ContactSettings
-from spirob.trace import moving_average
 
 TIME = np.arange(3000) * 1e-3
 

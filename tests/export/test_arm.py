@@ -11,8 +11,7 @@ from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
 from spirob.errors import ExportError
 from spirob.export.arm import CorrectedArm, corrected_arm, motor_of
-from spirob.export.arm_body import with_tendons
-from spirob.export.arm_loop import arm_module
+from spirob.export.arm_mujoco import arm_module, with_tendons
 from spirob.export.body import bare
 from spirob.export.code import c_files_of_arm
 from spirob.export.targets import bam, mjcf, table

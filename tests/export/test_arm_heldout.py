@@ -13,7 +13,7 @@ from spirob.control import CURRENT, VELOCITY, Schedule
 from spirob.effects import all_effects
 from spirob.export import arm, exporting, targets
 from spirob.export.arm import CorrectedArm, lever_of
-from spirob.export.arm_heldout import PLAYED, ArmHeldout
+from spirob.export.heldout import PLAYED, ArmHeldout
 from spirob.files import write_text
 from spirob.identify.measurement import Measurement
 from spirob.plant import Plant, Rig

@@ -13,8 +13,7 @@ from spirob.errors import ExportError
 from spirob.export import exporting, listed, targets
 from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
-from spirob.export.heldout import ALONE, alone
-from spirob.export.players import bam
+from spirob.export.players import ALONE, alone, bam
 from tests.export.machines import exported_model
 
 OWN = '''

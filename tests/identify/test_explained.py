@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError
+from spirob.identify.intervals import score
 from spirob.identify.residual import SENSE, explained, refuse_senseless
-from spirob.score import score
 from tests.identify.known import residual, spirob
 
 

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from spirob.errors import DataError, MissingChannel, MissingLog, SpirobError
 from spirob.logs import read_log, read_parquet, write_parquet
-from spirob.trace import Trace
+from spirob.logs.trace import Trace
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import record_on
 

@@ -16,8 +16,8 @@ from spirob.identify.measurement import scene_of, schedule_of
 from spirob.logs import Transmission, TrialLog, read_log
 from spirob.logs.messages import COMMAND_TOPIC, RAW_TOPIC, unpack_frames
 from spirob.logs.reader import read_content
+from spirob.logs.trace import moving_average
 from spirob.robot import CYCLE_NS
-from spirob.trace import moving_average
 from spirob.trials import Trial
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import plain_trial, record_on

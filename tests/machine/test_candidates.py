@@ -8,9 +8,10 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
-from spirob.machine.candidates import related, repeated_waves, seldom_seen, with_room
-from spirob.machine.laws import for_axis
+from spirob.machine.laws import for_axis, related
+from spirob.machine.preparation import with_room
 from spirob.machine.scaling import Sizes, parameters
+from spirob.machine.shapes import repeated_waves, seldom_seen
 
 
 def sizes(stroke, gear=1.0):

@@ -12,8 +12,7 @@ from spirob.cli.main import main
 from spirob.diagnosis import flexible
 from spirob.diagnosis.criteria import Criteria
 from spirob.errors import ConfigError, DataError, EffectError, MissingLog
-from spirob.machine import flexible as rig_flexible
-from spirob.machine import judging
+from spirob.machine import judging, leftovers
 from spirob.machine.diagnosis import diagnose
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
@@ -42,7 +41,7 @@ def little_said_of_what_is_left(monkeypatch):
     monkeypatch.setattr(judging, "composed", lambda *of: None)
     few = flexible.tree().set_params(max_iter=5)
     monkeypatch.setattr(flexible, "tree", lambda: clone(few))
-    monkeypatch.setattr(rig_flexible, "tree", lambda: clone(few))
+    monkeypatch.setattr(leftovers, "tree", lambda: clone(few))
 
 
 @pytest.fixture

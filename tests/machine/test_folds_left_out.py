@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from spirob.diagnosis.flexible import folds_of
+from spirob.diagnosis.flexible import folds_of, left_out_linear
 from spirob.effects import all_effects
 from spirob.identify.fit import fit
-from spirob.machine.flexible import left_out_linear
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import left_out
 from spirob.machine.recording import prepare

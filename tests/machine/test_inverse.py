@@ -8,13 +8,12 @@ import pytest
 from spirob.diagnosis.orders import peaks
 from spirob.effects import all_effects
 from spirob.machine.body import RigidBody
-from spirob.machine.cache import Cache
-from spirob.machine.candidates import applicable
 from spirob.machine.filtering import rates
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.kernel_loop import loop_of
+from spirob.machine.kernel_loop import Cache, loop_of
 from spirob.machine.laws import for_axis, load_side
 from spirob.machine.motion import late
+from spirob.machine.preparation import applicable
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, dimensions, parameters

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spirob.machine.memory import apart, bridged
+from spirob.machine.motion import apart, bridged
 from spirob.machine.preparation import ready_of, search_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

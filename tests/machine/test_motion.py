@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.diagnosis.dry import is_dry
+from spirob.diagnosis.model import is_dry
 from spirob.effects import all_effects
-from spirob.machine.candidates import related
+from spirob.machine.laws import related
 from spirob.machine.motion import holds, late, without_holds
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

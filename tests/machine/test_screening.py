@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from spirob.diagnosis.flexible import folds_of
+from spirob.diagnosis.flexible import folds_of, left_out_linear
 from spirob.effects import all_effects
 from spirob.identify.fit import fit
-from spirob.machine.flexible import left_out_linear
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from spirob.logs.trace import Trace
 from spirob.perceive.features import table
 from spirob.plant import Plant, Rig
-from spirob.trace import Trace
 from spirob.trials import Trial
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 
 SIZES = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07)
 DAMPING = {"motor.rotor_damping": 5e-5}

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spirob.errors import ConfigError, DataError, MissingChannel, TooShort
+from spirob.logs.trace import Trace
 from spirob.perceive.features import FEATURES, extract, table
-from spirob.trace import Trace
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 from tests.perceive.conftest import changed, simulate
 
 STEADY = {"placement": 0.0, "speed_variation": 0.0, "friction_variation": 0.0}

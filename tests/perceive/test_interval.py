@@ -9,7 +9,7 @@ from spirob.errors import ConfigError, DataError
 from spirob.perceive.features import table
 from spirob.perceive.interval import calibrated, coverage, estimate, half_width
 from spirob.perceive.size import predict, train
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 from tests.perceive.conftest import simulate
 
 

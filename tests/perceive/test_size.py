@@ -13,7 +13,7 @@ from spirob.perceive.interval import held_out, unfamiliar, used_features
 from spirob.perceive.size import PREDICTORS, SizeSettings, folds, predict, train
 from spirob.perceive.study import score
 from spirob.trials import Trial, record
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 from tests.perceive.conftest import simulate
 
 

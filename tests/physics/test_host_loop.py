@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.can.codec import VOLT_PER_COUNT
+from spirob.can_protocol import VOLT_PER_COUNT
 from spirob.control import HostLoop, Winding, host_voltage
 from spirob.plant import Plant, Rig, assemble
 from spirob.plant.motor import held_current

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spirob.effects.winch.constant_force import ConstantForce
-from spirob.experiments.direct_drive import ALUMINIUM, DRUM, DRUM_WIDTH, RADIUS
 from spirob.experiments.host_loop import GainSet
+from spirob.experiments.passive import ALUMINIUM, DRUM, DRUM_WIDTH, RADIUS
 from spirob.plant import Plant, Rig
 from spirob.plant.motor import demanded_tension, free_rate, one_sided_tensions
 from spirob.robot import Scene, Weights

@@ -14,9 +14,9 @@ from hydra import compose as hydra_compose
 from pipeline import config
 from pipeline.stage import public_config, run, write_json
 from spirob.logs import read_parquet, write_parquet
+from spirob.logs.trace import Trace
 from spirob.machine import loading
 from spirob.plant import Plant, Rig
-from spirob.trace import Trace
 from spirob.trials import Trial
 from spirob.trials.simulation import simulate
 from tests.effects.test_declaration import GOOD

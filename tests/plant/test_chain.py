@@ -12,8 +12,7 @@ from spirob.control import CURRENT, Schedule
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
 from spirob.plant.body import build_spec
-from spirob.plant.chain import chain_factor, chain_of, chain_solve, chain_step, is_free
-from spirob.plant.objects import outlines
+from spirob.plant.chain import chain_factor, chain_of, chain_solve, chain_step, is_free, outlines
 from spirob.robot import Ball, Cylinder, Scene
 
 RIG = Rig()

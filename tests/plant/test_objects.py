@@ -11,7 +11,7 @@ from spirob.plant import Plant, Rig
 from spirob.plant.plant import single_dynamics
 from spirob.robot import Ball, Peg, Scene, scene_from
 from spirob.trials import Trial
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 
 RIG = Rig.from_mapping({"winch": {"gear_ratio": 1.0}})
 CYCLES = 400

@@ -9,8 +9,7 @@ from spirob.control import CURRENT, Schedule
 from spirob.effects import find_effects
 from spirob.geometry import spiral_arm
 from spirob.plant import Plant, Rig
-from spirob.plant.chain import SKIPPED
-from spirob.plant.objects import bow
+from spirob.plant.chain import SKIPPED, bow
 from spirob.robot import Cylinder, Scene
 from tests.physics.playing import winding
 

@@ -5,8 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.report import figures
-from spirob.report.sections.contacts import Contacts, rows
+from spirob.report.sections.contacts import (
+    Contacts,
+    delay_along,
+    hits_along,
+    left_edge,
+    roc,
+    rows,
+)
 from tests.report.synthetic_results import contacts
 
 SIGNAL = contacts()["current"]
@@ -24,8 +30,8 @@ def test_a_row_for_each_thresholds_and_domain():
 
 
 def test_no_false_alarm_is_drawn_at_the_left_edge_of_the_axis():
-    figure = figures.roc(SIGNAL)
-    edge = figures.left_edge(SIGNAL)
+    figure = roc(SIGNAL)
+    edge = left_edge(SIGNAL)
     assert edge == pytest.approx(0.02)
     curve = figure.data[0]
     assert curve.x == pytest.approx((140.0, 0.06, edge, edge))
@@ -35,7 +41,7 @@ def test_no_false_alarm_is_drawn_at_the_left_edge_of_the_axis():
 
 
 def test_the_marks_are_the_rates_of_both_thresholds():
-    marks = {trace.name: (trace.x[0], trace.y[0]) for trace in figures.roc(SIGNAL).data[2:]}
+    marks = {trace.name: (trace.x[0], trace.y[0]) for trace in roc(SIGNAL).data[2:]}
     assert set(marks) == {
         f"{how}, {where}" for how in ("the paper's", "tuned") for where in ("simulation", "robot")
     }
@@ -48,22 +54,22 @@ def test_an_axis_without_any_false_alarm_can_be_drawn():
     for domain in ("simulation", "robot"):
         for point in calm[domain]["roc"]:
             point["alarms"] = 0.0
-    assert figures.left_edge(calm) > 0.0
-    assert figures.roc(calm)
+    assert left_edge(calm) > 0.0
+    assert roc(calm)
 
 
 def test_parts_without_a_contact_are_not_drawn_nor_delays_of_what_was_never_told():
-    assert figures.hits_along(SIGNAL).data[0].x == pytest.approx((50, 90))
-    (delay, *_) = figures.delay_along(SIGNAL).data
+    assert hits_along(SIGNAL).data[0].x == pytest.approx((50, 90))
+    (delay, *_) = delay_along(SIGNAL).data
     assert delay.y == pytest.approx((569.0,))
     assert delay.error_y.array == pytest.approx((569.0,))
 
 
 def test_every_axis_has_its_unit():
     for draw in (
-        figures.roc,
-        figures.hits_along,
-        figures.delay_along,
+        roc,
+        hits_along,
+        delay_along,
     ):
         layout = draw(SIGNAL).layout
         assert "[" in layout.xaxis.title.text

@@ -12,10 +12,10 @@ import pytest
 from spirob.can.robot import Lateness
 from spirob.errors import DataError, MissingChannel, MissingLog
 from spirob.logs import write_parquet
+from spirob.logs.trace import Trace
 from spirob.report import load
 from spirob.report.data import SOURCES, read_loops
 from spirob.report.sections.loop import Loop
-from spirob.trace import Trace
 
 REQUIRED = [name for name, source in SOURCES.items() if source.why is None]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from spirob.report.regimes import driven, spans
+from spirob.report.figures import driven, spans
 from spirob.report.sections.comparison import payload
 
 TIME = np.arange(0, 10, 0.01)

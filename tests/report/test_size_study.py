@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from spirob.report import figures
+from spirob.report.sections import size_study
 from spirob.report.sections.size_study import (
     SHIPPED,
     SizeStudy,
@@ -52,14 +52,14 @@ def test_what_the_training_chose_is_told_with_its_error():
 def test_the_shipped_predictor_comes_first_with_its_interval():
     errors = side_by_side(size())
     assert next(iter(errors)) == SHIPPED
-    shipped = figures.predictors(errors).data[0]
+    shipped = size_study.predictors(errors).data[0]
     assert shipped.x[0] - shipped.error_x.arrayminus[0] == pytest.approx(0.8 * 1.31)
     assert shipped.x[0] + shipped.error_x.array[0] == pytest.approx(1.2 * 1.31)
 
 
 def test_the_learning_curve_has_an_interval_at_each_step():
     curve = size()["training"]["learning_curve"]
-    line = figures.learning_curve(curve).data[1]
+    line = size_study.learning_curve(curve).data[1]
     assert line.x == (20, 35)
     assert line.error_y.array == pytest.approx((0.6, 0.6))
     assert line.error_y.arrayminus == pytest.approx((0.5, 0.5))

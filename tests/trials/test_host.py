@@ -5,10 +5,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from spirob.can.codec import decode_volts
 from spirob.can.drive import find_drive
 from spirob.can.limits import Limits, Stopped
-from spirob.can_protocol import encode_command
+from spirob.can_protocol import decode_volts, encode_command
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import ConfigError, HardwareError
 from spirob.experiments.host_loop import GainSet

@@ -5,9 +5,8 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from spirob.can.codec import VOLT_PER_COUNT
 from spirob.can.drive import find_drive
-from spirob.can_protocol import AMPERE_PER_COUNT
+from spirob.can_protocol import AMPERE_PER_COUNT, VOLT_PER_COUNT
 from spirob.control import HostLoop, host_voltage
 from spirob.logs import Transmission
 from spirob.plant import Frames, Plant, Rig

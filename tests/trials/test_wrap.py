@@ -7,7 +7,7 @@ import yaml
 from spirob.errors import ConfigError
 from spirob.geometry import spiral_arm
 from spirob.trials import Trial
-from spirob.trials.wrap import WrapSettings, beside, wrap_trial
+from spirob.trials.trial import WrapSettings, beside, wrap_trial
 
 STEADY = {"placement": 0.0, "speed_variation": 0.0, "friction_variation": 0.0}
 

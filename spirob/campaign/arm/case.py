@@ -18,8 +18,7 @@ from spirob.campaign.arm.bends import recorded
 from spirob.campaign.arm.rates import ANSWERS, TOGETHER, answers
 from spirob.campaign.arm.strength import RATIOS, drawn
 from spirob.diagnosis.certainty import Ended
-from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.evidence import floor_at, weighed_at
+from spirob.diagnosis.criteria import Settings, floor_at, weighed_at
 from spirob.diagnosis.fitting import begun
 from spirob.diagnosis.followup import Play, answered, asked
 from spirob.diagnosis.proposals import Proposal

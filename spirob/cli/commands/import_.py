@@ -30,9 +30,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     from spirob.errors import DataError
     from spirob.logs.foreign import read_mapping, trace_from
-    from spirob.logs.parquet import write_parquet
     from spirob.logs.readers import read_table
     from spirob.logs.readers.columns import printable
+    from spirob.logs.trace import write_parquet
 
     out = Path(arguments.out)
     if out.suffix != ".parquet":

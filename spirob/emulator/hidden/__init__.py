@@ -19,7 +19,7 @@ from types import ModuleType
 import numpy as np
 from numpy.random import Generator
 
-from spirob.emulator.physics.layout import NUMBERS
+from spirob.emulator.physics.step import NUMBERS
 from spirob.emulator.rig import HiddenSettings
 from spirob.errors import ConfigError
 

@@ -1,4 +1,4 @@
-"""One step of the machine, and one bus cycle made of such steps.
+"""One step of the machine, one bus cycle made of such steps, and the records that they work on.
 
 Linearly implicit Euler: forces are taken at the end of the step, linearised in the new rates,
 
@@ -7,10 +7,18 @@ Linearly implicit Euler: forces are taken at the end of the step, linearised in 
 where f* is the force that the present rates would lead to.  Hinges, stops, contacts, the
 stickiness of friction, gears and tendons are all in H or solved beside it, so no part needs an
 artificial inertia; only the velocity terms of the chain and the direction of contact are explicit.
+
+Each file of physics declares its own fields; here they become three numpy record types, numbers,
+state and working room, so that compiled code reads `p.rotor_inertia[m]` and Python reads the same
+memory by the same name.
 """
+
+import hashlib
+from pathlib import Path
 
 import numpy as np
 
+from spirob.emulator import physics
 from spirob.emulator.physics import HINGES, SIDES, compiled, compiled_entry
 from spirob.emulator.physics.arm import (
     creep,
@@ -36,6 +44,7 @@ from spirob.emulator.physics.motor import motors, turn_winches
 from spirob.emulator.physics.tendon import add_tendons, grow, guide_friction, routing, rub, tighten
 
 FASTEST = 1e5  # rad/s of units and rotors together; beyond it the state is lost
+PARTS = (physics.arm, physics.contact, physics.tendon, physics.drive, physics.motor)
 
 
 @compiled
@@ -139,3 +148,26 @@ def run_cycle(numbers, state, scratch, currents, noise, counts, steps, h):
     if steps > 0:
         feedback(p, s, noise, steps * h, counts)
     return True
+
+
+def fingerprint() -> str:
+    """Hash of the physics sources.
+
+    Numba's disk cache looks at the file of the cached function only, so a change in a file that
+    it imports would go unnoticed.  The hash is the name of a field of the record of numbers,
+    thus a part of the entry point's signature, and a change anywhere compiles anew.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _record(kind: str, extra: list[tuple[str, str, tuple[int, ...]]]) -> np.dtype:
+    fields = [(name, "f8", shape) for part in PARTS for name, shape in getattr(part, kind).items()]
+    return np.dtype(fields + extra, align=True)
+
+
+NUMBERS = _record("NUMBERS", [(f"source_{fingerprint()}", "u1", ())])
+STATE = _record("STATE", [])
+SCRATCH = _record("SCRATCH", [])

@@ -21,9 +21,9 @@ PLAYER = "mjcf"
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: its body, two winches on springy tendons, drives in ampere."""
-    from spirob.export.arm_body import with_tendons
-    from spirob.export.arm_heldout import arm_left_out
+    from spirob.export.arm_mujoco import with_tendons
     from spirob.export.code import c_name
+    from spirob.export.heldout import arm_left_out
 
     machine, held, outside = with_tendons(model)
     name = c_name(model.name)

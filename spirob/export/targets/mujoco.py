@@ -98,7 +98,7 @@ CYCLE = 1e-3  # s, of the bus
 
 def arm(model: "CorrectedArm") -> dict[str, str]:
     """The same of an arm: its body, and the coupled loop of motors, winches and tendons."""
-    from spirob.export.arm_loop import arm_module
+    from spirob.export.arm_mujoco import arm_module
     from spirob.export.body import bare
     from spirob.export.code import about, c_name
 

@@ -22,7 +22,7 @@ def read(asked: Asked) -> Table:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    from spirob.logs.parquet import check_columns
+    from spirob.logs.trace import check_columns
 
     pa.set_memory_pool(pa.system_memory_pool())  # others reserve more than they use
     table = Table(asked.name)

@@ -8,9 +8,8 @@ import pandas as pd
 
 from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.certainty import Ended
-from spirob.diagnosis.criteria import Settings
+from spirob.diagnosis.criteria import Settings, noise_floor
 from spirob.diagnosis.document import document
-from spirob.diagnosis.evidence import noise_floor
 from spirob.diagnosis.fitting import Begun, begun
 from spirob.diagnosis.followup import asked
 from spirob.diagnosis.model import Model, label

@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.evidence import complete
+from spirob.diagnosis.criteria import Settings, complete
 from spirob.identify.builds import (
     RESOLUTION,
     SCATTER,

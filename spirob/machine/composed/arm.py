@@ -26,10 +26,9 @@ from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import Scaling
-from spirob.machine.composed.arm_ground import PLACES, arm_ground, lean, turn_of
 from spirob.machine.composed.composing import SURE, Composed, document_of, free_name
 from spirob.machine.composed.greedy import compose
-from spirob.machine.composed.ground import Ground
+from spirob.machine.composed.ground import PLACES, Ground, arm_ground, lean, turn_of
 from spirob.machine.composed.law import Law, law_of
 from spirob.machine.composed.writing import told, written
 from spirob.machine.page_tables import laws

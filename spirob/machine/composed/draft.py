@@ -19,12 +19,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from spirob.diagnosis.dry import is_dry
-from spirob.diagnosis.evidence import block_errors
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.criteria import block_errors
+from spirob.diagnosis.flexible import error, left_out_linear, products, step
+from spirob.diagnosis.model import Model, is_dry
 from spirob.machine.composed.ground import Ground, Side, ground_of
 from spirob.machine.composed.terms import LOST, WAY, Shape, Term
-from spirob.machine.flexible import error, left_out_linear, products, step
 from spirob.machine.models import RigSearch
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it

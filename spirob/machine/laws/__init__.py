@@ -12,8 +12,9 @@ presliding_friction.py, stribeck_friction.py  bristles that are damped, or carry
 tip_payload.py                   weight on a lever that no model file describes
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
+from spirob.diagnosis.model import another_dry
 from spirob.effects import Effect, all_effects
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
@@ -77,3 +78,22 @@ def by_module() -> dict[str, type[Effect]]:
 def shares_inertia(effect: type[Effect]) -> bool:
     """Whether this law lets a part of the moved inertia move otherwise than the motor."""
     return any(about.unit == INERTIA for about in effect.parameters().values())
+
+
+def related(effect: type[Effect], others: Collection[type[Effect]]) -> bool:
+    """Whether one of the others is the same kind of law, of which a machine has only one.
+
+    One load stays behind the motor in one way: play has its teeth's spring already.  A gear's teeth
+    lose by their load in one way, which friction by the load and an efficiency by direction tell.
+    """
+    for kind in (shares_inertia, _loses_by_load):
+        if kind(effect):
+            return any(kind(other) for other in others)
+    return another_dry(effect, others)
+
+
+def _loses_by_load(effect: type[Effect]) -> bool:
+    """Whether this is a loss in proportion to the load that turns round with the motion."""
+    reads = set(effect.reads.values())
+    loaded = effect.port == "winch.efficiency" or "motor.load_torque" in reads
+    return loaded and "motor.speed" in reads

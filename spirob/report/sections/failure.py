@@ -3,7 +3,6 @@
 from typing import Any
 
 from spirob.report import figures
-from spirob.report import regimes as regime_figures
 from spirob.report.data import ReportData
 from spirob.report.sections import Section
 from spirob.report.words import column, fixed, is_number, number, percent
@@ -24,7 +23,7 @@ class Failure(Section):
             plot = figures.Plot(
                 "atlas",
                 "Share of squared error beside share of time for the regimes that are worst",
-                regime_figures.atlas(dense(regimes)),
+                figures.atlas(dense(regimes)),
             )
         waves = data.diagnosis.get("atlas_orders") or []
         return {

@@ -19,8 +19,7 @@ from spirob.effects import all_effects
 from spirob.effects.effect import Effect
 from spirob.report.data import ReportData
 from spirob.report.embed import stride
-from spirob.report.figures import INK, NAMED, NEUTRAL, Plot, blank
-from spirob.report.regimes import driven
+from spirob.report.figures import INK, NAMED, NEUTRAL, Plot, blank, driven
 from spirob.report.sections import Section
 from spirob.report.words import column, is_number, percent
 from spirob.report.words import shown as unit_shown

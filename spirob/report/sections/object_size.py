@@ -1,12 +1,14 @@
 """How well the size of a grasped cylinder is read from motor signals."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import plotly.graph_objects as go
 
-from spirob.report import figures
 from spirob.report.data import ReportData
+from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
 from spirob.report.sections import Section
 from spirob.report.words import fixed, is_number, percent
 
@@ -31,10 +33,10 @@ class ObjectSize(Section):
                 for domain, rows in data.predictions.dropna().groupby("domain", sort=True)
             }
             points = {domain: points[domain] for domain in sorted(points, reverse=True)}
-            plot = figures.Plot(
+            plot = Plot(
                 "size",
                 "Predicted over true diameter of the cylinder",
-                figures.size(points, half_widths(data)),
+                size(points, half_widths(data)),
             )
         metrics = data.metrics.get("size")
         reason = data.absent.get("size_metrics") or data.absent.get("predictions", "")
@@ -96,3 +98,53 @@ def transfer_sentence(metrics: dict[str, Any]) -> str:
 
 def _cell(numbers: dict[str, Any], key: str, decimals: int, source: str) -> str:
     return fixed(numbers.get(key), 2 if source == "paper" else decimals)
+
+
+def size(
+    points: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    half_widths: Mapping[str, float] | None = None,
+) -> go.Figure:
+    """Predicted over true diameter [mm] with the line of a perfect estimate.
+
+    half_widths  of the interval [mm] that comes with each size, by domain
+    """
+    figure = blank(430)
+    every = [value for pair in points.values() for values in pair for value in values]
+    low, high = min(every) - 4, max(every) + 4
+    figure.add_scatter(
+        x=[low, high],
+        y=[low, high],
+        mode="lines",
+        name="perfect",
+        line={"color": NEUTRAL, "width": 1, "dash": "dot"},
+        hoverinfo="skip",
+    )
+    looks = {"simulation": (NAMED, "circle-open"), "robot": (BASE, "diamond-open")}
+    for domain, (true, predicted) in points.items():
+        colour, symbol = looks.get(domain, (INK, "cross"))
+        figure.add_scatter(
+            x=list(true),
+            y=list(predicted),
+            mode="markers",
+            name=domain,
+            marker={"color": colour, "symbol": symbol, "size": 8, "line": {"width": 1.6}},
+            error_y=_bar((half_widths or {}).get(domain), colour),
+            hovertemplate="true %{x:.1f} mm, predicted %{y:.1f} mm<extra>" + domain + "</extra>",
+        )
+    figure.update_xaxes(
+        title_text="true diameter [mm]", range=[low, high], constrain="domain", dtick=10
+    )
+    figure.update_yaxes(
+        title_text="predicted diameter [mm]",
+        range=[low, high],
+        dtick=10,
+        scaleanchor="x",
+        constrain="domain",
+    )
+    return figure
+
+
+def _bar(half: float | None, colour: str) -> dict[str, Any]:
+    if half is None:
+        return {"visible": False}
+    return {"type": "constant", "value": half, "color": colour, "thickness": 0.7, "width": 2}

@@ -3,11 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import plotly.graph_objects as go
+
 from spirob.perceive.features import FEATURES
 from spirob.perceive.size import SizeSettings
-from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.figures import SIZE_DOMAINS, Plot
+from spirob.report.figures import BASE, NAMED, Plot, bars, blank
 from spirob.report.sections import Section
 from spirob.report.words import fixed
 
@@ -20,6 +21,12 @@ RIVALS = {
     "paper": "the paper's stack and wraps",
     "mean": "the mean of the training",
 }
+SIZE_DOMAINS = {
+    "simulation": ("simulation", NAMED, "circle"),
+    "robot": ("robot", BASE, "diamond"),
+}
+MAE = "mean absolute error [mm]"
+TICKS = (0.5, 1, 2, 5, 10, 20)  # mm
 
 
 class SizeStudy(Section):
@@ -46,16 +53,16 @@ def plots(metrics: Mapping[str, Any]) -> list[Plot]:
     errors = side_by_side(metrics)
     if len(errors) > 1:
         label = "The shipped predictor beside others; bars are 95 % intervals over wraps"
-        shown.append(Plot("size-predictors", label, figures.predictors(errors)))
+        shown.append(Plot("size-predictors", label, predictors(errors)))
     training = metrics.get("training") or {}
     if training.get("learning_curve"):
         label = "Error over the number of wraps learned from; bars are 95 % intervals"
-        figure = figures.learning_curve(training["learning_curve"])
+        figure = learning_curve(training["learning_curve"])
         shown.append(Plot("size-learning", label, figure))
     if training.get("importance"):
         label = "What it costs to shuffle one feature among the wraps"
         meanings = {name: f"{one.meaning} [{one.unit}]" for name, one in FEATURES.items()}
-        figure = figures.importance(training["importance"], meanings)
+        figure = importance(training["importance"], meanings)
         shown.append(Plot("size-importance", label, figure))
     return shown
 
@@ -120,3 +127,75 @@ def choice(tried: Sequence[Mapping[str, float]]) -> str:
         f"{numbers}: {fixed(best['mae'], 2)} mm, where the worst has {fixed(worst, 2)}. "
         "No tested wrap had a say in it."
     )
+
+
+def predictors(errors: Mapping[str, Mapping[str, Mapping[str, float]]]) -> go.Figure:
+    """MAE of each predictor with its 95 % interval, by domain; a logarithmic axis.
+
+    errors  name of the predictor -> domain -> mae, mae_low, mae_high [mm]
+    """
+    figure = bars(110 + 36 * len(errors), scattermode="group", scattergap=0.6)
+    for domain, (name, colour, symbol) in SIZE_DOMAINS.items():
+        kept = {label: one[domain] for label, one in errors.items() if domain in one}
+        figure.add_scatter(
+            x=[one["mae"] for one in kept.values()],
+            y=list(kept),
+            mode="markers",
+            name=name,
+            marker={"color": colour, "symbol": symbol, "size": 9},
+            error_x=_interval(list(kept.values()), colour),
+            hovertemplate="%{x:.2f} mm<extra>%{y}, " + name + "</extra>",
+        )
+    figure.update_xaxes(title_text=MAE, type="log", tickvals=TICKS, rangemode="normal")
+    return figure
+
+
+def learning_curve(curve: Mapping[str, Mapping[str, Mapping[str, float]]]) -> go.Figure:
+    """MAE over the number of training samples, with its 95 % interval over the wraps tested.
+
+    curve  number of samples -> domain -> mae, mae_low, mae_high [mm]
+    """
+    figure = blank(360)
+    counts = [int(count) for count in curve]
+    for domain, (name, colour, symbol) in SIZE_DOMAINS.items():
+        steps = [one[domain] for one in curve.values()]
+        figure.add_scatter(
+            x=counts,
+            y=[step["mae"] for step in steps],
+            mode="lines+markers",
+            name=name,
+            line={"color": colour, "width": 1.8},
+            marker={"color": colour, "symbol": symbol, "size": 8},
+            error_y=_interval(steps, colour),
+            hovertemplate="%{x} wraps: %{y:.2f} mm<extra>" + name + "</extra>",
+        )
+    figure.update_xaxes(title_text="wraps learned from", type="log", tickvals=counts)
+    figure.update_yaxes(title_text=MAE, rangemode="tozero")
+    return figure
+
+
+def importance(grown: Mapping[str, float], meanings: Mapping[str, str]) -> go.Figure:
+    """By how much the MAE in simulation grows when one feature is shuffled [mm], most first."""
+    figure = bars(90 + 26 * len(grown))
+    figure.add_bar(
+        x=list(grown.values()),
+        y=[name.replace("_", " ") for name in grown],
+        orientation="h",
+        marker={"color": NAMED},
+        customdata=[meanings.get(name, "") for name in grown],
+        hovertemplate="%{x:.1f} mm<br>%{customdata}<extra>%{y}</extra>",
+        showlegend=False,
+    )
+    figure.update_xaxes(title_text="growth of the mean absolute error in simulation [mm]")
+    return figure
+
+
+def _interval(errors: Sequence[Mapping[str, float]], colour: str) -> dict[str, Any]:
+    return {
+        "type": "data",
+        "array": [one["mae_high"] - one["mae"] for one in errors],
+        "arrayminus": [one["mae"] - one["mae_low"] for one in errors],
+        "color": colour,
+        "thickness": 1.2,
+        "width": 3,
+    }

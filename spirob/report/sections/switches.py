@@ -16,10 +16,9 @@ import numpy as np
 import pandas as pd
 
 from spirob.effects import all_effects
-from spirob.report import regimes
+from spirob.report import figures
 from spirob.report.data import ReportData
-from spirob.report.figures import Plot
-from spirob.report.regimes import driven, masks
+from spirob.report.figures import Plot, driven, masks
 from spirob.report.sections import Section
 from spirob.report.words import column
 
@@ -224,7 +223,7 @@ def _plot(base: Combination) -> Plot:
     return Plot(
         "regimes",
         "Error in each regime, base model and chosen effects",
-        regimes.regimes(errors, "current", "mA"),
+        figures.regimes(errors, "current", "mA"),
     )
 
 
@@ -257,7 +256,7 @@ class RigSwitches(Section):
         effects = [one.effects[0] for one in found if len(one.effects) == 1]
         titles, on = names(data, effects), {effect["name"] for effect in diagnosis["effects"]}
         effort, unit = diagnosis["effort"], diagnosis["unit"]
-        figure = regimes.regimes(found[0].regimes, effort, unit)
+        figure = figures.regimes(found[0].regimes, effort, unit)
         return {
             "switches": [{"name": n, "title": titles[n], "on": n in on} for n in effects],
             "combinations": [entry(one, how=RIG_HOW) for one in found],

@@ -13,7 +13,7 @@ from spirob.errors import HardwareError
 from spirob.logs import Transmission, read_log
 from spirob.logs.messages import unpack_frames
 from spirob.logs.reader import read_content
-from spirob.trace import Trace
+from spirob.logs.trace import Trace
 from spirob.trials import Trial, record
 
 START = 0.4  # s

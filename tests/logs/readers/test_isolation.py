@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spirob.errors import SpirobError
-from spirob.logs.readers import read_table
-from spirob.logs.readers.isolation import MEMORY, Crashed, apart
+from spirob.logs.readers import MEMORY, Crashed, apart, read_table
 
 
 def test_the_answer_comes_back():

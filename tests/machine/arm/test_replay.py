@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spirob.control import CURRENT, DISPLACEMENT
-from spirob.diagnosis.evidence import noise_floor
+from spirob.diagnosis.criteria import noise_floor
 from spirob.effects import find_effects
 from spirob.errors import ConfigError, DataError, MissingChannel
 from spirob.identify.fit import fit

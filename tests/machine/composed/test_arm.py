@@ -14,8 +14,8 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.machine.composed import arm
 from spirob.machine.composed.arm import Rival, composed_for_arm
-from spirob.machine.composed.arm_ground import PLACES, arm_ground
 from spirob.machine.composed.draft import Drafts
+from spirob.machine.composed.ground import PLACES, arm_ground
 from spirob.machine.composed.terms import Shape, Term
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial

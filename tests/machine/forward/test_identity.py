@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.candidates import applicable
 from spirob.machine.forward import Forward
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import for_axis
+from spirob.machine.preparation import applicable
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes

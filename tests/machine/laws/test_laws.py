@@ -6,10 +6,10 @@ import pytest
 from spirob.effects import all_effects
 from spirob.effects.check import check
 from spirob.effects.replay import run
-from spirob.machine.candidates import applicable
 from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE, LOSSES, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.gear_compliance import GearCompliance
+from spirob.machine.preparation import applicable
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
 

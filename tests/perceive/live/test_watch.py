@@ -10,7 +10,7 @@ from spirob.perceive.interval import calibrated, estimate
 from spirob.perceive.live import Watch
 from spirob.perceive.size import train
 from spirob.trials import Trial
-from spirob.trials.wrap import wrap_trial
+from spirob.trials.trial import wrap_trial
 from tests.perceive.live.played import frames_and_features
 
 

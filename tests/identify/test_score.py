@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from spirob.score import MOST, score, score_interval
+from spirob.identify.intervals import MOST, score, score_interval
 
 BLOCK, MEMORY = 50, 0.9  # samples; correlation of one sample with the next
 RMS = 1.0 / np.sqrt(1.0 - MEMORY**2)

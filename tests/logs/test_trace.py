@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spirob.errors import DataError, MissingChannel, TooShort
-from spirob.trace import Trace, moving_average
+from spirob.logs.trace import Trace, moving_average
 
 RATE = 1000.0  # Hz
 WINDOW = 100
