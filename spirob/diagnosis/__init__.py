@@ -16,6 +16,7 @@ The verdict:
     certainty.py               how sure a name is, of the figures in `certainty.json`
 What is shown besides:
     atlas.py                   which regimes hold the error
-    flexible.py                what any law could still explain; regression within bounds
+    flexible.py                what any law could still explain, by boosted trees
+    regression.py              linear regression within bounds, fold by fold
     schema.py, document.py     what `diagnosis.json` holds, and how it is made
 """

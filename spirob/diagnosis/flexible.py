@@ -9,10 +9,6 @@ they were not fitted to is there to be explained.
 
 What a residual depends on is told alike: from one signal at a time, learned on some folds and
 scored on those left out, so a share says what comes again, and of noise it is none.
-
-Beside the trees stands a linear regression within bounds, each fold predicted from the others.  All
-of it follows from the products of the columns with one another and with the residual, summed over
-each fold: the samples are gone through once.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +16,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy
 from threadpoolctl import threadpool_limits
 
 from spirob.diagnosis.spectrum import Order
@@ -30,9 +25,6 @@ if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingRegressor
 
 BLOCKS = 5  # folds of one or two trials
-RIDGE = 1e-8  # of the mean square of a column
-PIVOTS = 20  # of a search for the bounds that hold, all of them at once
-ROUNDS = 100  # and one bound each
 
 
 def folds_of(edges: np.ndarray) -> np.ndarray:
@@ -225,107 +217,3 @@ def _folds(pieces: Sequence[Stretch], block: int) -> np.ndarray:
         return np.concatenate([np.full(len(p.seconds), trials.index(p.trial)) for p in pieces])
     samples = np.arange(sum(len(p.seconds) for p in pieces))
     return samples // block % BLOCKS
-
-
-def products(columns: np.ndarray, residual: np.ndarray, folds: np.ndarray) -> np.ndarray:
-    """Sums over each fold of the products of n columns (N, n) and, last, the residual (N,).
-
-    folds  (N,) label of each sample; a fold is a run of equal labels;  result (K, n + 1, n + 1)
-    """
-    stacked = np.column_stack([columns, residual])
-    return np.array([part.T @ part for part in np.split(stacked, _edges(folds))])
-
-
-def steps(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """For each fold the coefficients, within bounds, that the other folds choose, (K, n)."""
-    others = sums.sum(axis=0) - sums
-    return bounded(others[:, :-1, :-1], others[:, :-1, -1], low, high)
-
-
-def step(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """argmin |r + A·x|² within bounds over all folds, (n,)."""
-    whole = sums.sum(axis=0)[None]
-    return np.asarray(bounded(whole[:, :-1, :-1], whole[:, :-1, -1], low, high)[0])
-
-
-def error(sums: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
-    """Squared residual, summed, of the folds left out after a step that the others chose."""
-    moved = steps(sums, low, high)
-    after = np.column_stack([moved, np.ones(len(moved))])  # the residual itself counts once
-    return max(0.0, float(np.einsum("ki,kij,kj->", after, sums, after)))
-
-
-def left_out_linear(
-    columns: np.ndarray,
-    residual: np.ndarray,
-    folds: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-) -> np.ndarray:
-    """The residual of each fold after a step, within bounds, that the other folds chose, (N,)."""
-    moved = steps(products(columns, residual, folds), low, high)
-    parts = zip(np.split(columns, _edges(folds)), moved, strict=True)
-    return residual + np.concatenate([part @ x for part, x in parts])
-
-
-def _edges(folds: np.ndarray) -> np.ndarray:
-    return np.flatnonzero(np.diff(folds)) + 1
-
-
-def bounded(gram: np.ndarray, side: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """argmin |r + A·x|² within bounds for K residuals, (K, n).
-
-    gram  Aᵀ·A, (K, n, n), or (1, n, n) where it is the same for all;  side  Aᵀ·r, (K, n)
-    """
-    size = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
-    size = np.where(size > 0.0, size, 1.0)  # a column of zeros gets a coefficient of zero
-    scaled = gram / (size[:, :, None] * size[:, None, :]) + RIDGE * np.eye(gram.shape[1])
-    goal = -side / size
-    scaled, size = (np.broadcast_to(part, (len(goal), *part.shape[1:])) for part in (scaled, size))
-    found = np.linalg.solve(scaled, goal[:, :, None])[:, :, 0] / size
-    out = np.any((found < low) | (found > high), axis=1)
-    if np.any(out):
-        edges = low * size[out], high * size[out]
-        found[out] = _within(scaled[out], goal[out], *edges) / size[out]
-    return np.asarray(found)
-
-
-def _within(gram: np.ndarray, goal: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """argmin x·G·x/2 - g·x within bounds for K problems, (K, n): block principal pivoting.
-
-    Whatever leaves its bounds is held there, whatever a bound holds against the slope is let go,
-    all at once; where that goes round in circles, one at a time (Júdice and Pires 1994).
-    """
-    found, side, going = np.empty_like(goal), np.zeros(goal.shape, int), np.arange(len(goal))
-    for _ in range(PIVOTS):
-        own, sides, least, most = gram[going], side[going], low[going], high[going]
-        free = sides == 0
-        held = np.where(sides < 0, least, np.where(sides > 0, most, 0.0))
-        pushed = goal[going] - (own @ held[:, :, None])[:, :, 0]
-        alone = np.where(free[:, :, None] & free[:, None, :], own, np.eye(goal.shape[1]))
-        moved = np.linalg.solve(alone, np.where(free, pushed, held)[:, :, None])[:, :, 0]
-        slope = (own @ moved[:, :, None])[:, :, 0] - goal[going]
-        out = (moved > most).astype(int) - (moved < least)
-        following = np.where(free, out, np.where(slope * sides > 0.0, 0, sides))
-        found[going], side[going] = moved, following
-        going = going[np.any(following != sides, axis=1)]
-        if not len(going):
-            break
-    for k in going:
-        found[k] = _one_by_one(gram[k], goal[k], low[k], high[k])
-    return found
-
-
-def _one_by_one(
-    gram: np.ndarray, goal: np.ndarray, low: np.ndarray, high: np.ndarray
-) -> np.ndarray:
-    root = _root(gram)
-    target = np.linalg.solve(root, goal)
-    found = scipy.optimize.lsq_linear(root.T, target, (low, high), method="bvls", max_iter=ROUNDS)
-    return np.asarray(found.x)
-
-
-def _root(gram: np.ndarray) -> np.ndarray:
-    """R with R·Rᵀ = gram, whose least eigenvalue rounding may have taken below the ridge."""
-    sizes, axes = np.linalg.eigh(gram)
-    return np.asarray(axes * np.sqrt(np.maximum(sizes, RIDGE)))

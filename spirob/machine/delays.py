@@ -23,8 +23,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.flexible import bounded
 from spirob.diagnosis.model import Model
+from spirob.diagnosis.regression import bounded
 from spirob.effects import Effect
 from spirob.errors import DataError
 from spirob.machine.inverse import InverseProblem

@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from spirob.diagnosis.criteria import Criteria, block_errors
-from spirob.diagnosis.flexible import folds_of, products, steps
+from spirob.diagnosis.flexible import folds_of
 from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, label
+from spirob.diagnosis.regression import products, steps
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect
 from spirob.identify.descent import descend, slopes_ahead

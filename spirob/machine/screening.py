@@ -12,8 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
-from spirob.diagnosis.flexible import error, products, step
 from spirob.diagnosis.model import Offer
+from spirob.diagnosis.regression import error, products, step
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.scaling import Scaling

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from spirob.diagnosis.flexible import bounded, error, left_out_linear, products, step, steps
+from spirob.diagnosis.regression import bounded, error, left_out_linear, products, step, steps
 
 FREE = np.full(3, -np.inf), np.full(3, np.inf)
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from spirob.diagnosis.flexible import folds_of, left_out_linear
+from spirob.diagnosis.flexible import folds_of
+from spirob.diagnosis.regression import left_out_linear
 from spirob.effects import all_effects
 from spirob.identify.fit import fit
 from spirob.machine.inverse import InverseProblem

@@ -20,10 +20,11 @@ from itertools import pairwise
 import numpy as np
 
 from spirob.diagnosis.criteria import block_errors
-from spirob.diagnosis.flexible import error, left_out_linear, products, step
 from spirob.diagnosis.model import Model, is_dry
+from spirob.diagnosis.regression import error, joined, left_out_linear, products, step
 from spirob.machine.composed.ground import Ground, Side, ground_of
 from spirob.machine.composed.terms import LOST, WAY, Shape, Term
+from spirob.machine.kernel_loop import Cache
 from spirob.machine.models import RigSearch
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
@@ -71,6 +72,7 @@ class Drafts:
         slopes = ground.train.slopes
         self._span = np.linalg.qr(slopes / (np.linalg.norm(slopes, axis=0) + 1e-300))[0]
         self._columns: dict[Term, np.ndarray] = {}
+        self._known: Cache[tuple[np.ndarray, np.ndarray]] = Cache(1)
 
     def moved(self, draft: Draft) -> "Drafts":
         """The same at the numbers that a draft asks for beside itself."""
@@ -134,10 +136,15 @@ class Drafts:
 
     def error(self, beside: Sequence[Term], term: Term) -> float:
         """Mean square of the folds left out with one more term, without keeping its columns."""
-        own = self.fresh(term)
-        whole = np.hstack([self.ground.train.slopes, *(self.columns(t) for t in beside), own])
-        sums = products(whole, self.ground.train.residual, self.folds)
-        return error(sums, *self.bounds(whole.shape[1])) / len(self.folds)
+        residual, folds = self.ground.train.residual, self.folds
+
+        def known() -> tuple[np.ndarray, np.ndarray]:
+            columns = np.hstack([self.ground.train.slopes, *(self.columns(t) for t in beside)])
+            return columns, products(columns, residual, folds)
+
+        columns, sums = self._known(tuple(beside), known)
+        whole = joined(sums, columns, self.fresh(term), residual, folds)
+        return error(whole, *self.bounds(whole.shape[1] - 1)) / len(folds)
 
     def balanced(self, draft: Draft) -> bool:
         """Whether no term is much larger than all that there is to explain.
@@ -185,33 +192,14 @@ class Offers:
         if beside:
             further = np.hstack([drafts.columns(term) for term in beside])
             known += range(self._whole.shape[1], self._whole.shape[1] + further.shape[1])
-            sums = self._with(further)
+            residual, folds = drafts.ground.train.residual, drafts.folds
+            sums = joined(sums, self._whole, further, residual, folds)
         found = []
         for own in self._cells:
             cells = [*known, *own, -1]
             part = sums[:, cells][:, :, cells]
             found.append(error(part, *drafts.bounds(len(cells) - 1)) / len(drafts.folds))
         return np.array(found)
-
-    def _with(self, further: np.ndarray) -> np.ndarray:
-        """The products with further columns, (N, b), which stand before the residual."""
-        residual, folds = self.drafts.ground.train.residual, self.drafts.folds
-        ends = np.flatnonzero(np.diff(folds)) + 1
-        parts = zip(
-            *(np.split(a, ends) for a in (self._whole, residual[:, None], further)), strict=True
-        )
-        n, b = self._whole.shape[1], further.shape[1]
-        sums = np.empty((len(self._sums), n + b + 1, n + b + 1))
-        for k, (whole, last, more) in enumerate(parts):
-            sums[k, :n, :n] = self._sums[k, :n, :n]
-            sums[k, -1, :n] = sums[k, :n, -1] = self._sums[k, :n, -1]
-            sums[k, -1, -1] = self._sums[k, -1, -1]
-            sums[k, n:-1, :n] = more.T @ whole
-            sums[k, :n, n:-1] = sums[k, n:-1, :n].T
-            sums[k, n:-1, n:-1] = more.T @ more
-            sums[k, n:-1, -1:] = more.T @ last
-            sums[k, -1:, n:-1] = sums[k, n:-1, -1:].T
-        return sums
 
 
 def freed(search: RigSearch, model: Model) -> Draft:
