@@ -3,7 +3,7 @@
 The models are the one before any measurement, the identified one, and the one with the named
 effect; each gives the same wraps, the first of those that the shipped predictor learns from, to a
 stack that chooses its numbers by them, as the shipped one does: once all played by the model
-itself, and once those of drawn sizes by many machines about it, as the shipped predictor learns.
+itself, and once those of drawn sizes by many builds about it, as the shipped predictor learns.
 If diagnosis is worth anything, the error on the robot falls from one model to the next.  Where it
 does not, the numbers tell why that stood in for the missing effect in the identified model.
 """

@@ -100,7 +100,7 @@ def wrapped(
     """Features of wraps in a model `{effects: [...], changes: {...}}`, with sensor noise.
 
     first     number of the first wrap, which its noise is drawn by;  threads  all cores by default
-    training  of training wraps those of drawn diameters are each played by a machine of its own
+    training  of training wraps those of drawn diameters are each played by a build of its own
     Each wrap is given up as soon as its features are known: a thousand of them need no gigabyte.
     """
     machine = plant(config, find_effects(model["effects"]))

@@ -10,7 +10,7 @@ from spirob.report.figures import BASE, INK, NAMED, NEUTRAL, Plot, blank
 from spirob.report.sections import Section
 from spirob.report.words import fixed, is_number, number, percent, unit_text
 
-PLAYED = {"robot": "the model itself", "machines": "many machines about it"}
+PLAYED = {"robot": "the model itself", "machines": "many builds about it"}
 STEPS = {
     "nominal": ("before any measurement", NEUTRAL),
     "identified": ("identified", BASE),
