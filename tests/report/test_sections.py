@@ -353,7 +353,7 @@ def test_the_baseline_does_not_flatten_the_others():
 def test_closing_the_loop_says_whether_the_error_falls(data, sparse):
     shown = text("transfer", data)
     assert "Where the model itself plays them the error falls at each step" in shown
-    assert shown.count("many machines about it") >= 3
+    assert shown.count("many builds about it") >= 3
     assert 'id="transfer"' not in shown  # that is the section's own anchor
     assert shown.index("2.10 (1.50 to 2.70)") < shown.index("0.13 (−0.17 to 0.39)")
     assert "92 %" in shown
