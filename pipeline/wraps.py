@@ -7,10 +7,10 @@ Each job of the Hydra multirun plays one share and writes its features to data/w
 as many jobs at once as there are cores; another launcher (SLURM, Dask) is a choice of the command
 line, `hydra/launcher=...`.
 
-No two of the machines that play them are built alike or have the same numbers.  A model is never
-quite the robot.  What is learned from one model alone leans on whatever tells its sizes best, on
-features too that the robot has otherwise; learned from many builds about the model it has to do
-with what they have in common (domain randomisation: Tobin et al., IROS 2017).
+No two of the machines that play the drawn ones are built alike or have the same numbers.  A model
+is never quite the robot.  What is learned from one model alone leans on whatever tells its sizes
+best, on features too that the robot has otherwise; learned from many builds about the model it has
+to do with what they have in common (domain randomisation: Tobin et al., IROS 2017).
 """
 
 import sys

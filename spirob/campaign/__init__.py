@@ -1,4 +1,4 @@
-"""The test of the diagnosis of rigs: simulated axes that nothing here was tuned for.
+"""The test of the diagnosis of rigs: simulated axes that share no code with the diagnosis.
 
 case.py, recorder.py      a machine of `simulators/` with something hidden, and what its logs hold
                           and show of that

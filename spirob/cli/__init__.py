@@ -1,4 +1,4 @@
-"""The command `spirob`: a file in `commands/` is a subcommand; these are its exit codes.
+"""The command `spirob`: a file in `commands/` is a subcommand; all exit codes are defined here.
 
 main.py        the entry: finds the subcommands, turns errors into sentences
 project.py     the folder of the pipeline's commands, and the choices in params.yaml

@@ -1,11 +1,12 @@
 """Compare model and measurement, see where it fails, name the missing effect, add it.
 
 What it works on:
-    model.py                   sets of effects, fitted; laws of dry friction, of which each has one
+    model.py                   fitted sets of effects; which are laws of dry friction
     fitting.py, simulated.py   those of an arm, by simulation
 The search:
     screen.py                  which absent effects could explain what is left, alone or together
     orders.py, spectrum.py     waves that come round with a turn
+    regression.py              linear regression within bounds, fold by fold
     search.py                  what is added, taken back, exchanged
     criteria.py                when an effect is worth its place: errors on trials that no fit has
                                seen, above the sensors' noise, and what they have to show
@@ -17,6 +18,5 @@ The verdict:
 What is shown besides:
     atlas.py                   which regimes hold the error
     flexible.py                what any law could still explain, by boosted trees
-    regression.py              linear regression within bounds, fold by fold
     schema.py, document.py     what `diagnosis.json` holds, and how it is made
 """

@@ -139,7 +139,7 @@ class Criteria:
                machine that are drawn about it differ by more
     share      least fall of the squared error, relative
     veto       least fall of the squared error on held-out trials, relative
-    better     relative fall that makes a richer effect worth its further numbers
+    better     relative fall of the square by which a model is preferred to one no poorer
     richer     least size, over the floor, of what a richer law explains beyond a simpler one
     most       effects in a set
     finalists  candidates of a round that are fitted in full

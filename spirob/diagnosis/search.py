@@ -141,7 +141,7 @@ class Search(Generic[M]):
         ]
 
     def without_imitations(self, found: Found, share: float) -> Found | None:
-        """The same without its least effect, where more structure is left than that explains.
+        """The same without its least effect, where half as much structure is left as that explains.
 
         A law that is not quite the machine's leaves structure behind, and a second law takes some
         of it: as long as more is left than it took, it stands for something else.  The first effect

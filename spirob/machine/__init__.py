@@ -27,8 +27,8 @@ The inverse model, which tells the effort that a motion asks for:
 The search, by the rules of `spirob.diagnosis`:
     diagnosis.py, preparation.py   from logs to a verdict, and what the search stands on: logs, and
                                    the effects that can act
-    axis.py, judging.py            fit, search; judge, which law a verdict asks for, and whether a
-                                   law does better than the names
+    axis.py                        leads fit, delay and search
+    judging.py                     the verdict, the law it asks for, whether a law beats the names
     models.py                      sets of effects, each fitted in full
     laws/                          laws that a plain axis has instead of the library's
     screening.py                   which absent effects explain what is left
