@@ -24,6 +24,7 @@ class Hidden(Strict):
     effect: str
     strength: float = Field(ge=0, le=10)
     seed: int = Field(ge=0)
+    built: int | None = Field(None, ge=0)  # seed of the build alone: the same robot built anew
 
 
 class Emulated(Strict):

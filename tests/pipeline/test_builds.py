@@ -66,3 +66,17 @@ def test_a_chosen_build_is_built_and_not_told(tmp_path, name):
 def test_an_unknown_build_is_a_sentence_with_the_key(key):
     with pytest.raises(ConfigError, match=rf"conf: key '{key}': .*'typical' or 'rough'"):
         validated(composed(ROOT, [f"{key}=perfect"]), "conf")
+
+
+def test_the_same_robot_is_built_anew_by_a_seed_of_its_own(tmp_path):
+    truths = []
+    for k, built in enumerate(("null", "7")):
+        config, hidden = configured(tmp_path / str(k), f"robot.hidden.built={built}")
+        robot = build(config, Rig.from_mapping(config.rig), hidden)
+        assert isinstance(robot, EmulatedRobot)
+        truths.append(robot.truth())
+        robot.close()
+        assert "built" not in (tmp_path / str(k) / PUBLIC).read_text()
+    own, anew = truths
+    assert own["hidden"] == anew["hidden"]
+    assert own["build"]["rows"]["hole"] != anew["build"]["rows"]["hole"]
