@@ -27,15 +27,22 @@ def test_each_build_has_its_own_error_and_all_of_them_one(tmp_path, monkeypatch)
     config = configure(tmp_path)
     size, _ = learnt(wrapped(config, MODEL, train_wraps(config), training=True), config)
     save_model(size, tmp_path / "data/models/size.skops")
-    monkeypatch.setattr(other_builds, "BUILDS", (1, 2))
+    monkeypatch.setattr(other_builds, "BUILDS", 2)
     other_builds.stage(tmp_path)
     found = json.loads((tmp_path / "reports/metrics/other_builds.json").read_text())
-    errors = [found["builds"][f"build_{seed}"]["mae"] for seed in (1, 2)]
+    assert list(found["builds"]) == ["build_2", "build_3"]  # the robot's own is 1
+    errors = [told["mae"] for told in found["builds"].values()]
     assert errors[0] != errors[1]
     assert found["mae"]["most"] == max(errors)
     assert found["mae"]["median"] == pytest.approx(sum(errors) / 2)
-    logs = sorted(tmp_path.glob("data/other_builds/1/*.mcap"))
+    logs = sorted(tmp_path.glob("data/other_builds/2/*.mcap"))
     assert [log.stem for log in logs] == sorted(t["name"] for t in robot_wraps(config))
+
+
+def test_no_build_is_the_robots_own():
+    assert other_builds.seeds(3, 1) == [2, 3, 4]
+    assert other_builds.seeds(3, 2) == [1, 3, 4]
+    assert other_builds.seeds(3, 9) == [1, 2, 3]
 
 
 def test_only_an_emulated_robot_is_built_anew(tmp_path):
