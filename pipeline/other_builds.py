@@ -57,7 +57,9 @@ def _told(
     root: Path, config: Config, hidden: Mapping[str, Any], shipped: SizeModel
 ) -> dict[str, Any]:
     """How well sizes are told on one build, and how often their intervals hold."""
-    trials, folder = robot_wraps(config), LOGS / str(hidden["built"])
+    # of a held-out trial the shape is kept beside the truth, where the robot's own lies
+    trials = [{**trial, "role": "validate"} for trial in robot_wraps(config)]
+    folder = LOGS / str(hidden["built"])
     record_all(root, config, hidden, trials, folder)
     features = table([read_log(root / folder / f"{trial['name']}.mcap") for trial in trials])
     true, sizes = features["diameter"].to_numpy(), predict(shipped, features)

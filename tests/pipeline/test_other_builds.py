@@ -35,6 +35,7 @@ def test_each_build_has_its_own_error_and_all_of_them_one(tmp_path, monkeypatch)
     assert errors[0] != errors[1]
     assert found["mae"]["most"] == max(errors)
     assert found["mae"]["median"] == pytest.approx(sum(errors) / 2)
+    assert not (tmp_path / "data/truth").exists()  # where the robot's own shape lies
     logs = sorted(tmp_path.glob("data/other_builds/2/*.mcap"))
     assert [log.stem for log in logs] == sorted(t["name"] for t in robot_wraps(config))
 
