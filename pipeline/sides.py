@@ -29,7 +29,8 @@ from spirob.control import FORCE
 from spirob.effects import find_effects
 from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
-from spirob.experiments import BLOCK, Experiment, Play, Side, repeating
+from spirob.experiments import BLOCK, BUILT, Experiment, Play, Side, repeating
+from spirob.identify.builds import TOLERANCES, anew
 from spirob.logs import read_log
 from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
@@ -40,6 +41,8 @@ from spirob.trials.simulation import simulate
 
 # which effects the model has and which numbers are not nominal: `{effects: [...], changes: {...}}`
 Models = Mapping[str, Mapping[str, Any]]
+# of a build: how stiff the arm is, its swing tells
+UNTOLD = {name: width for name, width in TOLERANCES.items() if not name.startswith("arm.")}
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,8 @@ def play_all(
     """
     rig = Rig.from_mapping(merged(config.rig, play.rig))
     trial = Trial.from_plain(play.trial)
+    if play.built is not None:
+        return {BUILT: _mean(play, partial(_of_model, config, models["named"]))}
     sides: dict[str, Side] = {}
     if config.robot.kind != "can" and _plays("robot", play):
         sides["robot"] = _mean(play, partial(_on_robot, config, hidden, log))
@@ -200,6 +205,8 @@ def model_side(
     trial, plant = Trial.from_plain(play.trial), Plant(rig, find_effects(model["effects"]))
     known = set(plant.table.names)
     changes = {k: v for k, v in model["changes"].items() if k in known} | play.known.changes
+    if play.built is not None:
+        plant, changes = anew(plant, changes, np.random.default_rng(play.built), UNTOLD)
     react = play.react() if play.react else None
     return Side.from_trace(simulate(plant, trial, changes, noise, seed, react, play.shots))
 

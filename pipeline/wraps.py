@@ -33,7 +33,7 @@ from spirob.effects import find_effects
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError, MissingLog, SpirobError
 from spirob.files import replacing
-from spirob.identify.builds import TOLERANCES, apart_by, hinges, holes
+from spirob.identify.builds import anew
 from spirob.perceive.features import table
 from spirob.plant import Plant
 from spirob.trials import Trial
@@ -151,10 +151,7 @@ def build_of(
     values = table.vector(changes)[[table.position(name) for name in names]]
     moved = np.clip(values * factors, *table.bounds(names))
     numbers = {**changes, **dict(zip(names, moved.tolist(), strict=True))}
-    known = dict(zip(table.names, table.vector(numbers).tolist(), strict=True))
-    units = model.rig.units
-    build = model.scattered(hinges(rng, units), holes(rng, units))
-    return build, numbers | apart_by(rng, TOLERANCES, known, table)
+    return anew(model, numbers, rng)
 
 
 if __name__ == "__main__":

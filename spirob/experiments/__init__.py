@@ -102,6 +102,7 @@ BLOCK = 3  # shots of one part of a mean
 LIMIT = 5.0  # A, of every command: the paper's saturation
 
 SIDES = ("robot", "base", "named", "single")
+BUILT = "built"  # a side besides: the named model, built anew
 
 # play -> side -> what it did
 Sides = Mapping[str, Mapping[str, Any]]
@@ -133,6 +134,7 @@ class Play:
     rig    what differs from the configured rig, for example the bandwidth of the drive
     known  what models have from the robot's own trial before it
     only   the sides that play it; all where empty
+    built  seed that a build of the named model is drawn by, which alone plays it, as side `BUILT`
     react  makes what a side does about what it feels; None where it does nothing
     shots  how often a robot plays it, its noise being another each time, for their mean; `BLOCK`
            of them are one of its parts
@@ -148,6 +150,7 @@ class Play:
     rig: dict[str, Any] = field(default_factory=dict)
     known: Known = field(default_factory=Known)
     only: tuple[str, ...] = ()
+    built: int | None = None
     shots: int = 1
     first: int = 0
     noisy: bool = False

@@ -9,8 +9,12 @@ between peaks twice as high.  Taken off is the mean of the plays without the whe
 How often a trial is played follows from its own standard error.  Where the current shows, every
 noisy side plays each trial `least` times.  Then the robot's and the named model's plays at a place
 are doubled until each rule has settled whether the model's period is off by more than `ALIKE`, or
-`most` are played.  Nothing is settled by a robot whose own period is not sure to `ALIKE`.  So a
-comparison is met, missed, "not settled", or the robot has "no period".
+`most` are played.  Nothing is settled by a robot whose own period is not sure to `ALIKE`.
+
+Where the model's line is then off, or open, `builds` of it are played, which differ by what no
+trial tells of a build (`identify.builds`).  Where their lines are apart by more than `ALIKE`, by
+two standard deviations, a model can have the robot's by knowing its build alone.  So a comparison
+is met, missed, "not settled", "a matter of the build", or the robot has "no period".
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +26,7 @@ import numpy as np
 import scipy
 
 from spirob.errors import ConfigError
-from spirob.experiments import Play, Side, Sides, curve, row
+from spirob.experiments import BUILT, Play, Side, Sides, curve, row
 from spirob.experiments.host_loop import COMPARED, NOISY, GainSet, OnHost, or_none
 from spirob.experiments.passive import (
     BEYOND,
@@ -54,7 +58,7 @@ from spirob.experiments.response import PERIOD, amplitude, smooth
 HIGHEST = 12.0  # Hz of the spectrum in the report
 ALIKE = 0.1  # most by which a model's apparent period may be off
 LEAST = 1.0  # count, of a line or a peak that shows
-NO_PERIOD, NOT_VISIBLE = "no period", "not visible"
+NO_PERIOD, NOT_VISIBLE, BUILD = "no period", "not visible", "a matter of the build"
 SIGNALS = {
     "current": "current",
     "filtered": "filtered",
@@ -103,11 +107,22 @@ def judged(periods: Mapping[str, Figure], plays: int, why: str = "") -> Verdict:
     return {"aim": aim, "met": MET.get(said, said), "note": note}
 
 
+def beside_builds(said: Verdict, periods: Sequence[float]) -> Verdict:
+    """A verdict on the named model, beside the periods [s] that two builds of it and more have."""
+    if len(periods) < 2:
+        return said
+    low, high = min(periods), max(periods)
+    apart = SURE * np.std(periods, ddof=1) > ALIKE * np.mean(periods)
+    note = f"{said['note']}; {len(periods)} builds of the model have {low:.2f} to {high:.2f} s"
+    return said | {"note": note} | ({"met": BUILD} if apart else {})
+
+
 @dataclass(frozen=True, kw_only=True)
 class HostPeriodic(OnHost, PeriodicContact):
     """The wheel of PeriodicContact under each set of gains.
 
     least, most  plays of each trial in which the current shows
+    builds       of the named model, each with `least` plays, where its period is not the robot's
     """
 
     title: ClassVar[str] = "Periodic contact, no gearbox, current loop on the host"
@@ -122,6 +137,7 @@ class HostPeriodic(OnHost, PeriodicContact):
     duration: float = 12.5
     least: int = 8
     most: int = 16
+    builds: int = 0
 
     def __post_init__(self) -> None:
         if not 2 <= self.least <= self.most:
@@ -132,7 +148,7 @@ class HostPeriodic(OnHost, PeriodicContact):
 
     def more(self, sides: Sides) -> list[Play]:
         shown = [one for one in self.sets if self._shows(sides, one)]
-        return [play for one in shown for play in self._more(sides, one)]
+        return [p for one in shown for p in self._more(sides, one) or self._anew(sides, one)]
 
     def _more(self, sides: Sides, one: GainSet) -> list[Play]:
         """Of every side to `least`, then as many again of what is open."""
@@ -147,6 +163,38 @@ class HostPeriodic(OnHost, PeriodicContact):
             for place, plays in wanted.items()
             for k in range(have[place], plays)
         ]
+
+    def _anew(self, sides: Sides, one: GainSet) -> list[Play]:
+        """Of builds, at the places where the named model's line is not the robot's."""
+        off = [p for p in self.places if self._line(sides, one, p).get("met") in (False, OPEN)]
+        found = [
+            replace(self.play(name, place, one), only=(BUILT,), built=build)
+            for build in range(self.builds if off else 0)
+            for place in (None, *off)
+            for name in self._names(one, place, build)
+        ]
+        return [play for play in found if play.name not in sides]
+
+    def _names(self, one: GainSet, place: float | None, build: int) -> list[str]:
+        """Of the plays of a build."""
+        return [f"{self.play_of(one, place, k)}_build{build}" for k in range(self.least)]
+
+    def _of_builds(self, sides: Sides, one: GainSet, place: float) -> list[float]:
+        """Periods [s] of the builds that have played and show one."""
+        told = {}
+        for build in range(self.builds):
+            names, without = (self._names(one, p, build) for p in (place, None))
+            hits = [sides[name][BUILT] for name in names if name in sides]
+            if hits:
+                free = Side.mean([sides[name][BUILT] for name in without])
+                told[str(build)] = [seen(hit, free, "current", self.begins) for hit in hits]
+        periods = [period.value for period in self._periods(told).values()]
+        return [period for period in periods if np.isfinite(period)]
+
+    def _line(self, sides: Sides, one: GainSet, place: float) -> Verdict:
+        """What the strongest line says of the named model, builds aside."""
+        told = self._seen(sides, one, place, "current")
+        return judged(self._periods(told), len(told.get("robot", ())))
 
     def _plays(self, sides: Sides, one: GainSet, place: float | None) -> dict[str, list[Side]]:
         """Side -> its plays of one trial, in their order."""
@@ -256,6 +304,8 @@ class HostPeriodic(OnHost, PeriodicContact):
         beside = as_paper and len(hidden) < len(periods.keys() - {"single"})
         about = {"paper": PAPER[k] if beside else None, "note": note}
         strongest, mean = self._judged(told, free) if signal == "current" else ({}, {})
+        if strongest and strongest["met"] is not True:
+            strongest = beside_builds(strongest, self._of_builds(sides, one, place))
         swings = {s: float(np.mean([_swing(v) for v in each])) for s, each in told.items()}
         lines = {
             s: float(np.mean([amplitude(v, self.period) for v in each])) for s, each in told.items()

@@ -41,6 +41,7 @@ from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.identify.scaling import Scaling
 from spirob.parameter import Table
+from spirob.plant import Plant
 
 SCATTER = 0.05  # of printed flexures, one deviation: stiffness goes with the cube of the thickness
 FARTHEST = 2.0  # deviations
@@ -189,6 +190,22 @@ def most_of(squares: Sequence[float]) -> float:
     mean, spread = float(np.mean(squares)), float(np.var(squares, ddof=1))
     freedom = 2.0 * mean**2 / spread
     return mean * float(scipy.stats.f.ppf(LEVEL, freedom, freedom * len(squares)))
+
+
+def anew(
+    plant: Plant,
+    changes: Mapping[str, float],
+    rng: np.random.Generator,
+    widths: Mapping[str, float] = TOLERANCES,
+) -> tuple[Plant, dict[str, float]]:
+    """A build of a plant with these numbers, and its own: those in `widths` differ by them at 95 %.
+
+    Its hinges and holes scatter; what is not in `widths` is as in `changes`.
+    """
+    table, units = plant.table, plant.rig.units
+    known = dict(zip(table.names, table.vector(changes).tolist(), strict=True))
+    build = plant.scattered(hinges(rng, units), holes(rng, units))
+    return build, {**changes, **apart_by(rng, widths, known, table)}
 
 
 def apart_by(

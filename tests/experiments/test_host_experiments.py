@@ -1,5 +1,6 @@
 """The passive experiments with the loop on the host: rules on signals whose answer is known."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -315,6 +316,31 @@ def test_the_wheel_is_played_until_a_period_is_settled():
     told, plays = wheel(0.44, 0.1)
     assert (told["met"], plays) == ("not settled", 16)
     assert told["note"].startswith("16 plays each")
+
+
+@pytest.mark.parametrize(("apart", "met"), [(0.01, False), (0.15, "a matter of the build")])
+def test_a_line_that_builds_of_the_model_do_not_share_is_a_matter_of_the_build(apart, met):
+    """Robot 0.4 s, named model 0.6 s, its builds about that by so many seconds either way."""
+    experiment = HostPeriodic(bandwidths=(10.0,), shares=(0.0,), places=(0.85,), least=2, builds=4)
+    t, still, sides = np.arange(12500) * 1e-3, np.zeros((12500, 2)), {}
+    new = experiment.plays()
+    while new:
+        for play in new:
+            own = 0.6 + apart * (-1) ** (play.built or 0)
+            periods = {"robot": 0.4, "named": 0.6} if play.built is None else {"built": own}
+            sides[play.name] = {}
+            for side, period in periods.items():
+                swing = 0.0 if "free" in play.name else 20 * COUNT
+                current = np.repeat((swing * np.sin(2 * np.pi * t / period))[:, None], 2, axis=1)
+                sides[play.name][side] = Side(current, still, still, still)
+        new = experiment.more(sides)
+    assert sum("_build" in name for name in sides) == 2 * 4 * 2
+    rows = {r["what"]: r for r in experiment.measure(sides)}
+    told = rows["apparent period of current, 10 Hz without back-EMF, at 85%"]
+    assert told["met"] == met
+    low, high = re.search(r"; 4 builds of the model have (.+) to (.+) s$", told["note"]).groups()
+    assert (float(low), float(high)) == pytest.approx((0.6 - apart, 0.6 + apart), abs=0.02)
+    assert told["named"] == pytest.approx(0.6, rel=0.01)
 
 
 def test_an_interval_that_follows_the_height_of_a_peak_is_no_period():
