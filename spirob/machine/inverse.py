@@ -247,6 +247,12 @@ class InverseProblem:
         made = asked.made(vector, motion, signals)
         return {**signals, "motor.current": made, "motor.command": made}
 
+    def passing(self, changes: Mapping[str, float]) -> float:
+        """Share of the measured effort that its pipes pass on, RMS: what a dead band swallows of an
+        effort explains nothing of the motion."""
+        vector, signals = self.table.vector(self.completed(changes)), self.read(changes)
+        return self.asked.pipes_about(vector, self.asked.seen(vector), signals).passing
+
     def passed(self, effect: type[Effect], changes: Mapping[str, float]) -> np.ndarray:
         """What a pipe makes of 1 at every sample of every piece, (n,), at the measured effort."""
         vector, signals = self.table.vector(self.completed(changes)), self.read(changes)

@@ -207,11 +207,11 @@ class AskedEffort(Kernels):
         """
         mark = self._mark(motion)
         if mark is None:
-            return self._tangent(p, motion, signals).reached(wanted)
+            return self.pipes_about(p, motion, signals).reached(wanted)
         key = (mark, p[self._piping].tobytes())
-        return self._tangents(key, lambda: self._tangent(p, motion, signals)).reached(wanted)
+        return self._tangents(key, lambda: self.pipes_about(p, motion, signals)).reached(wanted)
 
-    def _tangent(self, p: np.ndarray, motion: Motion, signals: Signals) -> Tangent:
+    def pipes_about(self, p: np.ndarray, motion: Motion, signals: Signals) -> Tangent:
         """The pipes about the measured effort, from before its reading."""
         before = self.made(p, motion, signals)
         at = {**signals, "motor.current": before, "motor.command": before}

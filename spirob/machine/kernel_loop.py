@@ -28,6 +28,7 @@ T = TypeVar("T")
 PASSES = 12  # of the solution
 SHRINKS = 0.5  # what is missed after a pass, over before: above, the step is too short
 SOLVED = 1e-12  # of the largest effort
+DIGITS = 6  # of a share
 SHORT = 1e-3  # of the RMS effort: a step to either side for the slope of P
 LEAST = 0.1  # of its torque that an ampere counts for: where iron is full, it gives next to none
 Pipes = Callable[[np.ndarray], np.ndarray]
@@ -90,6 +91,12 @@ class Tangent:
     def reached(self, wanted: np.ndarray) -> np.ndarray:
         """e + (wanted - P(e))/P', (n,)."""
         return np.asarray(self.effort + (wanted - self.there) / self.slope)
+
+    @property
+    def passing(self) -> float:
+        """RMS of P(e)/P' over that of e, at most 1: less where a part of e is swallowed."""
+        whole, passed = np.mean(self.effort**2), np.mean((self.there / self.slope) ** 2)
+        return min(1.0, round(float(np.sqrt(passed / whole)), DIGITS)) if whole else 1.0
 
 
 def tangent(passed: Pipes, effort: np.ndarray) -> Tangent:

@@ -42,6 +42,7 @@ LONG = 1.5e8  # samples played: half a minute of a core, and a diagnosis is to e
 PAIR = 2  # effects that are looked for whatever it takes
 ROUNDS = 2  # of a fit to the others: it begins with known slopes, close to where it ends
 SETTLED = 1e-3  # relative fall of the squared residual in a step that ends it
+LEAST = 1e-3  # of an effort that is passed on: a drive that takes it all explains nothing
 PLAIN = 1e3  # times the residual, where errors would begin to count linearly: plain least squares
 
 
@@ -280,8 +281,9 @@ class Models(Predictor):
         return min(fits, key=lambda made: made.cost)
 
     def _model(self, effects: tuple[type[Effect], ...], found: Fit) -> Model:
+        passing = max(self.train.passing(found.changes), LEAST)
         left = left_out(self.train, found, self.folds, ROUGH if _is_rough(effects) else STEP)
-        held = self.heldout(found.changes)
+        left, held = left / passing, self.heldout(found.changes) / passing
         made = Model(
             effects,
             found,

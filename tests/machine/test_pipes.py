@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.machine.kernel_loop import nearby, solved
+from spirob.machine.kernel_loop import nearby, solved, tangent
 
 RNG = np.random.default_rng(3)
 WANTED = RNG.uniform(-2.0, 2.0, 200)
@@ -67,3 +67,14 @@ def test_inside_a_dead_band_any_effort_makes_no_torque():
     effort = np.linspace(-0.39, 0.39, 21)
     np.testing.assert_allclose(nearby(dead, np.zeros(21), effort), effort, atol=1e-12)
     assert np.abs(solved(dead, np.zeros(21))).max() == 0.0
+
+
+@pytest.mark.parametrize(("pipe", "share"), [(rippled, 1.0), (lambda e: 3.0 * e, 1.0)])
+def test_what_a_gain_makes_of_an_effort_is_passed_on_whole(pipe, share):
+    assert tangent(pipe, RNG.uniform(-2.0, 2.0, 500)).passing == share
+
+
+@pytest.mark.parametrize("size", [1.0, 4.0])
+def test_of_an_effort_of_one_size_a_dead_band_passes_what_is_beyond_it(size):
+    relay = size * np.where(RNG.random(500) < 0.5, -1.0, 1.0)
+    assert tangent(dead, relay).passing == pytest.approx(1.0 - 0.4 / size)
