@@ -200,7 +200,7 @@ def _once_more(done: Searched) -> Searched:
     if none not in others and usual and not _begins_alike(done, none):
         others.append(none)
     if others and done.is_long:
-        return done.noted(f"Not looked for about another delay. {UNTRIED}")
+        return done.noted(f"Not looked for about another delay: {SHORTER}")
     for delay in others:
         done.ready.progress(
             f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion"
@@ -236,7 +236,7 @@ def _about_its_law(judged: Judged) -> Judged:
         return judged
     others = _other_delays(judged)
     if others and done.is_long:
-        return judged.noted(f"Not looked for about another delay. {UNTRIED}")
+        return judged.noted(f"Not looked for about another delay: {SHORTER}")
     for delay in others:
         again = judged_of(_searched(_about(done.ready, delay)))
         judged = again if _outdoes(again, judged) else judged

@@ -1,7 +1,9 @@
 """Do the logs differ, by a number of their own, or by whole turns of their position?
 
 A number of their own is another force, payload or zero in each: that of every log has to pass what
-an effect has to pass; of several that do, the one that fits the held-out logs best is taken.
+an effect has to pass, and the held-out logs must not deny it; of several that do, the one that fits
+these best is taken.  Where one does, a force that only the held-out logs have otherwise is one of
+them: it is plainer than all others.
 
 Whole turns: a position that begins again after a turn is unwrapped from where each log begins, so
 logs of a motion over several turns may be some turns apart.  What depends on the place (a spring, a
@@ -32,6 +34,7 @@ from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 
 KINDS = ("offset", "payload", "zero")  # of numbers that logs may have each for itself
+PLAINEST = "offset"
 FIRST = {"payload": 1.0, "zero": 0.0}  # of the first log, where the others count from it
 KNOTS = 8  # in a turn: what changes faster comes round with it
 MOST = 20  # turns that a log is looked for, either way
@@ -49,10 +52,15 @@ def differing(ready: Ready, search: RigSearch, chosen: Model) -> tuple[Ready, st
     fits = {
         kind: model
         for kind, model in made.items()
-        if search.worth.matters(chosen, model) and tells(kind, model, alone)
+        if search.worth.matters(chosen, model)
+        and not search.worth.denied(chosen, model)
+        and tells(kind, model, alone)
     }
     if not fits:
         return None
+    if alone and PLAINEST not in fits:
+        told[PLAINEST] = ready.told(per_log=(PLAINEST,))
+        fits[PLAINEST] = _fitted(told[PLAINEST], chosen, PLAINEST)
     best = min(fits, key=lambda kind: fits[kind].heldout_square)
     return told[best], _said(best, fits, search.models.size)
 
