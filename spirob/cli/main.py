@@ -14,6 +14,7 @@ from types import ModuleType
 from spirob.cli import DONE, MEANINGS, MISTAKE, STOPPED, commands
 from spirob.ending import stop_as_by_hand
 from spirob.errors import SpirobError
+from spirob.files import refused
 
 ABOUT = """\
 Models a motor-driven machine and names the physical effect its model misses.
@@ -85,8 +86,7 @@ def _guarded(chosen: argparse.Namespace) -> int:
         print(f"spirob: {' '.join(str(error).split())}", file=sys.stderr)
         return MISTAKE
     except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        print(f"spirob: {where}{error.strerror or error}", file=sys.stderr)
+        print(f"spirob: {refused(error)}", file=sys.stderr)
         return MISTAKE
 
 
