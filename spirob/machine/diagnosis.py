@@ -39,7 +39,7 @@ SAID = re.compile(r"finite|\bnan|\binf|too large|bound|infeasible|converge", re.
 
 
 class Heard:
-    """A caller's own function of progress, and what it raised, which says nothing of our numbers."""
+    """A caller's own function of progress, and what it raised: no failure of our numbers."""
 
     def __init__(self, function: Callable[[str], None]):
         self._function = function
