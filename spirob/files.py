@@ -87,6 +87,21 @@ def may_hold_results(folder: Path) -> None:
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(there)) from None
 
 
+def refused(error: OSError) -> str:
+    """What the system refused, in a sentence that names the file where it is known."""
+    where = f"{error.filename}: " if error.filename else ""
+    return f"{where}{error.strerror or error}"
+
+
+@contextmanager
+def refusals_told() -> Iterator[None]:
+    """Inside, what the system refuses becomes a DataError."""
+    try:
+        yield
+    except OSError as error:
+        raise DataError(refused(error)) from error
+
+
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
     """A temporary path in the same folder that becomes `path` if the block succeeds.

@@ -4,16 +4,19 @@ What the exit codes mean stands in `spirob.cli`.
 """
 
 import argparse
+import atexit
 import importlib
 import os
 import pkgutil
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from types import ModuleType
 
 from spirob.cli import DONE, MEANINGS, MISTAKE, STOPPED, commands
 from spirob.ending import stop_as_by_hand
 from spirob.errors import SpirobError
+from spirob.files import refused
 
 ABOUT = """\
 Models a motor-driven machine and names the physical effect its model misses.
@@ -42,7 +45,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.print_help()
         return MISTAKE
     stop_as_by_hand()
-    return _guarded(chosen)
+    code = _guarded(chosen)
+    if code and arguments is None:  # as a program of its own, whose end is near
+        atexit.register(_end, code)
+    return code
 
 
 def command_line() -> argparse.ArgumentParser:
@@ -85,9 +91,16 @@ def _guarded(chosen: argparse.Namespace) -> int:
         print(f"spirob: {' '.join(str(error).split())}", file=sys.stderr)
         return MISTAKE
     except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        print(f"spirob: {where}{error.strerror or error}", file=sys.stderr)
+        print(f"spirob: {refused(error)}", file=sys.stderr)
         return MISTAKE
+
+
+def _end(code: int) -> None:
+    """End with this code, before what an effect of one's own has registered for the end."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # its reader has gone, or it is closed
+            stream.flush()
+    os._exit(code)
 
 
 def subcommands() -> list[ModuleType]:

@@ -8,6 +8,7 @@ once a search has ended at the bounds.
 import numpy as np
 
 from spirob.diagnosis.model import Model
+from spirob.machine.checks import TENFOLD
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, HALF, RESISTING, beside_plain, plain_columns
@@ -15,7 +16,6 @@ from spirob.machine.preparation import Ready
 from spirob.machine.rig import Bounded, RigFile
 from spirob.units import PREFIX
 
-TENFOLD = np.sqrt(10.0)  # times: nearer to ten than to one
 ALIKE = ("inertia", "viscous", "stiffness")  # numbers that a factor of the effort scales
 
 

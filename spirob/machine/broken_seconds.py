@@ -1,8 +1,6 @@
-"""Seconds of a log that are broken, among good ones: they are cut out, which is said.
+"""Seconds of a log whose position is broken, among good ones: they are cut out, which is said.
 
-A position is noise where most of it is faster than what is compared.  An effort is none of this
-machine where it is as many times larger than in all other seconds as a unit's prefix would make it,
-and the axis moves there as it does elsewhere.
+A position is noise where most of it is faster than what is compared.
 """
 
 import numpy as np
@@ -10,10 +8,8 @@ import numpy as np
 from spirob.errors import NothingLeft
 from spirob.machine.checks import widened
 from spirob.machine.filtering import smooth
-from spirob.units import PREFIX
 
 NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
-FASTER = 10.0  # times the speed of all other seconds: an effort has a reason there
 PIECE = 0.5  # s, of what is left between broken seconds
 Grid = dict[str, np.ndarray]
 
@@ -43,30 +39,6 @@ def followed(
             f"{where}: '{name}' is noise, or faster than what is compared, for "
             f"{lost * period:.3g} s, which were left out."
         )
-    return found
-
-
-def of_one_size(
-    where: str, name: str, grids: list[Grid], period: float, said: list[str]
-) -> list[Grid]:
-    """The pieces of a log without seconds whose effort is of another size than all others'."""
-    sizes = [np.sqrt(_means(grid["effort"] ** 2, period)) for grid in grids]
-    speeds = [np.sqrt(_means(np.gradient(grid["position"]) ** 2, period)) for grid in grids]
-    size, speed = np.concatenate(sizes), np.concatenate(speeds)
-    order = np.argsort(size)[len(size) // 2 :]  # those that are larger than half
-    apart = np.flatnonzero(size[order[1:]] > PREFIX * size[order[:-1]])
-    if not len(apart) or size[order[apart[0]]] == 0.0:
-        return grids
-    most = size[order[apart[0]]]
-    calm = FASTER * float(speed[size <= most].max())
-    broken = [(s > most) & (v <= calm) for s, v in zip(sizes, speeds, strict=True)]
-    found, lost = _without(broken, grids, period)
-    if not lost or not found:
-        return grids
-    said.append(
-        f"{where}: '{name}' is {size.max() / most:.2g} times as large for {lost * period:.3g} s as "
-        "in all others, by the same motion; they were left out."
-    )
     return found
 
 

@@ -22,6 +22,7 @@ LARGEST, SMALLEST = 1e100, 1e-100  # sizes whose squares are still numbers
 FEW = 100  # rows beside which a single one is judged
 SINGLE = 0.05  # share of a log that may be single broken values
 DIGITS = 2.0**24  # of a single-precision number: no sensor gives values as many times larger
+TENFOLD = np.sqrt(10.0)  # times: nearer to ten than to one
 NINES = 10.0 ** np.arange(3, 16) - 1.0  # 999 and longer, which files hold for a missing number
 TEN = 10.0  # times beyond all others, for such a one
 ALIKE = 0.8  # correlation below which it is no derivative of the position
@@ -180,7 +181,7 @@ def usable(
     reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
     unit = rig.speed_scale
     out = {
-        ", where samples are lost": widened(filled, reach),
+        ", where samples are lost or broken": widened(filled, reach),
         ", where the drive saturates": widened(full, reach),
     }
     if rig.rows.minimum_speed is not None:

@@ -38,17 +38,38 @@ from spirob.machine.selection import each_once, filtered_alike
 SAID = re.compile(r"finite|\bnan|\binf|too large|bound|infeasible|converge", re.IGNORECASE)
 
 
+class Heard:
+    """A caller's own function of progress, and what it raised: no failure of our numbers."""
+
+    def __init__(self, function: Callable[[str], None]):
+        self._function = function
+        self.raised: Exception | None = None
+
+    def __call__(self, text: str) -> None:
+        """Tell it a step."""
+        try:
+            self._function(text)
+        except Exception as error:
+            self.raised = error
+            raise
+
+
 @contextmanager
-def failures_told(who: str) -> Iterator[None]:
-    """Inside, a numerical failure becomes a DataError that names `who`."""
+def failures_told(who: str, heard: Heard | None = None) -> Iterator[None]:
+    """Inside, a numerical failure becomes a DataError that names `who`; none that was `heard`."""
     try:
         yield
-    except (np.linalg.LinAlgError, ArithmeticError, MemoryError) as error:
-        raise DataError(_sentence(who, error)) from error
-    except ValueError as error:
-        if not SAID.search(str(error)):
+    except (np.linalg.LinAlgError, ArithmeticError, MemoryError, ValueError) as error:
+        theirs = heard is not None and error is heard.raised
+        if theirs or not _of_numbers(error):
             raise
         raise DataError(_sentence(who, error)) from error
+
+
+def _of_numbers(error: Exception) -> bool:
+    """Whether an error says that numbers fail; a ValueError may be a bug as well."""
+    surely = isinstance(error, np.linalg.LinAlgError) or not isinstance(error, ValueError)
+    return surely or bool(SAID.search(str(error)))
 
 
 def _sentence(who: str, error: Exception) -> str:
@@ -83,7 +104,8 @@ def diagnose(
              that a description names lie beside or below it
 
     A table is called by its `attrs["name"]`, else by its place, as in `train[0]`.  Raises
-    ConfigError, DataError or EffectError, in a sentence, where something given cannot be used.
+    ConfigError, DataError or EffectError, in a sentence, where something given cannot be used;
+    what `progress` raises comes out as it is.
     """
     if isinstance(rig, Mapping):
         told, folder, who = described(rig, "rig"), Path(), "rig"
@@ -97,7 +119,8 @@ def diagnose(
         told = told.beside(folder)
     names = files(told.effects, folder, effects)
     ran = [f"{name}: was run, as an effect of your own." for name in names if name.endswith(".py")]
-    with failures_told(who):
+    progress = Heard(progress)
+    with failures_told(who, progress):
         own = chosen(names)
         (fitted, empty), (held, more) = (
             _read(told, folder, logs, role) for role, logs in (("train", train), ("test", test))

@@ -34,6 +34,19 @@ def averaged(values: np.ndarray, count: int) -> np.ndarray:
     return np.asarray(values[:whole].reshape(-1, count).mean(axis=1))
 
 
+def as_fine(
+    period: float, grids: list[dict[str, np.ndarray]], rate: float
+) -> tuple[float, list[dict[str, np.ndarray]]]:
+    """The grids and their sample period, by means of so many samples that at least `rate` is left.
+
+    rate  Hz
+    """
+    count = int(1.0 / (period * rate) + 0.1)  # clocks differ by less between trials
+    if count < 2:
+        return period, grids
+    return count * period, [{n: averaged(v, count) for n, v in g.items()} for g in grids]
+
+
 def before_thinning(values: np.ndarray, every: int) -> np.ndarray:
     """The zero-phase filter that goes before keeping every n-th sample, same length."""
     return _both_ways(*_anti_alias(every), values, 60)

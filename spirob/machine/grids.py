@@ -17,7 +17,7 @@ FEWEST = 12  # samples of one
 SINGLE = 2.5  # periods over which a curve through the rows beside is as good as a row
 MOST = 0.5  # of a log has to be left
 SLOWER = 1.5  # times the period of the log: a column of its own period
-FILLED = "filled"  # rows of a grid where there was no row of the log, 0 or 1
+FILLED = "filled"  # rows of a grid where there was no row of the log, or a broken one, 0 or 1
 
 
 def breaks(

@@ -12,7 +12,7 @@ import numpy as np
 
 from spirob.diagnosis.model import Model
 from spirob.machine.body import RigidBody
-from spirob.machine.bounds import TENFOLD
+from spirob.machine.checks import TENFOLD
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, RESISTING, beside_plain, plain_columns

@@ -14,13 +14,14 @@ from scipy.integrate import cumulative_trapezoid
 from spirob.errors import MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
-from spirob.machine.broken_seconds import Grid, followed, of_one_size
+from spirob.machine.broken_seconds import Grid, followed
+from spirob.machine.bursts import Looked, without_bursts
 from spirob.machine.checks import agreement, shifted, stands, usable
 from spirob.machine.filtering import (
     ALIAS,
     BELOW,
     acceleration_noise,
-    averaged,
+    as_fine,
     before_thinning,
     derivative,
     possible_cutoff,
@@ -154,13 +155,15 @@ def prepare(
         grid |= {key: _si(rig, key) * grid[key] for key in inside if key in grid}
     period, grids = _no_finer(name, period, grids, rig, said)
     grids = [_completed(grid, rig, period) for grid in grids]
-    grids = of_one_size(name, rig.effort.column or "effort", grids, period, said)
     said += _computed(name, rig)
     _agreed(name, grids, rig, period, cutoff, said)
     grids = [_controlled(grid, rig, period) for grid in grids]  # by the speed that is right
+    looked = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, [])
+    felt = Looked(name, rig.effort.column or "effort", period, looked, rig.angular)
+    grids = without_bursts(felt, grids, said)
     cutoff = _cutoff(name, grids, period, cutoff or rig.filter.cutoff, said)
     grids = followed(name, rig.motion.column, grids, BELOW * cutoff, period, said)
-    period, grids = _as_fine(period, grids, GRID * cutoff)
+    period, grids = as_fine(period, grids, GRID * cutoff)
     every = max(1, int(1.0 / (period * 2.0 * CLOSE * cutoff) + 1e-3))
     if rig.filter.decimate is not None:
         effort = max((grid["effort"] for grid in grids), key=len)
@@ -178,22 +181,11 @@ def _no_finer(
 ) -> tuple[float, list[Grid]]:
     """Grids of at most about a kilohertz, or of twenty samples in a period of a fast filter."""
     finest = max(FINEST, GRID * (rig.filter.cutoff or 0.0))
-    coarser, means = _as_fine(period, grids, finest)
+    coarser, means = as_fine(period, grids, finest)
     if coarser > period:
         count = round(coarser / period)
         said.append(f"{name}: means of {count} samples in a row were used, {1 / coarser:.4g} Hz.")
     return coarser, means
-
-
-def _as_fine(period: float, grids: list[Grid], rate: float) -> tuple[float, list[Grid]]:
-    """The grids and their sample period, by means of so many samples that at least `rate` is left.
-
-    rate  Hz
-    """
-    count = int(1.0 / (period * rate) + 0.1)  # clocks differ by less between trials
-    if count < 2:
-        return period, grids
-    return count * period, [{n: averaged(v, count) for n, v in g.items()} for g in grids]
 
 
 def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from spirob.effects import Effect, all_effects
-from spirob.files import may_hold_results, replacing, write_text
+from spirob.files import may_hold_results, named, refusals_told, replacing, write_text
 from spirob.machine.composed import Composed
 from spirob.machine.laws import by_module
 
@@ -146,11 +146,17 @@ class Diagnosis:
     def save(self, folder: Path | str) -> Path:
         """Write `diagnosis.json`, `heldout.parquet`, the page and the file of a composed law.
 
-        Each is written whole or not at all.
+        Each is written whole or not at all.  Raises DataError, in a sentence, where the system
+        refuses it: the folder is a file or closed, or there is no room.
         """
+        out = Path(named(folder))
+        with refusals_told():
+            self._write(out)
+        return out
+
+    def _write(self, out: Path) -> None:
         from spirob.report import build_rig_page
 
-        out = Path(folder)
         may_hold_results(out)
         out.mkdir(parents=True, exist_ok=True)
         text = json.dumps(self.document, indent=2, ensure_ascii=False, allow_nan=False)
@@ -161,4 +167,3 @@ class Diagnosis:
         write_text(out / "index.html", build_rig_page(self))
         if self.law is not None:
             write_text(out / self.law.document["file"], self.law.text)
-        return out

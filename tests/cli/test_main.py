@@ -13,6 +13,7 @@ import yaml
 
 from spirob.cli import main as command
 from spirob.cli.main import main
+from tests.effects.effects import TEMPLATE
 from tests.machine.rigs import damper
 
 
@@ -140,3 +141,19 @@ def test_effects_are_listed_shown_begun_and_checked(tmp_path, capsys):
     assert main(["effects", "check", str(own)]) == 2
     assert "motor.nowhere" in capsys.readouterr().err
     assert main(["effects", "show", "phlogiston"]) == 2
+
+
+@pytest.mark.parametrize(
+    "at_the_end",
+    ["atexit.register(os._exit, 0)", "weakref.finalize(os, os._exit, 0)"],
+)
+def test_no_effect_of_ones_own_turns_a_refusal_into_success(rig, tmp_path, at_the_end):
+    own = tmp_path / "own.py"
+    own.write_text(f"{TEMPLATE.read_text()}\nimport atexit, os, weakref\n{at_the_end}\n")
+    logs = ["--train", str(rig / "a.csv"), "--train", str(rig / "a.csv")]
+    given = ["--rig", str(rig / "rig.yaml"), *logs, "--effects", str(own), "--out", str(tmp_path)]
+    asked = [sys.executable, "-m", "spirob.cli.main", "diagnose", *given]
+    answer = subprocess.run(asked, capture_output=True, text=True, check=False)
+    assert answer.returncode == 2
+    assert answer.stderr.startswith("spirob: ")
+    assert answer.stderr.count("\n") == 1

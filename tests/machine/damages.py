@@ -116,6 +116,13 @@ def no_speed(log: Log) -> None:
     log.columns["v"] = log.rng.standard_normal(len(log))
 
 
+def burst(log: Log) -> None:
+    """An effort many times too large for a while."""
+    at, rows = log.rng.integers(len(log) // 10, len(log) // 2), log.rng.uniform(0.1, 1.5) * log.rate
+    times = log.rng.choice([-1.0, 1.0]) * 10.0 ** log.rng.uniform(1.0, 2.5)
+    log.columns["u"][at : at + int(rows)] *= times
+
+
 # in the order in which a log suffers them: of the machine and its sensors, then of the logger
 DAMAGES: list[Callable[[Log], None]] = [
     *(wrapped, jump, spikes, scaled_speed, late_speed, no_speed, missing, missing_run),

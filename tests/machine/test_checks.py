@@ -82,22 +82,6 @@ def test_a_stretch_of_noise_is_cut_out(size):
     np.testing.assert_allclose(made.pieces[1].a[use], whole[use], atol=0.02 * np.ptp(whole))
 
 
-def test_seconds_of_another_effort_are_cut_out_but_those_of_a_motion_are_not():
-    log, clean = good(12.0), prepare("log", good(12.0), RIG)
-    burst = (log["t"] > 5.2) & (log["t"] < 5.7)
-    log["u"][burst] = 1e6 * np.random.default_rng(0).standard_normal(int(burst.sum()))
-    made = prepare("log", log, RIG)
-    assert any("times as large for" in s and "by the same motion" in s for s in made.said)
-    assert len(made.pieces) == 2
-    whole = np.interp(made.pieces[0].seconds, clean.pieces[0].seconds, clean.pieces[0].effort)
-    use = made.pieces[0].use
-    np.testing.assert_allclose(made.pieces[0].effort[use], whole[use], atol=5e-3)
-    # a servo that rests without a current, and moves once
-    calm = np.abs(good(12.0)["t"] - 6.0) > 1.0
-    still = {n: np.where(calm & (n != "t"), 1e-5 * v, v) for n, v in good(12.0).items()}
-    assert not any("by the same motion" in s for s in prepare("log", still, RIG).said)
-
-
 def test_no_motion_is_a_sentinel_however_short():
     """A log that stands nearly always, by an encoder with a little noise."""
     t = np.arange(0, 40, 2e-3)

@@ -23,6 +23,7 @@ from tests.machine.damages import (
     DAMAGES,
     LENGTH,
     TURN,
+    burst,
     coarse,
     epoch,
     gap,
@@ -116,6 +117,14 @@ def _missed(seconds, heard, true):
     return float(errors(best).max())
 
 
+def follows(made: Recording, hurt: set) -> None:
+    """The motion is the machine's, within what these damages leave open."""
+    if {lossy, gap} & hurt and {late, coarse} & hurt:
+        assert np.median(missed(made)) < BLURRED, made.said
+    else:
+        assert missed(made).max() < FAR, made.said
+
+
 @settings(max_examples=150, deadline=None, derandomize=True)
 @MIXTURES
 @example(200.0, set(range(len(DAMAGES))), True, 0)
@@ -130,11 +139,27 @@ def test_a_damaged_log_gives_the_same_motion_or_a_sentence(rate, damages, with_s
         assert str(error).startswith("log: ")
         assert "\n" not in str(error)
         return
-    if {lossy, gap} & hurt and {late, coarse} & hurt:
-        assert np.median(missed(made)) < BLURRED, made.said
-    else:
-        assert missed(made).max() < FAR, made.said
+    follows(made, hurt)
     assert damages or made.said == []
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@MIXTURES
+def test_an_effort_too_large_for_a_while_beside_any_damage_changes_no_motion(
+    rate, damages, with_speed, seed
+):
+    log = Log(rate, seed)
+    hurt = {DAMAGES[k] for k in damages}
+    burst(log)
+    for k in sorted(damages):
+        DAMAGES[k](log)
+    try:
+        made = prepare("log", log.columns, rig(with_speed))
+    except DataError as error:
+        assert str(error).startswith("log: ")
+        return
+    follows(made, hurt)
+    assert damages or any("left out, as broken" in said for said in made.said)
 
 
 @settings(max_examples=4, deadline=None, derandomize=True)

@@ -1,12 +1,15 @@
 """Numbers that fail are told; a bug of ours keeps its traceback."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.linalg import solve
 from scipy.optimize import least_squares
 
+import spirob
 from spirob.errors import DataError
 from spirob.machine.diagnosis import failures_told
+from tests.machine.rigs import damper
 
 FAILING = {
     "singular": lambda: np.linalg.inv(np.zeros((2, 2))),
@@ -39,3 +42,21 @@ def test_a_bug_stays_one(kind):
     ours = (KeyError, TypeError, AttributeError, ValueError)
     with pytest.raises(ours), failures_told("rig.yaml"):
         BUGS[kind]()
+
+
+@pytest.mark.parametrize("kind", [*FAILING, *BUGS])
+def test_what_the_callers_progress_raises_comes_out_as_it_is(kind):
+    case, raised = damper(1003), []
+
+    def progress(text):
+        try:
+            (FAILING | BUGS)[kind]()
+        except Exception as error:
+            raised.append(error)
+            raise
+
+    logs = [pd.DataFrame(trial) for trial in case.train]
+    with pytest.raises(Exception) as told:  # noqa: PT011 - any kind
+        spirob.diagnose(case.rig, train=logs, progress=progress)
+    assert told.value is raised[0]
+    assert told.value.__cause__ is None
