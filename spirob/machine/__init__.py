@@ -11,7 +11,9 @@ Its logs, made even, filtered, alike:
     selection.py, checks.py, broken_seconds.py, bursts.py
                                    which logs take part, and which of their rows
     recording.py                   one trial in SI
-    grids.py, clock.py             even grids of a log's columns, and when each row was
+    grids.py, clock.py, held_frames.py
+                                   even grids of a log's columns, when each row was, and which
+                                   rows hold the frame before
     filtering.py, positions.py     its filters; a position as the axis moved, turns and jumps told
     motion.py                      the motion of all trials in a row, and what remembers along it
 The inverse model, which tells the effort that a motion asks for:

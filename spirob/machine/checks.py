@@ -148,6 +148,7 @@ def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> No
 
 
 FULL = 0.98  # of the drive's limit counts as saturated
+RELAY = 0.5  # of the rows at the ends: that is the excitation, not what cuts it off
 STUCK = 5  # equal extreme values in a row are a limit that nobody declared
 # Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
 EDGE, SETTLED = 2.5, 6.0
@@ -199,13 +200,26 @@ def stands(q: np.ndarray, stroke: float) -> bool:
     return float(np.ptp(q)) <= STILL * stroke
 
 
-def saturated(efforts: Sequence[np.ndarray], rig: RigFile) -> list[np.ndarray]:
-    """Rows of each piece of a log in which the drive saturates, by its limit or the log's ends."""
+def saturated(
+    where: str, efforts: Sequence[np.ndarray], rig: RigFile, said: list[str]
+) -> list[np.ndarray]:
+    """Rows of each piece of a log in which the drive saturates, by its limit or the log's ends.
+
+    Where most rows lie at the ends, they are what moves the axis: a relay, or steps of a command.
+    """
     if rig.effort.limit is not None:
         limit = rig.effort.limit * rig.effort.scale
         return [np.abs(effort) >= FULL * limit for effort in efforts]
     ends = max(e.max() for e in efforts), min(e.min() for e in efforts)
-    return [_stuck(effort, ends) for effort in efforts]
+    full = [_stuck(effort, ends) for effort in efforts]
+    share = float(np.mean(np.concatenate(full)))
+    if share <= RELAY:
+        return full
+    said.append(
+        f"{where}: {share:.0%} of the efforts are the largest or smallest of the log: taken as "
+        "steps of the command, not as a drive that saturates; give `effort.limit` where it does."
+    )
+    return [np.zeros_like(rows) for rows in full]
 
 
 def _stuck(effort: np.ndarray, ends: Sequence[float]) -> np.ndarray:

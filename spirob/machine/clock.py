@@ -11,6 +11,7 @@ import numpy as np
 
 from spirob.errors import DataError, NothingLeft, TooShort
 from spirob.logs.stamps import GAP, EvenClock, Ordered, even_clock, ordered
+from spirob.machine.held_frames import held
 
 SHORTEST = 1.0  # s
 FEWEST = 40  # samples
@@ -59,7 +60,7 @@ def clock_of(
     where the log is short.
     """
     every = ordered(where, stamps, unit, said)
-    found = _without_repeats(where, every, signals, said)
+    found = _without_held(where, _without_repeats(where, every, signals, said), signals, said)
     if len(found.rows) < FEWEST:
         raise TooShort(where, len(found.rows), FEWEST, "a diagnosis")
     values = unit * (found.stamps - found.stamps[0])
@@ -102,16 +103,46 @@ def _without_repeats(
     where: str, found: Ordered, signals: Mapping[str, np.ndarray], said: list[str]
 ) -> Ordered:
     """Rows that share their stamp and hold what is in the row before were logged twice."""
-    shared = np.diff(found.stamps) == 0
-    still = np.ones(len(shared), bool)
-    for values in signals.values():
-        one, two = values[found.rows[:-1]], values[found.rows[1:]]
-        still &= (one == two) | (np.isnan(one) & np.isnan(two))
+    shared, still = np.diff(found.stamps) == 0, _still(found, signals)
     same = shared & still
     if not same.any() or (same.sum() < REPEATED * shared.sum() and not _regular(still)):
         return found
     said.append(f"{where}: {int(same.sum())} rows that repeat the one before were dropped.")
-    keep = np.concatenate([[True], ~same])
+    return _kept(found, np.concatenate([[True], ~same]))
+
+
+def _without_held(
+    where: str, found: Ordered, signals: Mapping[str, np.ndarray], said: list[str]
+) -> Ordered:
+    """Rows that hold the frame before while the axis moves on are lost samples.
+
+    Where most rows do, they are only if frames come at a rate of their own, not in bursts.
+    """
+    positions = [v[found.rows] for key, v in signals.items() if key.endswith("position")]
+    still = _still(found, signals)
+    dropped = held(still, positions)
+    dropped[found.begins] = False
+    bursts = np.mean(dropped) > HALF and not _regular(still)
+    if bursts or not dropped.any():
+        return found
+    said.append(
+        f"{where}: {int(dropped.sum())} rows hold the frame before in every column while the axis "
+        "moves on; taken as lost samples."
+    )
+    return _kept(found, ~dropped)
+
+
+def _still(found: Ordered, signals: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Whether every signal is as in the row before, (n - 1,)."""
+    still = np.ones(len(found.rows) - 1, bool)
+    for values in signals.values():
+        one, two = values[found.rows[:-1]], values[found.rows[1:]]
+        still &= (one == two) | (np.isnan(one) & np.isnan(two))
+    return still
+
+
+def _kept(found: Ordered, keep: np.ndarray) -> Ordered:
+    """The rows of a mask, (n,)."""
     begins = np.cumsum(keep)[found.begins] - 1
     return Ordered(found.rows[keep], found.stamps[keep], begins)
 

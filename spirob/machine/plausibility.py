@@ -13,6 +13,7 @@ import scipy
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import TWICE, Verdict
+from spirob.identify.fit import Estimate
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.bounds import set_free
 from spirob.machine.delays import DELAY, usual
@@ -78,12 +79,7 @@ def oddities(
     said = []
     delay, period = chosen.fit.estimates.get(DELAY), search.models.train.recordings[0].period
     if fits and delay is not None and abs(delay.value) > SEEN * period:
-        way = "trails" if delay.value > 0 else "leads"
-        more = " or more" if delay.at_bound else ""
-        said.append(
-            f"The effort {way} the motion by {1e3 * abs(delay.value):.2g} ms{more} in the logs; "
-            "aligned." + (UNUSUAL if abs(delay.value) > usual(period) else "")
-        )
+        said.append(aligned(delay, period))
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
     said += [*set_free(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
@@ -107,6 +103,19 @@ def oddities(
     if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
         said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
     return said
+
+
+def aligned(delay: Estimate, period: float) -> str:
+    """How effort and motion of logs were laid over one another; a bound is no measurement."""
+    way = "trails" if delay.value > 0 else "leads"
+    size = f"{1e3 * abs(delay.value):.2g} ms"
+    if delay.at_bound:
+        return (
+            "The delay between effort and motion is not told by these logs: it ended at the bound "
+            f"of its search. An effort that {way} the motion by {size} was used."
+        )
+    unusual = UNUSUAL if abs(delay.value) > usual(period) else ""
+    return f"The effort {way} the motion by {size} in the logs; aligned.{unusual}"
 
 
 def _without_zeros(chosen: Model) -> list[str]:

@@ -170,7 +170,7 @@ def prepare(
         every = thinned(name, (rig.filter.decimate, every), effort, cutoff, period, said)
     lost: Counter[str] = Counter()
     duty = [g["effort"] / g["supply"] if "supply" in g else g["effort"] for g in grids]
-    full = checks.saturated(duty, rig)
+    full = checks.saturated(name, duty, rig, said)
     pieces = [_piece(*one, rig, period, cutoff, lost) for one in zip(grids, full, strict=True)]
     made = Recording(name, period, cutoff, every, pieces, said, name, turn)
     return replace(made, pieces=_kept(made, rig, lost))

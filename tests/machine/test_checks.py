@@ -181,6 +181,23 @@ def test_rows_at_the_limit_of_the_drive_are_left_out():
     assert any("where the drive saturates" in said for said in clipped.said)
 
 
+def test_a_relay_is_no_saturation():
+    log = good()
+    made = prepare("log", {**log, "u": np.where(log["u"] > 0, 4.0, -4.0)}, RIG)
+    assert any("steps of the command" in said and "`effort.limit`" in said for said in made.said)
+    assert not any("saturates (" in said or "where the drive" in said for said in made.said)
+    assert made.pieces[0].use.mean() > 0.8
+
+
+@pytest.mark.parametrize("share", [0.1, 0.25, 0.4])
+def test_a_drive_that_clips_loses_those_rows(share):
+    log = good()
+    limit = np.quantile(np.abs(log["u"]), 1 - share)
+    made = prepare("log", {**log, "u": np.clip(log["u"], -limit, limit)}, RIG)
+    assert any("where the drive saturates" in said for said in made.said)
+    assert not any("steps of the command" in said for said in made.said)
+
+
 def test_a_step_of_the_motor_is_no_jump():
     """Standing most of the time, then there within 20 ms, as in a step test."""
     log = good(12.0)

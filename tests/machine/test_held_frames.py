@@ -1,0 +1,100 @@
+"""Frames that a logger held are lost samples; stands and chance repeats keep their rows."""
+
+import numpy as np
+import pytest
+
+from spirob.machine.held_frames import held
+from spirob.machine.recording import prepare
+from spirob.machine.rig import RigFile
+from tests.machine.rigs import description
+
+RIG = RigFile.model_validate(description())
+RATE = 500
+
+
+def motion(t):
+    return 2 * np.sin(2 * np.pi * 0.7 * t) + 0.3 * np.sin(2 * np.pi * 1.9 * t)
+
+
+def log(frames, seconds=6.0, count=1e-6):
+    """Columns at RATE of frames that were taken at other times, by row."""
+    t = np.arange(round(seconds * RATE)) / RATE
+    at = t[frames(np.arange(len(t)))]
+    q = count * np.round(motion(at) / count)
+    return {"t": t, "q": q, "u": np.cos(4 * at) + 0.01 * np.sin(40 * at)}
+
+
+def some(rows):
+    """One frame in twenty is not there in time, some of them for two rows more."""
+    rng = np.random.default_rng(0)
+    lost = rng.random(len(rows)) < 0.05
+    lost |= np.roll(lost & (rng.random(len(rows)) < 0.3), 1)
+    lost[0] = False
+    return np.maximum.accumulate(np.where(lost, 0, rows))
+
+
+def seldom(rows):
+    return rows // 10 * 10
+
+
+def polled(rows):
+    """Frames a tenth slower than the rows: one of eleven finds no new one, and none is lost."""
+    return rows * 10 // 11
+
+
+def of(columns):
+    still = np.all([np.diff(v) == 0 for k, v in columns.items() if k != "t"], axis=0)
+    return still, held(still, [columns["q"]])
+
+
+@pytest.mark.parametrize("frames", [some, seldom, polled])
+@pytest.mark.parametrize("count", [1e-12, 1e-4])
+def test_held_frames_are_lost_samples_and_no_jumps(frames, count):
+    columns = log(frames, count=count)
+    still, dropped = of(columns)
+    assert dropped.sum() >= 0.95 * still.sum()
+    made = prepare("log", columns, RIG)
+    assert any("hold the frame before" in text for text in made.said)
+    assert not any("jump" in text for text in made.said)
+    assert len(made.pieces) == 1
+
+
+def test_the_speed_behind_held_frames_is_that_of_the_axis():
+    piece = prepare("log", log(some), RIG).pieces[0]
+    true = np.gradient(motion(piece.seconds), piece.seconds)
+    assert np.std((piece.v - true)[piece.use]) < 0.02 * true.std()
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5, 200])
+def test_an_axis_that_stands_keeps_its_rows(rows):
+    move = 0.5 * (1 - np.cos(np.pi * np.arange(1, 101) / 100))  # its speed begins and ends at none
+    q = np.concatenate([np.append(k + move, np.full(rows, k + 1.0)) for k in range(30)])
+    still = np.diff(q) == 0
+    assert still.sum() == 30 * rows
+    assert not held(still, [q]).any()
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.45, 0.8, 0.95])
+def test_coarse_channels_that_are_the_same_by_chance_keep_their_rows(speed):
+    rows = np.arange(4000)
+    q = np.floor(speed * rows + 200 * np.sin(0.002 * rows))
+    effort = np.round(3 * np.cos(0.002 * rows))
+    still = (np.diff(q) == 0) & (np.diff(effort) == 0)
+    assert still.sum() > 100
+    assert not held(still, [q]).any()
+
+
+def test_a_stand_in_a_log_of_held_frames_keeps_rows_at_their_rate():
+    columns = log(seldom)
+    rest = np.full(1000, columns["q"][-1])
+    q = np.concatenate([columns["q"], rest, columns["q"][::-1]])
+    dropped = held(np.diff(q) == 0, [q])
+    assert 80 <= np.count_nonzero(~dropped[3000:4000]) <= 120
+    assert np.count_nonzero(~dropped[:3000]) == 300
+
+
+def test_a_jump_behind_a_stand_is_no_held_frame():
+    columns = log(lambda rows: np.where(rows < 1500, rows, np.maximum(rows - 300, 1500)))
+    columns["q"][1700:] += 0.5
+    assert not of(columns)[1].any()
+    assert any("jumps by 0.5" in text for text in prepare("log", columns, RIG).said)
