@@ -4,15 +4,20 @@ How long an example takes says how busy the machine is, and fails no test.
 
 Files are handed out in their order, the costly ones first: a worker that begins one last is waited
 for.  Workers are as many as cores, so none of them, and no process that it starts, takes a second
-core for its linear algebra.
+core for its linear algebra.  What is compiled of Python stays, as what Numba compiles does: each of
+these processes would compile it again.
 """
 
 import os
+import sys
 
 from hypothesis import settings
 
 for library in ("OMP", "OPENBLAS", "MKL"):  # each reads it once, as NumPy or SciPy is imported
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.register_profile("drawn", deadline=None)

@@ -19,7 +19,7 @@ UNSEEN = {"current_gain"}  # what is fitted takes it up
 def short(monkeypatch):
     """Short logs of 500 Hz, that a test can afford."""
     monkeypatch.setattr("spirob.campaign.case.RATES", (500.0,))
-    monkeypatch.setattr("spirob.campaign.case.length_of", lambda rate, rng: 6.0)
+    monkeypatch.setattr("spirob.campaign.case.length_of", lambda rate, rng: 4.0)
 
 
 def player(kind):

@@ -231,7 +231,7 @@ def test_every_kind_that_it_names_changes_what_is_logged(name):
         rng = np.random.default_rng(7)
         drawn = simulator.draw(rng, frozenset({kind}), 1.0)
         made = hiding(kind, scale, rng)
-        asked = plan("tones", rng, 6.0, drawn.stroke, 1.0)
+        asked = plan("tones", rng, 3.0, drawn.stroke, 1.0)
         found = [
             reported(simulator.play(drawn, hidden, asked), drawn, hidden)
             for hidden in (NOTHING, Hidden(**made.at(min(1.0, made.most))))

@@ -9,6 +9,7 @@ from spirob.machine.axis import diagnose_recordings
 from spirob.machine.differing import MOST, Log, _columns, turns
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
+from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 
 TURN = 2 * np.pi
@@ -78,7 +79,7 @@ def test_a_wrapped_machine_leaves_what_it_leaves_unwrapped():
     left = []
     for wrapped in (False, True):
         logs = [recorded(f"log_{k}", e, rig, wrapped, k) for k, e in enumerate(ends)]
-        found = diagnose_recordings(rig, Path(), logs[:2], logs[2:])
+        found = diagnose_recordings(rig, Path(), logs[:2], logs[2:], without=OTHERS)
         left.append(found.document["composed"]["rmse"]["test"])
         said = [s for s in found.document["repairs"] if "counted by the effort" in s]
         assert bool(said) is wrapped

@@ -11,6 +11,8 @@ import pytest
 
 from pipeline import ask, decide
 from spirob.diagnosis.proposals import ROLES, TRIALS, bend
+from spirob.emulator import EmulatedRig, HiddenSettings
+from spirob.emulator.machine import Machine
 from spirob.export.arm import corrected_arm, correlation_of
 from spirob.robot import MOTORS
 from tests.pipeline.project import DECIDING, MEASURED, ONE_CORE, SHORT, Project
@@ -66,6 +68,7 @@ METRICS = [
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
+    Machine(EmulatedRig(), HiddenSettings(), 0).cycle((0.0, 0.0))  # compiled before it is copied
     project = Project(tmp_path_factory.mktemp("project"), QUICK)
     project.repro()
     return project
