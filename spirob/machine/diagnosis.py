@@ -20,7 +20,7 @@ from spirob import plain_yaml
 from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
-from spirob.errors import ConfigError, DataError, NothingLeft
+from spirob.errors import ConfigError, DataError, NothingLeft, SimulationError
 from spirob.files import named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
@@ -34,6 +34,7 @@ from spirob.machine.result import Diagnosis, Sources
 from spirob.machine.rig import RigFile
 from spirob.machine.selection import each_once, filtered_alike
 
+FAIL = (np.linalg.LinAlgError, ArithmeticError, MemoryError, SimulationError, ValueError)
 # what SciPy and scikit-learn say of numbers that they cannot use; any other ValueError is a bug
 SAID = re.compile(r"finite|\bnan|\binf|too large|bound|infeasible|converge", re.IGNORECASE)
 
@@ -59,7 +60,7 @@ def failures_told(who: str, heard: Heard | None = None) -> Iterator[None]:
     """Inside, a numerical failure becomes a DataError that names `who`; none that was `heard`."""
     try:
         yield
-    except (np.linalg.LinAlgError, ArithmeticError, MemoryError, ValueError) as error:
+    except FAIL as error:
         theirs = heard is not None and error is heard.raised
         if theirs or not _of_numbers(error):
             raise
@@ -181,10 +182,12 @@ def _arm(
     """Diagnose our arm from logs of somebody else."""
     from spirob.machine.arm import diagnosis as arm
     from spirob.machine.arm.replay import table_of
+    from spirob.machine.model_file import unheard
 
     settings = Settings(**asdict(rig.criteria), intervals=False, always=False)
     trials, said = arm.read(rig, train, test)
-    found = arm.searched(rig, trials, settings, progress, own=own, said=said)
+    with unheard():
+        found = arm.searched(rig, trials, settings, progress, own=own, said=said)
     last, heldout = found.ended.found.chosen, found.models.heldout
     return Diagnosis(
         checked(arm.written(rig, found, said)),

@@ -7,9 +7,14 @@ from scipy.linalg import solve
 from scipy.optimize import least_squares
 
 import spirob
-from spirob.errors import DataError
+from spirob.errors import DataError, SimulationError
 from spirob.machine.diagnosis import failures_told
 from tests.machine.rigs import damper
+
+
+def diverged():
+    raise SimulationError("the model became non-finite after 1.577 s")
+
 
 FAILING = {
     "singular": lambda: np.linalg.inv(np.zeros((2, 2))),
@@ -19,6 +24,7 @@ FAILING = {
     "outside": lambda: least_squares(lambda x: x, [3.0], bounds=([1.0], [2.0])),
     "residual": lambda: least_squares(lambda x: x * np.nan, [1.0]),
     "not finite": lambda: solve(np.full((2, 2), np.nan), np.ones(2)),
+    "simulation": lambda: diverged(),
     "memory": lambda: np.zeros((10**7, 10**7)),
 }
 BUGS = {

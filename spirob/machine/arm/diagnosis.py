@@ -25,7 +25,7 @@ from spirob.identify.residual import SENSE, SUSPECTS, Filter, Residual, explaine
 from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile, described
 from spirob.machine.arm.preparation import Settled, settled, settled_with
-from spirob.machine.arm.replay import arm_trial, lasting
+from spirob.machine.arm.replay import arm_trial, barely_moves, lasting
 from spirob.machine.arm.rows import block, roles
 from spirob.machine.arm.shape import SHAPE
 from spirob.machine.loading import chosen
@@ -47,7 +47,7 @@ def read(
     said = [text for _, texts in logs for text in texts]
     names = ", ".join(t.name for t in trials["validate"])
     chosen = f"Effects are chosen by {names}, which no fit has seen."
-    return trials, [*said, *divided, chosen]
+    return trials, [*said, *barely_moves([log for log, _ in logs], rig), *divided, chosen]
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,8 @@ class Asked:
         if effects:
             models.fitted(tuple(effects), ground.numbers)
         doubts = _doubts(models)
-        ended, verdict = searched_for(models, self.absent, known, self.progress, doubts)
+        absent = [] if doubts else self.absent  # no name is trusted
+        ended, verdict = searched_for(models, absent, known, self.progress, doubts)
         return Searched(ended, verdict, ground.floor)
 
     def with_contender(self, ground: Settled, found: Searched) -> tuple[Settled, Searched]:

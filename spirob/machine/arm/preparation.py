@@ -1,13 +1,14 @@
 """What the search on an arm's logs stands on: the arm's shape, and the rows that count.
 
-The usual numbers are fitted first.  Where they leave no more than a complete model does, nothing
-else is asked.  Otherwise the arm may be of another design, or buckle, and not only lack an effect:
-its shape is searched for (`shape`) and believed where that clearly pays, and what builds of this
-arm leave open is left out of all roles (`determined`).
+The usual numbers are fitted first.  Where they leave no more than a complete model does, or explain
+next to nothing, nothing else is asked.  Otherwise the arm may be of another design, or buckle, and
+not only lack an effect: its shape is searched for (`shape`) and believed where that clearly pays,
+and what builds of this arm leave open is left out of all roles (`determined`).
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import median
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from spirob.identify.builds import (
 )
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
-from spirob.identify.residual import Residual, near
+from spirob.identify.residual import SENSE, Residual, explained, near
 from spirob.machine.arm.rows import determined
 from spirob.machine.arm.shape import FREED, gate, searched_shape
 
@@ -38,7 +39,7 @@ class Settled:
     numbers    fitted ones, and those of another shape, which the search holds
     residuals  by role, of the rows that count
     floor      what builds of this arm differ by
-    as_drawn   nothing else had to be asked
+    as_drawn   nothing else was asked
     said       sentences about all this
     """
 
@@ -143,11 +144,14 @@ def settled(
     """
     ground = Ground(residuals, names, free, settings, progress)
     found = ground.fitted(ground.train, names, start, STEPS[:1])
-    if _left(ground.train, found.residual) <= NEARLY * ground.limit:
+    shares = list(explained(ground.train, found.residual).values())
+    senseless = bool(shares) and median(shares) < SENSE  # no shape makes up for a wrong column
+    if senseless or _left(ground.train, found.residual) <= NEARLY * ground.limit:
         found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
         whole = Arm(found.changes, list(names), dict(residuals), {})
         floor = ground.floor(whole, {})
-        if _left(ground.train, found.residual) <= complete(ground.train, floor.share):
+        nearly = _left(ground.train, found.residual) <= complete(ground.train, floor.share)
+        if senseless or nearly:
             return Settled(found.changes, whole.residuals, floor, [], as_drawn=True)
     arm = ground.on_its_rows(*ground.shaped(found))
     numbers, widths, told = _built(ground, arm)

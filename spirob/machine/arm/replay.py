@@ -31,6 +31,7 @@ from spirob.robot import MOTORS, Scene
 
 MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
 SURE = 3.0  # deviations of a mean, beyond which it is another
+LITTLE = 0.01  # of the stroke, within which tendons and gears yield as much as an arm bends
 BEGUN = 50  # cycles of 1 ms at the beginning, in which the arm has to stand
 FIRST = 3  # samples at least that say whether there is a current before any change of it
 SPARE = 1.25  # of the stroke: holes, drums and where the arm begins are known less well than that
@@ -69,6 +70,18 @@ def within_stroke(name: str, length: np.ndarray, current: np.ndarray, rig: ArmFi
                 f"but the arm's stroke is {1e3 * whole:.0f} mm: a unit, the gear, the drum or the "
                 "geometry is wrong"
             )
+
+
+def barely_moves(trials: Sequence[Measurement], rig: ArmFile) -> list[str]:
+    """That the arm moves next to nothing in any log, where that is so."""
+    whole = stroke(rig.machine().geometry.arm())
+    most = max(float(np.ptp(trial.displacement, axis=0).max()) for trial in trials)
+    if most > LITTLE * whole:
+        return []
+    return [
+        f"The motors wind in {1e3 * most:.2g} mm at most, of a stroke of {1e3 * whole:.0f} mm: is "
+        "the unit or the factor of a position another? So little shows them, and hardly the arm."
+    ]
 
 
 def held(first: np.ndarray) -> np.ndarray | None:

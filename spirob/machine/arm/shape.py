@@ -30,7 +30,7 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem
 from spirob.identify.residual import Residual, near
 from spirob.identify.scaling import STRENGTH, Scaling
-from spirob.parameter import Table
+from spirob.parameter import Parameter, Table
 
 FIRST, CHILDREN, GENERATIONS, PARENTS = 128, 48, 6, 8
 DIFFERENCE = 0.6  # of two parents, added to a third
@@ -105,7 +105,7 @@ def searched_shape(
     wide = scale * LENGTH / train.length
 
     def tried(drawn: np.ndarray) -> tuple[float, dict[str, float]]:
-        numbers = {**found.changes, **_drawn(found.changes, shape, drawn)}
+        numbers = {**found.changes, **drawn_shape(found.changes, about, shape, drawn)}
         try:
             missed = heavy(numbers)
         except SimulationError:
@@ -132,15 +132,19 @@ def _deepest(train: Residual) -> list[Measurement]:
     return [trial for _, trial in deepest.values()]
 
 
-def _drawn(
-    first: Mapping[str, float], shape: Mapping[str, Sequence[float]], drawn: np.ndarray
+def drawn_shape(
+    first: Mapping[str, float],
+    about: Mapping[str, Parameter],
+    shape: Mapping[str, Sequence[float]],
+    drawn: np.ndarray,
 ) -> dict[str, float]:
+    """Numbers of a shape at a point of the unit cube, within what the model allows."""
     values = {
         n: a + (b - a) * float(x) for (n, (a, b)), x in zip(shape.items(), drawn, strict=True)
     }
     if (name := "arm.base_stiffness") in values:
         values[name] *= first[name]
-    return values
+    return {n: float(np.clip(v, about[n].low, about[n].high)) for n, v in values.items()}
 
 
 TOLD = 0.5  # of its tolerance: what is known of a number that counts as seen

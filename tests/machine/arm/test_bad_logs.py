@@ -11,7 +11,7 @@ from spirob.errors import DataError
 from spirob.identify.residual import SENSE, Residual, explained
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
-from spirob.machine.arm.replay import arm_trial
+from spirob.machine.arm.replay import arm_trial, barely_moves
 from spirob.plant import Plant
 from tests.machine.arm.elsewhere import log, rig, tables
 
@@ -57,6 +57,17 @@ def test_exchanged_motors_get_no_name_but_a_sentence(tmp_path):
     assert document["effects"] == []
     assert document["sentence"] == SENSELESS
     assert "are the columns of the two motors exchanged" in document["explanation"]
+    assert document["candidates"] == []  # nothing is searched for
+
+
+def test_an_arm_that_moves_next_to_nothing_is_said(columns):
+    """As where millimetres are taken for metres; a hundredth of the stroke is enough to say so."""
+    slight = {n: v / 1000.0 if "angle" in n else v for n, v in columns.items()}
+    for found, said in ((columns, 0), (slight, 1)):
+        trial, _ = arm_trial(Table("log", found), rig(), "train")
+        told = barely_moves([trial], rig())
+        assert len(told) == said
+        assert all("is the unit or the factor of a position another?" in text for text in told)
 
 
 def test_one_exchanged_log_among_good_ones_is_named(tmp_path):

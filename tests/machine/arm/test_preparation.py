@@ -33,8 +33,14 @@ def as_commanded(true, effects=()):
         yield played({"name": motor, "role": "train", **bend, "duration": 3.0}, true, effects, k=k)
 
 
-def settle(true):
-    columns = as_commanded(true)
+def exchanged(columns):
+    """The log with each motor's current in the other's column."""
+    other = {"left current": "right current", "right current": "left current"}
+    return {name: columns[other.get(name, name)] for name in columns}
+
+
+def settle(true, logged=dict):
+    columns = [logged(c) for c in as_commanded(true)]
     logs = [arm_trial(Table(f"{k}", c), rig(), "train")[0] for k, c in enumerate(columns)]
     plant = Plant(rig().machine())
     residuals = {role: Residual(plant, [replace(t, role=role) for t in logs]) for role in ROLES}
@@ -47,6 +53,14 @@ def test_an_arm_as_drawn_is_asked_nothing_else():
     assert found.residuals == residuals
     assert found.as_drawn
     assert not any(name.startswith("holes.") for name in found.numbers)
+
+
+def test_logs_that_make_no_sense_are_asked_for_no_shape(monkeypatch):
+    """A search of minutes would find what makes up for columns that are exchanged."""
+    monkeypatch.setattr(preparation, "searched_shape", None)
+    _, found = settle({**TRUE, **ELSEWHERE}, exchanged)
+    assert found.as_drawn
+    assert found.said == []
 
 
 def test_holes_that_lie_elsewhere_are_found_and_said():

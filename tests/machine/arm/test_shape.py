@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from spirob.machine.arm.shape import _deepest, evolved
+from spirob.machine.arm.shape import SHAPE, _deepest, drawn_shape, evolved
+from spirob.plant import Plant, Rig
 
 PLACE = np.array([0.62, 0.31, 0.5, 0.77, 0.45])
 
@@ -40,3 +41,13 @@ def test_the_deepest_bend_of_either_motor_is_searched():
     trials = [bend(0, 0.01), bend(1, 0.03), bend(0, 0.02), bend(1, 0.01)]
     train = SimpleNamespace(trials=trials, driven=lambda trial: [trial.motor])
     assert _deepest(train) == [trials[2], trials[1]]
+
+
+def test_no_shape_that_is_drawn_is_beyond_what_the_model_allows():
+    about = Plant(Rig()).table.about
+    shape = {n: ends or (about[n].low, about[n].high) for n, ends in SHAPE.items()}
+    rng = np.random.default_rng(0)
+    for stiffness in (about["arm.base_stiffness"].low, about["arm.base_stiffness"].high):
+        for point in rng.random((20, len(shape))):
+            found = drawn_shape({"arm.base_stiffness": stiffness}, about, shape, point)
+            assert all(about[n].low <= value <= about[n].high for n, value in found.items())
