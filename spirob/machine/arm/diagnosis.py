@@ -139,8 +139,7 @@ class Asked:
         if effects:
             models.fitted(tuple(effects), ground.numbers)
         doubts = _doubts(models)
-        absent = [] if doubts else self.absent  # no name is trusted
-        ended, verdict = searched_for(models, absent, known, self.progress, doubts)
+        ended, verdict = searched_for(models, self.absent, known, self.progress, doubts)
         return Searched(ended, verdict, ground.floor)
 
     def with_contender(self, ground: Settled, found: Searched) -> tuple[Settled, Searched]:

@@ -57,7 +57,6 @@ def test_exchanged_motors_get_no_name_but_a_sentence(tmp_path):
     assert document["effects"] == []
     assert document["sentence"] == SENSELESS
     assert "are the columns of the two motors exchanged" in document["explanation"]
-    assert document["candidates"] == []  # nothing is searched for
 
 
 def test_an_arm_that_moves_next_to_nothing_is_said(columns):
