@@ -281,7 +281,7 @@ class Models(Predictor):
         return min(fits, key=lambda made: made.cost)
 
     def _model(self, effects: tuple[type[Effect], ...], found: Fit) -> Model:
-        passing = max(self.train.passing(found.changes), LEAST)
+        passing = self._passing(found)
         left = left_out(self.train, found, self.folds, ROUGH if _is_rough(effects) else STEP)
         left, held = left / passing, self.heldout(found.changes) / passing
         made = Model(
@@ -295,11 +295,16 @@ class Models(Predictor):
         self.progress(f"{label(effects)}: {share:.2%} of the effort left")
         return made
 
+    def _passing(self, found: Fit) -> float:
+        """Share of the effort that errors count over: what a model swallows of it is no merit."""
+        return max(self.train.passing(found.changes), LEAST)
+
     def scores(self, model: Model) -> dict[str, Score]:
         """Scores of a model on the trials that it was fitted to and on the held-out ones."""
         measured = self.train.measured(), self.heldout.measured()
+        fitted = model.fit.residual / self._passing(model.fit)
         return {
-            "train": score(measured[0], measured[0] + model.fit.residual),
+            "train": score(measured[0], measured[0] + fitted),
             "test": score(measured[1], measured[1] + model.heldout),
         }
 
