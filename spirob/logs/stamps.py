@@ -56,20 +56,19 @@ def ordered(where: str, stamps: np.ndarray, unit: float, said: list[str]) -> Ord
             f"{where}: time runs backwards in {len(falls)} of {len(values)} rows, first in row "
             f"{rows[falls[0]] + 1}; is it another column?"
         )
-    if not len(falls):
-        return Ordered(rows, values, np.array([0]))
     begins = np.array([0, *_begun_again(values, falls)])
     found = [_in_order(part) for part in np.split(values, begins[1:])]
     if len(begins) > 1:
         again = len(begins) - 1
         first = rows[begins[1]] + 1
         said.append(f"{where}: the clock starts again {_times(again)}, first in row {first}.")
-    put = sum(len(keep) - len(_longest_rising(keep)) for keep in found)
+    moved = [keep for keep in found if np.any(np.diff(keep) < 0)]
+    put = sum(len(keep) - len(_longest_rising(keep)) for keep in moved)
     lost = len(values) - sum(map(len, found))
     if put:
         said.append(f"{where}: {put} rows out of place put in order of time.")
     if lost:
-        said.append(f"{where}: {lost} rows whose time does not increase were dropped.")
+        said.append(f"{where}: {lost} rows whose time does not follow from those beside were dropped.")
     index = np.concatenate([b + keep for b, keep in zip(begins, found, strict=True)])
     starts = np.cumsum([0, *(len(keep) for keep in found)])[:-1]
     return Ordered(rows[index], values[index], starts)
@@ -102,7 +101,8 @@ def _begun_again(values: np.ndarray, falls: np.ndarray) -> list[int]:
     middle = median_filter(values, 2 * BESIDE + 1, mode="nearest")
     before = middle[np.maximum(falls - 1 - BESIDE, 0)]
     after = middle[np.minimum(falls + BESIDE, len(values) - 1)]
-    again = falls[after < before]
+    inner = (falls > BESIDE) & (falls < len(values) - BESIDE)
+    again = falls[inner & (after < before)]
     if not len(again):
         return []
     sizes = values[again] - values[again - 1]
@@ -112,6 +112,8 @@ def _begun_again(values: np.ndarray, falls: np.ndarray) -> list[int]:
 
 def _in_order(values: np.ndarray) -> np.ndarray:
     """Index of the rows of a stretch by time, without those whose stamp belongs elsewhere."""
+    if not np.any(np.diff(values) < 0):
+        return np.arange(len(values))[_together(values)]
     kept = _longest_rising(values)
     out = np.setdiff1d(np.arange(len(values)), kept, assume_unique=True)
     at = np.searchsorted(kept, out)
@@ -119,7 +121,18 @@ def _in_order(values: np.ndarray) -> np.ndarray:
     high = values[kept[np.minimum(at + BESIDE, len(kept)) - 1]]
     near = out[(values[out] >= low) & (values[out] <= high)]
     every = np.concatenate([kept, near])
-    return np.asarray(every[np.argsort(values[every], kind="stable")])
+    every = every[np.argsort(values[every], kind="stable")]
+    return every[_together(values[every])]
+
+
+def _together(values: np.ndarray) -> slice:
+    """Without the few first or last rows that lie further off than all others are apart."""
+    if len(values) <= 4 * BESIDE:
+        return slice(None)
+    far = np.diff(values) > values[-BESIDE - 1] - values[BESIDE]
+    first, last = np.flatnonzero(far[:BESIDE]), np.flatnonzero(far[-BESIDE:])
+    begin = int(first[-1]) + 1 if len(first) else 0
+    return slice(begin, len(values) - BESIDE + int(last[0]) if len(last) else None)
 
 
 def _longest_rising(values: np.ndarray) -> np.ndarray:

@@ -14,7 +14,8 @@ Its logs, made even, filtered, alike:
     grids.py, clock.py, held_frames.py
                                    even grids of a log's columns, when each row was, and which
                                    rows hold the frame before
-    filtering.py, positions.py     its filters; a position as the axis moved, turns and jumps told
+    filtering.py                   its filters
+    positions.py, unwrapping.py    a position as the axis moved: jumps told, wraps undone
     motion.py                      the motion of all trials in a row, and what remembers along it
 The inverse model, which tells the effort that a motion asks for:
     inverse.py, inverse_equations.py

@@ -10,7 +10,8 @@ from spirob.errors import DataError, NothingLeft
 from spirob.machine import checks
 from spirob.machine.clock import SHORTEST, Clock, bridged, clock_of
 from spirob.machine.columns import ANGLES, TICK, TIME_UNITS, Column, PositionColumn
-from spirob.machine.positions import Repaired, Track, repaired
+from spirob.machine.positions import Repaired, repaired
+from spirob.machine.unwrapping import Track
 
 PIECE = 0.5  # s, of a piece at least
 FEWEST = 12  # samples of one

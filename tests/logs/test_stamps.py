@@ -7,7 +7,7 @@ Of clocks coarser than the samples that holds for 99 of 100.
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from spirob.errors import DataError
@@ -68,6 +68,22 @@ def test_a_stamp_that_belongs_nowhere_is_dropped(rows, stamp):
     stamps[rows] = stamp
     found = ordered("log", stamps, 1e-3, [])
     assert set(range(400)) - set(found.rows.tolist()) == set(rows)
+
+
+@given(st.integers(1, 5), st.booleans(), st.sampled_from([0.0, -1e9, 1e15]), st.booleans())
+def test_a_few_stamps_far_off_at_an_end_are_dropped(count, first, stamp, again):
+    """A clock that was not set yet, or a counter that broke off, beside a restart or none."""
+    assume(not again or first)
+    true = clock(start=1e12 if stamp == 0.0 else 0.0)
+    stamps = true.copy()
+    rows = np.arange(count) if first else 400 - count + np.arange(count)
+    stamps[rows] = stamp
+    if again:
+        stamps = np.concatenate([stamps, true])
+    said: list[str] = []
+    found = ordered("log", stamps, 1e-3, said)
+    assert set(range(len(stamps))) - set(found.rows.tolist()) == set(rows)
+    assert f"log: {count} rows whose time does not follow from those beside were dropped." in said
 
 
 @pytest.mark.parametrize(

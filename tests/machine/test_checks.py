@@ -28,7 +28,12 @@ def test_a_good_log_is_left_alone():
         ("u", slice(10, 20), np.nan, "10 missing values of 'u' were bridged"),
         ("q", slice(10, 13), np.inf, "3 missing values of 'q' were bridged"),
         ("q", slice(10, 40), np.nan, "'q' has no number in 30 rows in a run; the log was cut"),
-        ("t", slice(500, 501), 0.0, "1 rows whose time does not increase were dropped"),
+        (
+            "t",
+            slice(500, 501),
+            0.0,
+            "1 rows whose time does not follow from those beside were",
+        ),
         ("q", slice(700, 701), 90.0, "jumps of 'q' out and back were bridged"),
     ],
 )

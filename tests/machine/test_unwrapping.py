@@ -8,7 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from spirob.errors import DataError
-from spirob.machine.positions import Track, modulus_of, repaired, unwrapped
+from spirob.machine.positions import repaired
+from spirob.machine.unwrapping import Track, modulus_of, unwrapped
 
 TURN = 2 * np.pi
 MODULI = st.sampled_from([TURN, 2 * TURN, 0.5 * TURN, 25.0, 360.0, 4096.0, 1.0])
@@ -67,6 +68,22 @@ def test_a_sensor_of_speed_tells_turns_that_no_row_shows(modulus, whole, part, s
     log = replace(track, values=np.mod(true, modulus), speed=scale * np.gradient(true, 0.01))
     known, _, _ = unwrapped(log, modulus)
     same(known, true, modulus)
+
+
+@given(MODULI, st.floats(0.01, 0.05), st.integers(6, 200), st.integers(0, 2**32))
+def test_turns_over_a_gap_are_found_or_told_as_a_guess(modulus, fastest, lost, seed):
+    true, track = spun(modulus, fastest, 0.0, seed)
+    assume(np.ptp(true) > 1.5 * modulus)
+    begin = int(np.random.default_rng(seed).integers(400, 900))
+    rest = np.delete(np.arange(1200), slice(begin, begin + lost))
+    log = replace(track, values=track.values[rest], seconds=track.seconds[rest], usual=(modulus,))
+    said: list[str] = []
+    found = repaired("log", "q", log, said)
+    told = any("is a guess" in sentence for sentence in said)
+    assert told or not len(found.jumps)
+    if not told:
+        same(found.values, true[rest], modulus)
+    assert not (told and fastest * (lost + 1) < 0.3)
 
 
 @given(MODULI, st.floats(0.01, 0.2), st.integers(0, 2**32))
@@ -129,6 +146,20 @@ def test_one_step_of_no_known_size_is_a_jump_and_many_are_refused():
     often = replace(once, values=true + 5.0 * np.cumsum(np.arange(1200) % 60 == 0))
     with pytest.raises(DataError, match=r"'q' jumps by .* and 19 times in all"):
         repaired("log", "q", often, [])
+
+
+@given(st.integers(2, 4), st.integers(0, 2**32))
+def test_rows_that_no_stamp_misses_are_lost_samples_and_keep_the_zero(rows, seed):
+    """An even clock was put behind stamps that tell no loss: the axis moves rows at once."""
+    rng = np.random.default_rng(seed)
+    true = 3.0 * np.sin(0.08 * np.arange(1200)) + 1e-4 * rng.standard_normal(1200)
+    begin = round(np.pi * rng.integers(2, 28) / 0.08) + int(rng.integers(-3, 4))  # it is fast there
+    rest = np.delete(true, slice(begin, begin + rows - 1))
+    said: list[str] = []
+    found = repaired("log", "q", Track(rest, 0.01 * np.arange(len(rest)), 0.01, 0.055), said)
+    np.testing.assert_array_equal(found.values, rest)
+    assert list(found.jumps) == [begin]
+    assert f"'q' moves by the way of {rows} rows in one" in said[0]
 
 
 def steady(rate, modulus=TURN, speed=None):
