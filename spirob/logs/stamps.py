@@ -68,7 +68,9 @@ def ordered(where: str, stamps: np.ndarray, unit: float, said: list[str]) -> Ord
     if put:
         said.append(f"{where}: {put} rows out of place put in order of time.")
     if lost:
-        said.append(f"{where}: {lost} rows whose time does not follow from those beside were dropped.")
+        said.append(
+            f"{where}: {lost} rows whose time does not follow from those beside were dropped."
+        )
     index = np.concatenate([b + keep for b, keep in zip(begins, found, strict=True)])
     starts = np.cumsum([0, *(len(keep) for keep in found)])[:-1]
     return Ordered(rows[index], values[index], starts)

@@ -151,9 +151,10 @@ def library(
     turned = 0.0 if body or not rig.angular or rig.position is None else _stroke(train)
     side = (rig.position and rig.position.side) or "motor"
     shared = body is None and ("inertia" in rig.fit or rig.known.get("inertia", 0.0) > 0.0)
-    own = for_axis(held, turned, side, shared)
+    given = body is not None and "scale" not in rig.fit
+    own = for_axis(held, turned, side, shared, given)
     whole = [e for e in all_effects().values() if e.name() not in without]
-    library = [*own, *(e for e in for_axis(whole, turned, side, shared) if e not in own)]
+    library = [*own, *(e for e in for_axis(whole, turned, side, shared, given) if e not in own)]
     has_tip = not isinstance(rig.body, str) and rig.body.tip is not None
     stiffness = body.stiffness if body else 0.0
     possible, excluded = applicable(library, rig, has_tip, stiffness, rig.angular)

@@ -18,7 +18,10 @@ from spirob.diagnosis.model import another_dry
 from spirob.effects import Effect, all_effects
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
-from spirob.machine.laws.direction_dependent_efficiency import DirectionDependentEfficiency
+from spirob.machine.laws.direction_dependent_efficiency import (
+    DirectionDependentEfficiency,
+    OfDescribedLoad,
+)
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.laws.load_dependent_friction import LoadDependentFriction
 from spirob.machine.laws.presliding_friction import PreslidingFriction
@@ -46,6 +49,7 @@ def for_axis(
     turned: float = 0.0,
     side: str = "motor",
     shared: bool = True,
+    given: bool = False,
 ) -> list[type[Effect]]:
     """The same effects, each by its law for an axis where there is one.
 
@@ -53,10 +57,13 @@ def for_axis(
     side    where the position sensor sits, at the "motor" or at the "load"
     shared  whether a part of the load may be the motor's own inertia: not where a body is
             described, which carries the rest, or where no inertia is moved
+    given   whether a body is described and the scale of the effort is not fitted
     """
     own = (LOAD_SIDE if side == "load" else AXIS) | FRICTION | (LOSSES if shared else _CARRIED)
     if turned >= TURNED:
         own = own | LEVER
+    if given:
+        own = own | {OfDescribedLoad.name(): OfDescribedLoad}
     return [own.get(e.name(), e) if e.__module__.startswith("spirob.") else e for e in effects]
 
 

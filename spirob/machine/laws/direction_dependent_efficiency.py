@@ -59,3 +59,39 @@ class DirectionDependentEfficiency(Effect):
         target = math.tanh(speed / (softness * rest_speed))
         mobilised = target + (mobilised - target) * math.exp(-abs(speed) * dt / presliding)
         return upstream * (1.0 + 0.5 * back_excess * (1.0 - sign * mobilised)), mobilised
+
+
+class OfDescribedLoad(DirectionDependentEfficiency):
+    """η → η·(1 - y·(1 + z·sgn i)/2 + x·(1 - z·sgn i)/2), x and z as of any load.
+
+    Of a load that a model file describes, under efforts whose scale is given, no other number takes
+    up what is lost while the motor drives: y, as x while the load does.
+    """
+
+    neutral = {"back_excess": 0.0, "forward_loss": 0.0}
+    equation = "upstream*(1 + (x - y - (x + y)*mobilised*sign(current))/2)"
+
+    forward_loss: float = bounded(0.1, 0.0, 0.9, "1", "y", "part of the torque lost while driving")
+
+    @staticmethod
+    def kernel(
+        upstream,
+        speed,
+        rest_speed,
+        current,
+        mobilised,
+        back_excess,
+        softness,
+        presliding,
+        forward_loss,
+        dt,
+    ):
+        """Torque at the drum over torque at the rotor and gear ratio [-], and the next share."""
+        sign = 0.0
+        if current != 0.0:
+            sign = math.copysign(1.0, current)
+        target = math.tanh(speed / (softness * rest_speed))
+        mobilised = target + (mobilised - target) * math.exp(-abs(speed) * dt / presliding)
+        along = sign * mobilised
+        passed = 1.0 + 0.5 * back_excess * (1.0 - along) - 0.5 * forward_loss * (1.0 + along)
+        return upstream * passed, mobilised

@@ -8,6 +8,7 @@ from spirob.effects.check import check
 from spirob.effects.replay import run
 from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE, LOSSES, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
+from spirob.machine.laws.direction_dependent_efficiency import OfDescribedLoad
 from spirob.machine.laws.gear_compliance import GearCompliance
 from spirob.machine.preparation import applicable
 from spirob.machine.rig import RigFile
@@ -18,9 +19,10 @@ PIPED = {"winch.efficiency": ["upstream"], "motor.torque": []}
 
 
 LAWS = [*AXIS.values(), *LEVER.values(), *FRICTION.values(), *LOAD_SIDE.values(), *LOSSES.values()]
+LAWS.append(OfDescribedLoad)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=[law.__module__ for law in LAWS])
+@pytest.mark.parametrize("law", LAWS, ids=[f"{law.__module__}.{law.__name__}" for law in LAWS])
 def test_a_law_keeps_what_every_effect_promises(law):
     assert [f"{f.law}: {f.sentence}" for f in check(law)] == []
 
@@ -91,6 +93,18 @@ def test_the_share_is_fitted_only_where_a_load_may_hold_some_of_the_motor_s_iner
         (law,) = for_axis(library, shared=shared)
         assert law.name() == "load_dependent_friction"
         assert ("rotor_share" in law.fitted()) is shared
+
+
+def test_what_is_lost_while_a_motor_drives_is_told_of_a_described_load_alone():
+    library = [all_effects()["direction_dependent_efficiency"]]
+    (law,), (told,) = for_axis(library), for_axis(library, shared=False, given=True)
+    assert told is OfDescribedLoad
+    assert "forward_loss" not in law.parameters()
+    numbers = {"back_excess": 0.4, "softness": 1.0, "presliding": 1e-5, "forward_loss": 0.1}
+    signals = {"speed": np.array([1.0, -1.0, -1.0, 1.0]), "rest_speed": np.full(4, 1e-3)}
+    signals |= {"upstream": np.ones(4), "current": np.array([1.0, 1.0, -1.0, -1.0])}
+    passed, _ = run(told, numbers, signals, DT)
+    np.testing.assert_allclose(passed, [0.9, 1.4, 0.9, 1.4], atol=1e-9)
 
 
 def test_a_rig_without_inertia_has_no_load_to_leave_behind():
