@@ -30,11 +30,6 @@ from spirob.machine.scaling import ways
 from spirob.machine.shapes import shaping
 
 ALL_FIT = "A law composed without any name fits all logs, which no model of the library does."
-OTHER_CURVE = (
-    "The friction turns round by another curve than that of {title}: {shape} would leave "
-    "{left:.2g}% of the effort held out, not {named:.2g}%."
-)
-BRISTLES = (["bristle"], ["spring"])  # terms of a law that is a dry friction over a way, no more
 TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
     "A law composed without any name is plainer and leaves less than half the squared error, or "
@@ -145,30 +140,9 @@ def _beside_laws(judged: Judged) -> Judged:
     alone = composed(search, found, found.rungs[0], partial(may_outdo, chosen))
     richer = beside.model if beside else chosen
     whole = unexplained(models, richer) and explains_all(search.worth, alone)
-    judged_beside = replace(judged, law=beside) if follows else judged
     if alone is None or not (whole or outdone(search.worth, chosen, beside, alone)):
-        return judged_beside
-    if said := of_its_kind(search, chosen, alone):
-        return judged_beside.noted(said)
+        return replace(judged, law=beside) if follows else judged
     return _by_law(judged, alone, OUTDONE)
-
-
-def of_its_kind(search: RigSearch, chosen: Model, law: Composed) -> str:
-    """What is said of a law that is the named dry friction by another curve; empty if it is not.
-
-    Bristles turn round by many curves (Dahl's, springs that slip), over a short way all of them.
-    """
-    if law.document["terms"] not in BRISTLES or len(chosen.effects) != 1:
-        return ""
-    effect, problem = chosen.effects[0], search.models.train
-    longest = [problem.table.about[f"{effect.name()}.{field}"].high for field in ways(effect)]
-    way = law.document["numbers"]["reach_1"]["value"]
-    if not (is_dry(effect) and longest and way <= max(longest)):
-        return ""
-    size = np.sqrt(np.mean(search.models.heldout.measured() ** 2))
-    left, named = (100 * np.sqrt(m.heldout_square) / size for m in (law.model, chosen))
-    shape, title = law.document["shape"], plain(effect.name())
-    return OTHER_CURVE.format(title=title, shape=shape, left=left, named=named)
 
 
 def _by_law(judged: Judged, law: Composed, said: str) -> Judged:

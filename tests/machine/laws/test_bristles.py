@@ -37,9 +37,29 @@ def lugre(level, way, damping):
 
 
 def test_damped_bristles_are_those_of_lugre():
-    numbers = {"sliding_torque": 0.02, "presliding": 0.05, "damping": 0.02}
+    numbers = {"sliding_torque": 0.02, "presliding": 0.05, "damping": 0.02, "exponent": 1.0}
     torque, _ = run(FRICTION["presliding_friction"], numbers, {"speed": speed(T)}, DT)
     np.testing.assert_allclose(torque, lugre(lambda v: 0.02, 0.05, 0.02), atol=2e-5)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 0.4, 0.999, 1.3])
+def test_bristles_bend_as_dahl_has_it(exponent):
+    """dz/dt = ω/δ·(1 - z·sgn ω)^α, by another's integrator; a spring that slips in closed form."""
+    numbers = {"sliding_torque": 1.0, "presliding": 0.05, "damping": 0.0, "exponent": exponent}
+    torque, _ = run(FRICTION["presliding_friction"], numbers, {"speed": speed(T)}, DT)
+    if exponent == 0.0:
+        wound, expected = 0.0, np.empty(len(T))
+        for k, step in enumerate(speed(T) * DT):
+            wound = expected[k] = min(max(wound + step / 0.05, -1.0), 1.0)
+    else:
+
+        def bend(t, z):
+            lacking = np.maximum(0.0, 1.0 - z * np.sign(speed(t)))
+            return speed(t) / 0.05 * lacking**exponent
+
+        told = {"t_eval": T, "rtol": 1e-8, "atol": 1e-10, "max_step": 1e-3}
+        expected = solve_ivp(bend, (0.0, END), [0.0], **told).y[0]
+    np.testing.assert_allclose(-torque, expected, atol=3e-3)
 
 
 def test_a_peak_on_bristles_is_that_of_lugre():
@@ -58,7 +78,11 @@ def test_a_peak_on_bristles_is_that_of_lugre():
 def test_without_damping_and_way_they_are_the_laws_of_the_library(name):
     own, other = FRICTION[name], all_effects()[name]
     nominal = {f: p.nominal for f, p in other.parameters().items()}
-    neither = {"damping": 0.0} if "damping" in own.parameters() else {"presliding": 1e-12}
+    neither = (
+        {"damping": 0.0, "exponent": 1.0}
+        if "damping" in own.parameters()
+        else {"presliding": 1e-12}
+    )
     given = {"speed": speed(T), "rest_speed": np.full(len(T), REST)}
     mine, theirs = (
         run(law, numbers, {a: given[a] for a in law.reads}, DT)[0]
