@@ -83,12 +83,20 @@ def noise_floor(problem: Problem) -> float:
 
     White noise of a sensor is taken from second differences of the raw effort, in which the slow
     signal all but vanishes (std of x_k - 2x_(k+1) + x_(k+2) is √6 σ; the median absolute deviation
-    ignores the fast events); the filter lets through the share that it does of white noise.
+    ignores the fast events); the filter lets through the share that it does of white noise, drawn
+    as it was sampled.
     """
     white = np.random.default_rng(0).standard_normal(20_000)
-    passed = float(np.std(problem.filter(white)))
-    levels = [1.4826 * _deviation(np.diff(raw, n=2)) / np.sqrt(6) for raw in problem.raw()]
-    return float(np.sqrt(np.mean(np.square(levels)))) * passed
+    clock, spaced = np.arange(len(white)), problem.spaced()
+    passed = {
+        every: float(np.std(problem.filter(np.interp(clock, clock[::every], white[::every]))))
+        for every in set(spaced)
+    }
+    levels = [
+        passed[every] * 1.4826 * _deviation(np.diff(raw, n=2)) / np.sqrt(6)
+        for raw, every in zip(problem.raw(), spaced, strict=True)
+    ]
+    return float(np.sqrt(np.mean(np.square(levels))))
 
 
 def complete(problem: Problem, floor: float) -> float:

@@ -27,6 +27,7 @@ import numpy as np
 from spirob.diagnosis.orders import BY_LOAD, answers, best_orders, following
 from spirob.effects import Effect
 from spirob.effects.effect import differences
+from spirob.errors import SimulationError
 from spirob.identify.descent import Anchor, corrected, linear_step, robust_cost
 from spirob.identify.fit import Fit, anchor_of
 from spirob.identify.problem import Problem
@@ -226,10 +227,27 @@ def _shapes(effect: type[Effect]) -> dict[str, float]:
 
 
 def _heat(problem: Problem, runners: Sequence[_Runner], scale: float) -> list[_Runner]:
-    """Simulate every runner where its derivatives promise the least cost."""
+    """Simulate every runner where its derivatives promise the least cost.
+
+    One that no machine can be simulated with there stays where it is.
+    """
     goals = [_goal(r, scale) for r in runners]
-    seen = problem.many([r.at(u) for r, u in zip(runners, goals, strict=True)])
-    return [_moved(*c, scale) for c in zip(runners, goals, seen, strict=True)]
+    points = [r.at(u) for r, u in zip(runners, goals, strict=True)]
+    try:
+        seen: Sequence[np.ndarray | None] = problem.many(points)
+    except SimulationError:
+        seen = [_simulated(problem, point) for point in points]
+    return [
+        runner if found is None else _moved(runner, goal, found, scale)
+        for runner, goal, found in zip(runners, goals, seen, strict=True)
+    ]
+
+
+def _simulated(problem: Problem, point: Mapping[str, float]) -> np.ndarray | None:
+    try:
+        return problem(point)
+    except SimulationError:
+        return None
 
 
 def _goal(runner: _Runner, scale: float) -> np.ndarray:

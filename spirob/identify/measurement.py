@@ -21,6 +21,7 @@ class Measurement:
     first_angle  of the rotors when the trial began [rad], where the log tells
     temperature  of the windings [°C], (T, 2), where the log tells
     use          cycles that are compared, (T,); None: all.  All are played
+    every        cycles from one logged sample to the next; those between are interpolated
     weight       of what is compared in each cycle, over that of others, (T,); None: all alike
     """
 
@@ -35,6 +36,7 @@ class Measurement:
     temperature: np.ndarray | None = None
     use: np.ndarray | None = None
     weight: np.ndarray | None = None
+    every: int = 1
 
     @property
     def seconds(self) -> np.ndarray:
@@ -63,7 +65,7 @@ class Measurement:
         def both(signal: str) -> np.ndarray:
             return np.column_stack([trace[f"{motor}.{signal}"] for motor in MOTORS])
 
-        measured = {name: both(name) for name in MEASURED}
+        measured: dict[str, Any] = {name: both(name) for name in MEASURED}
         role = str(trace.meta.get("role", "train"))
         angle: Any = trace.meta.get("first_angle") or {}
         return cls(

@@ -139,6 +139,9 @@ class Problem(Protocol):
     def raw(self) -> list[np.ndarray]:
         """The measured effort before any filter, one array for each stretch."""
 
+    def spaced(self) -> list[int]:
+        """Of each stretch, samples of the filter's clock from one of `raw` to the next."""
+
     def filter(self, values: np.ndarray) -> np.ndarray:
         """What the residual's filter leaves of unfiltered signals, along the last axis."""
 

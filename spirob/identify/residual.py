@@ -138,9 +138,13 @@ class Residual:
         ]
 
     def raw(self) -> list[np.ndarray]:
-        """Unfiltered current of each driven motor of each trial [A], where it is compared."""
-        used = [(t, slice(None) if t.use is None else t.use) for t in self.trials]
-        return [t.current[use, m] for t, use in used for m in self.driven(t)]
+        """Unfiltered samples of each driven motor's current in each trial [A], where compared."""
+        used = [(t, compared(len(t.current), t.every, t.use)) for t in self.trials]
+        return [t.current[rows, m] for t, rows in used for m in self.driven(t)]
+
+    def spaced(self) -> list[int]:
+        """Cycles between the samples of each of `raw`."""
+        return [t.every for t in self.trials for _ in self.driven(t)]
 
     def cycles(self, trial: Measurement) -> np.ndarray:
         """The cycles of a trial that are compared: every n-th one that is not left out."""

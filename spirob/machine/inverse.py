@@ -214,6 +214,10 @@ class InverseProblem:
         """The unfiltered effort of each piece."""
         return [p.raw for r in self.recordings for p in r.pieces]
 
+    def spaced(self) -> list[int]:
+        """All pieces hold every sample of their clock."""
+        return [1 for r in self.recordings for _ in r.pieces]
+
     def filter(self, values: np.ndarray) -> np.ndarray:
         """The filters that measured effort passes."""
         first = self.recordings[0]

@@ -188,6 +188,9 @@ class Trials:
     def raw(self):
         return [np.ones(100)]
 
+    def spaced(self):
+        return [1]
+
     def filter(self, values):
         return values
 

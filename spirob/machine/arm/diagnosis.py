@@ -107,8 +107,11 @@ def searched(
     asked = Asked(residuals, names, absent, free, settings, progress)
     ground = settled(residuals, names, start, free, settings, progress)
     found = asked.searched(ground, ground.numbers)
-    if found.verdict.kind == "unknown" and not found.verdict.doubts and free:
-        ground, found = asked.with_contender(ground, found)
+    if free and not found.verdict.doubts:
+        if found.verdict.kind == "unknown":
+            ground, found = asked.with_contender(ground, found)
+        elif found.verdict.named and not ground.as_drawn:
+            ground, found = asked.with_named(ground, found)
     if said is not None:
         said += ground.said
     return found
@@ -150,11 +153,23 @@ class Asked:
         single = [m for m in found.models.tried.values() if len(m.effects) == 1]
         if not single:
             return ground, found
-        best = min(single, key=lambda m: m.mean_square)
-        self.progress(f"the arm's shape once more, with {label(best.effects)}")
-        other = settled_with(self.residuals, best.fit, self.free, self.settings, self.progress)
-        again = self.searched(other, ground.numbers, best.effects)
+        other, again = self._shaped(ground, min(single, key=lambda m: m.mean_square))
         return (other, again) if again.verdict.named else (ground, found)
+
+    def with_named(self, ground: Settled, found: Searched) -> tuple[Settled, Searched]:
+        """The same with a shape that was found beside the named effects, if they stay.
+
+        What was found without them holds a part of what they do, and they the rest.
+        """
+        other, again = self._shaped(ground, found.ended.found.chosen)
+        same = set(again.verdict.named) == set(found.verdict.named)
+        return (other, again) if same else (ground, found)
+
+    def _shaped(self, ground: Settled, model: Model) -> tuple[Settled, Searched]:
+        """The shape of the arm by the fit of a model with effects, and the search in it."""
+        self.progress(f"the arm's shape once more, with {label(model.effects)}")
+        other = settled_with(self.residuals, model.fit, self.free, self.settings, self.progress)
+        return other, self.searched(other, ground.numbers, model.effects)
 
 
 def _begun(ground: Settled, names: Sequence[str], settings: Settings) -> Begun:

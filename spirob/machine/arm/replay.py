@@ -32,7 +32,12 @@ from spirob.robot import MOTORS, Scene
 MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
 SURE = 3.0  # deviations of a mean, beyond which it is another
 LITTLE = 0.01  # of the stroke, within which tendons and gears yield as much as an arm bends
-BEGUN = 50  # cycles of 1 ms at the beginning, in which the arm has to stand
+BEGUN, RESTED = (
+    50,
+    1000,
+)  # cycles of 1 ms at the beginning: the arm has to stand, and is asked how long
+STILL = 0.02  # of the fast part of the motion: so slow it stands yet
+STEADY = 1e-3  # of a current, by which it may drift without noise
 FIRST = 3  # samples at least that say whether there is a current before any change of it
 SPARE = 1.25  # of the stroke: holes, drums and where the arm begins are known less well than that
 PLAYED = ("reference", "reference_rate")
@@ -49,17 +54,23 @@ def at_rest(name: str, first: np.ndarray, velocity: np.ndarray) -> None:
         raise DataError(f"{name}: it begins in motion; the model plays a log from rest")
 
 
-def within_stroke(name: str, length: np.ndarray, current: np.ndarray, rig: ArmFile) -> None:
+def within_stroke(
+    name: str,
+    length: np.ndarray,
+    current: np.ndarray,
+    begun: np.ndarray | None,
+    rig: ArmFile,
+) -> None:
     """Raise DataError, with the time and the column, where an arm cannot be wound in so far.
 
     length   that both motors have wound in since the log began, at 1 kHz, (T, 2) [m]
-    current  of both motors, which bends the arm before the log begins and stretches tendons [A]
+    current  of both motors, which stretches tendons [A];  begun  as `held`
     """
     machine, motors = rig.machine(), rig.motors().values()
     winch, motor = machine.winch, machine.motor
     pull = winch.gear_ratio * motor.torque_constant * np.abs(current).max() / winch.radius
     whole = stroke(machine.geometry.arm())
-    ways = 1.0 if held(current[:BEGUN]) is None else 2.0  # from straight, or from the other side
+    ways = 1.0 if begun is None else 2.0  # from straight, or from the other side
     most = SPARE * ways * whole + pull / machine.tendon.stiffness
     for wound, columns in zip(length.T, motors, strict=True):
         if wound.max() > most:
@@ -84,10 +95,18 @@ def barely_moves(trials: Sequence[Measurement], rig: ArmFile) -> list[str]:
     ]
 
 
+def rests(velocity: np.ndarray) -> int:
+    """Cycles for which the arm stands as the log begins, of `RESTED`; velocity (T, 2)."""
+    slow = STILL * np.quantile(np.abs(velocity), 0.95)
+    moves = np.any(np.abs(velocity[:RESTED]) > slow, axis=1)
+    stood = int(np.argmax(moves)) if moves.any() else len(moves)
+    return max(BEGUN, stood)
+
+
 def held(first: np.ndarray) -> np.ndarray | None:
     """Currents under which the arm rests as a log begins (2,) [A]; None where there are none.
 
-    first  both currents as the log begins, (n, 2)
+    first  samples of both currents while the arm stands, (n, 2)
     """
     levels = np.array([first_level(current) for current in first.T])
     return levels if levels.any() else None
@@ -102,7 +121,8 @@ def first_level(current: np.ndarray) -> float:
     bend = current[2 * APART :] - 2.0 * current[APART:-APART] + current[: -2 * APART]  # no ramp
     noise = 1.4826 * np.median(np.abs(bend - np.median(bend))) / np.sqrt(6)
     counts = np.arange(1, len(current) + 1)
-    means, widths = np.cumsum(current) / counts, SURE * noise / np.sqrt(counts)
+    means = np.cumsum(current) / counts
+    widths = np.maximum(SURE * noise / np.sqrt(counts), STEADY * np.abs(means))
     agree = np.maximum.accumulate(means - widths) <= np.minimum.accumulate(means + widths)
     last = len(agree) - 1 if agree.all() else int(np.argmin(agree)) - 1
     sure = last >= FIRST - 1 and all(abs(means[k]) > widths[k] for k in (FIRST - 1, last))
@@ -133,7 +153,7 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
         table.column(column)
     time = rig.time.told(table.name, table.units)
     name, said = table.name, list(table.said)
-    values = _regular(name, table.columns, rig.model_copy(update={"time": time}), said)
+    values, every = _regular(name, table.columns, rig.model_copy(update={"time": time}), said)
     length, current = (_both(values, kind) for kind in ("position", "effort"))
     motion = np.column_stack([smooth(x, rig.filter.cutoff, CYCLE) for x in length.T])
     velocity = np.column_stack([derivative(x, CYCLE) for x in motion.T])
@@ -141,7 +161,8 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
     zero = np.median(length[begin], axis=0)
     at_rest(name, velocity[begin], velocity)
     _currents(name, current, rig, said)
-    within_stroke(name, length - zero, current, rig)
+    begun = held(current[: rests(velocity) : every])
+    within_stroke(name, length - zero, current, begun, rig)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
     given = _given(values, rig)
@@ -150,7 +171,7 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
         reference=np.where(np.arange(len(MOTORS)) == moves, motion - zero, given),
         reference_rate=velocity + given / rig.machine().gains.velocity,
         current_limit=np.full(len(MOTORS), ROOM * float(np.abs(current).max())),
-        held=held(current[begin]),
+        held=begun,
     )
     trial = Measurement(
         name,
@@ -162,6 +183,7 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
         Scene(),
         first_angle=first_angles(zero, rig),
         use=usable(name, current, velocity, moves, rig, said),
+        every=every,
     )
     return trial, said
 
@@ -185,8 +207,8 @@ def _given(values: Mapping[str, np.ndarray], rig: ArmFile) -> np.ndarray:
 
 def _regular(
     name: str, columns: Mapping[str, np.ndarray], rig: ArmFile, said: list[str]
-) -> dict[str, np.ndarray]:
-    """All signals in SI on the model's clock, positions in metres wound in."""
+) -> tuple[dict[str, np.ndarray], int]:
+    """All signals in SI on the model's clock, positions in metres wound in; cycles a sample."""
     wanted = {
         f"{m}.{k}": column
         for m, of in rig.motors().items()
@@ -212,7 +234,8 @@ def _regular(
         of = rig.motors()[key.partition(".")[0]]
         si = of.metres(rig.machine()) if key.endswith("position") else of.amperes(wanted[key])
         values[key] = si * np.interp(even, grids[0]["time"], grids[0][key])
-    return values
+    period = float(np.median(np.diff(grids[0]["time"])))
+    return values, max(1, round(period / CYCLE))
 
 
 def _scaled(column: Column, columns: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.machine.arm.replay import first_level, held
+from spirob.machine.arm.replay import BEGUN, RESTED, first_level, held, rests
 
 NOISE = 5e-3  # A
 
@@ -30,3 +30,24 @@ def test_an_arm_without_currents_is_not_held():
 
 def test_one_sample_says_nothing():
     assert first_level(np.array([0.05] + [0.0] * 49)) == 0.0
+
+
+@pytest.mark.parametrize("drift", [0.0, 1e-5, 1e-4])
+def test_a_current_without_noise_begins_where_it_does(drift):
+    """It drifts by some A in each ms."""
+    level = first_level(0.22 + drift * np.arange(50))
+    assert level == pytest.approx(0.22, abs=max(2e-3 * 0.22, 3 * drift))
+
+
+def test_the_longer_an_arm_stands_the_better_its_currents_are_known():
+    t = 1e-3 * np.arange(4000)
+    speed = np.where(t < 0.4, 0.0, 0.05 * np.sin(2 * np.pi * (t - 0.4)))
+    stood = rests(np.column_stack([speed, 0.0 * t]))
+    assert 400 <= stood < 420
+    missed = [
+        [first_level(measured(np.full(n, 0.2), seed)) - 0.2 for seed in range(40)]
+        for n in (BEGUN, stood)
+    ]
+    assert np.std(missed[1]) < 0.6 * np.std(missed[0])
+    assert rests(np.column_stack([0.05 + 0.0 * t, 0.0 * t])) == BEGUN
+    assert rests(np.zeros((4000, 2))) == RESTED
