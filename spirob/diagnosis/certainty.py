@@ -29,10 +29,12 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.model import Left, Model, alike
+from spirob.diagnosis.model import Left, Model, Predictor, alike
 from spirob.diagnosis.search import Found, Search
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
+from spirob.identify.intervals import with_held
+from spirob.identify.problem import Problem
 
 LEARNED = json.loads(Path(__file__).with_name("certainty.json").read_text())
 FIGURES = {
@@ -61,13 +63,29 @@ def ratio(one: float, two: float) -> float:
     return float(np.clip(np.log(max(one, TINY) / max(two, TINY)), -MOST, MOST))
 
 
-def sharp(found: Fit, effect: type[Effect]) -> float:
-    """How far an amplitude is from what makes it neutral, in half widths of its interval: ln."""
+def sharp(models: Predictor, found: Fit, effect: type[Effect]) -> float:
+    """How far an amplitude is from what makes it neutral, in half widths of its interval: ln.
+
+    Numbers of a rig of which the trials tell nothing within their bounds are held: they cannot
+    move as far as their own intervals to first order, and those of the amplitude, have it.  The
+    arm's regression knows whole intervals.
+    """
+    amplitudes = {f"{effect.name()}.{field}": zero for field, zero in effect.neutral.items()}
+    estimates = found.estimates
+    fitted = [n for n in models.names if n in estimates and models.certainty != "arm"]
+    if untold := [name for name in fitted if is_untold(models.train, found, name)]:
+        estimates = with_held(models.train, found, untold, models.robust)
     told = []
-    for field, zero in effect.neutral.items():
-        if estimate := found.estimates.get(f"{effect.name()}.{field}"):
+    for name, zero in amplitudes.items():
+        if estimate := estimates.get(name):
             told.append(ratio(abs(estimate.value - zero), 0.5 * (estimate.high - estimate.low)))
     return max(told, default=0.0)
+
+
+def is_untold(problem: Problem, found: Fit, name: str) -> bool:
+    """Whether a number ended at a bound, or its interval reaches from bound to bound."""
+    estimate, about = found.estimates[name], problem.table.about[name]
+    return estimate.at_bound or (estimate.low <= about.low and estimate.high >= about.high)
 
 
 def rounded(figures: Mapping[str, float]) -> dict[str, float]:
@@ -120,7 +138,7 @@ def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
         "ahead_heldout": ahead({effect.name()}),
         "ahead_of_kin": ahead({effect.name(), *kin(search, chosen, effect)}),
         "left": ratio(left.share * chosen.mean_square, max(fall, 0.0)),
-        "sharp": sharp(chosen.fit, effect),
+        "sharp": sharp(search.models, chosen.fit, effect),
         "place": float(order.index(effect.name())),
         "late": left.late,
     }

@@ -109,6 +109,7 @@ class Predictor(Protocol):
     train, heldout  the trials that are fitted, and those that choose nothing
     names  of the numbers that every set fits
     size   RMS of the measured effort;  least  size of the least effect that counts, in its unit
+    robust  error at which the loss of a fit turns from square to linear, in its unit
     tried  names of the effects -> model
     progress  is told each step of a search
     promised  share of the least effect that a screening has to promise for a fit to be worth it
@@ -121,6 +122,7 @@ class Predictor(Protocol):
     progress: Callable[[str], None]
     names: list[str]
     size: float
+    robust: float
     promised: float
     tried: dict[frozenset[str], Model]
 

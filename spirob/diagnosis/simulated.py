@@ -93,6 +93,7 @@ class Simulated(Predictor):
         self.vague, self.measure = list(begun.vague), measure
         self.progress: Callable[[str], None] = lambda text: None
         self.size = effort_rms(self.validate)
+        self.robust = settings.scale
         self.tried: dict[frozenset[str], Model] = {}
         self._seen: set[str] = set()
         self.added((), begun.fit)

@@ -5,6 +5,7 @@ whole blocks are drawn, never samples.  The model stays as it is: what another f
 in the interval.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -94,6 +95,25 @@ def estimates(
         bound = about.at_bound(value, float(table.values[table.position(name)]))
         found[name] = Estimate(value, float(low[k]), float(high[k]), about.unit, bound)
     return found
+
+
+def with_held(
+    problem: "Problem", found: "Fit", held: Collection[str], scale: float
+) -> dict[str, Estimate]:
+    """The estimates as they would be if some numbers were known to be what they were fitted to.
+
+    scale  of the robust loss
+    """
+    names = [name for name in found.estimates if name not in held]
+    columns = [k for k, name in enumerate(found.estimates) if name not in held]
+    values = {name: e.value for name, e in found.estimates.items()}
+    scaling = Scaling(problem.table, list(values))
+    slopes = found.jacobian[:, columns]
+    own = block_covariance(slopes, found.residual, problem.edges, scale, problem.block)
+    whole = np.zeros((len(values), len(values)))
+    whole[np.ix_(columns, columns)] = own
+    every = estimates(scaling, scaling.scaled(values), whole, problem.table)
+    return {name: every[name] for name in names}
 
 
 @dataclass(frozen=True)

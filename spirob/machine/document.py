@@ -27,7 +27,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import by_module
 from spirob.machine.leftovers import RigCeiling
-from spirob.machine.models import ROBUST, RigSearch
+from spirob.machine.models import RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.odd_logs import way_of
 from spirob.machine.rig import NUMBERS, RigFile
@@ -170,7 +170,7 @@ def standing(search: RigSearch, model: Model, body: RigidBody | None) -> dict[st
             "intervals": [[e.low, e.high] for e in estimates.values()],
             "bounds": [[a.low, a.high] for a in about],
             "units": [e.unit for e in estimates.values()],
-            "covariance": covariance_of(train, model.fit, ROBUST * search.models.size),
+            "covariance": covariance_of(train, model.fit, search.models.robust),
         },
         "body": None if body is None else _body(body),
         "trials": [

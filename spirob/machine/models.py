@@ -122,6 +122,7 @@ class Models(Predictor):
         self.progress: Callable[[str], None] = lambda text: None
         self.folds = folds_of(_halves(train.edges))
         self.size = float(np.sqrt(np.mean(train.measured() ** 2)))
+        self.robust = ROBUST * self.size  # plain least squares inside
         self.tried: dict[frozenset[str], Model] = {}
         self._screened: dict[frozenset[str], Screening] = {}
         self._ceilings: dict[frozenset[str], RigCeiling] = {}
@@ -261,7 +262,6 @@ class Models(Predictor):
         names = [*self.names, *(n for n in own if n not in silent)]
         table = self.train.table
         begin = {n: start.get(n, table.about[n].nominal) for n in names}
-        robust = ROBUST * self.size  # plain least squares inside
         rough = _is_rough(effects)
         # a bounce is one moment: where the delay may be far off, it lies in a valley of its own
         starts = [begin, begin | {DELAY: 0.0}] if rough and begin.get(DELAY) else [begin]
@@ -270,7 +270,7 @@ class Models(Predictor):
                 self.train,
                 names,
                 start,
-                robust,
+                self.robust,
                 ITERATIONS,
                 steps=(ROUGH if rough else STEP,),
                 exact=False,

@@ -1,9 +1,10 @@
 """Intervals hold what they promise, whatever the noise's correlation and the data sheet say."""
 
 import numpy as np
+import pytest
 
 from spirob.identify.fit import fit, polished
-from spirob.identify.intervals import block_covariance
+from spirob.identify.intervals import block_covariance, with_held
 from tests.identify.linear import Linear, filtered_noise
 
 SCALE = 0.05
@@ -42,6 +43,21 @@ def test_a_number_that_one_block_alone_tells_has_no_interval():
     found = block_covariance(slopes, problem.noise, problem.edges, SCALE, problem.block)
     assert np.sqrt(found[1, 1]) > 1.0
     assert np.sqrt(found[0, 0]) < 0.1
+
+
+def test_with_a_number_held_the_others_have_the_intervals_of_a_fit_of_them_alone():
+    problem = Linear([0.1, 0.1], [1.0, 1.0], 1e-3)
+    problem.slopes[:, 1] = 0.95 * problem.slopes[:, 0] + 0.05 * problem.slopes[:, 1]
+    one, other = problem.names
+    both = fit(problem, problem.names, {}, SCALE)
+    found = with_held(problem, both, [other], SCALE)
+    assert list(found) == [one]
+    alone = fit(problem, [one], {other: both.changes[other]}, SCALE).estimates[one]
+    assert np.log([found[one].low, found[one].high]) == pytest.approx(
+        np.log([alone.low, alone.high]), abs=1e-5
+    )
+    wide = both.estimates[one]
+    assert np.log(wide.high / wide.low) > 3.0 * np.log(alone.high / alone.low)
 
 
 def test_a_polished_fit_is_where_the_data_put_it():
