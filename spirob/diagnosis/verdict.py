@@ -170,9 +170,9 @@ def judge(
     words = Words(ended, weighed)
     kind = "unknown" if doubts or lacking else _kind(ended, weighed)
     sentence, explanation = (SENSELESS, " ".join(doubts)) if doubts else words.say(kind)
-    if found.vetoed:
+    if vetoed := [name for name in found.vetoed if not _lowers(ended, name)]:
         explanation += (
-            f" {', '.join(plain(n) for n in found.vetoed)} would lower the error on the training "
+            f" {', '.join(plain(n) for n in vetoed)} would lower the error on the training "
             "trials, but not on the held-out ones, and is not named."
         )
     unsure = {n: one for n, one in weighed.items() if one.together < LIKELY}
@@ -181,6 +181,13 @@ def judge(
         explanation += f" Too unlikely to be named, though it lowers the error: {told}."
     following = words.experiment(kind)
     return Verdict(kind, dict(weighed), sentence, explanation, following, tuple(doubts))
+
+
+def _lowers(ended: Ended, name: str) -> bool:
+    """Whether some model with an effect leaves less of the held-out trials than the chosen one."""
+    chosen = ended.found.chosen.heldout_square
+    tried = ended.search.models.tried.values()
+    return any(m.heldout_square < chosen for m in tried if name in m.names)
 
 
 def _kind(ended: Ended, weighed: Mapping[str, Weighed]) -> str:

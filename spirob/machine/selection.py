@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from spirob.errors import ConfigError, DataError, NothingLeft
-from spirob.machine.recording import LEAST, Recording
+from spirob.machine.recording import LEAST, Piece, Recording
 
 Log = TypeVar("Log")
 
@@ -127,12 +127,14 @@ STRETCH = 10.0  # s of a log that are used in a row
 def in_stretches(logs: list[Recording]) -> tuple[list[Recording], list[str]]:
     """The logs with no more rows than can be kept, and what is said of that.
 
-    Of very long logs one stretch of so many is used, evenly spread.
+    Of very long logs one stretch of so many is used, evenly spread over what is compared.
     """
+    whole = logs
+    logs = [replace(r, pieces=[_compared(p) for p in r.pieces]) for r in logs]
     rows = sum(len(p.q) for r in logs for p in r.pieces)
     among = -(-rows // MOST_ROWS)
     if among <= 1:
-        return logs, []
+        return whole, []
     found = []
     for recording in logs:
         long = round(STRETCH / recording.period)
@@ -145,6 +147,12 @@ def in_stretches(logs: list[Recording]) -> tuple[list[Recording], list[str]]:
     names = ", ".join(dict.fromkeys(r.log for r in logs))
     said = f"{names}: {rows} rows are more than a search needs; {STRETCH:g} s of each "
     return [r for r in found if r.pieces], [f"{said}{among * STRETCH:g} s are used."]
+
+
+def _compared(piece: Piece) -> Piece:
+    """The piece from the first to the last of its rows that are compared."""
+    used = np.flatnonzero(piece.use)
+    return piece.part(slice(int(used[0]), int(used[-1]) + 1)) if len(used) else piece
 
 
 def _part(recording: Recording, name: str, rows: np.ndarray) -> Recording:

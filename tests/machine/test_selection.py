@@ -8,7 +8,7 @@ from spirob.errors import ConfigError, DataError
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.recording import of_table, prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.selection import MOST_ROWS, STRETCH, each_once, in_stretches
+from spirob.machine.selection import MOST_ROWS, STRETCH, each_once, ends_aside, in_stretches
 from tests.machine.rigs import description
 
 COLUMNS = ["q", "u"]
@@ -56,7 +56,7 @@ def recording(seconds, rate):
 def test_of_a_long_log_stretches_are_used_evenly_along_all_of_it():
     whole = recording(1500, 200.0)
     (used,), (said,) = in_stretches([whole])
-    rows = sum(len(p.q) for p in whole.pieces)
+    rows = sum(int(np.ptp(np.flatnonzero(p.use))) + 1 for p in whole.pieces)
     among = -(-rows // MOST_ROWS)
     assert sum(len(p.q) for p in used.pieces) <= MOST_ROWS
     begins = np.array([p.seconds[0] for p in used.pieces])
@@ -70,6 +70,17 @@ def test_of_a_long_log_stretches_are_used_evenly_along_all_of_it():
     assert said.startswith(
         f"1500 s: {rows} rows are more than a search needs; 10 s of each {among * STRETCH:g} s"
     )
+
+
+def test_of_long_logs_whose_ends_are_held_out_the_ends_are_used():
+    logs = [recording(110, 500.0) for _ in range(3)]
+    kept, held, _ = ends_aside(logs)
+    for part in (kept, held):
+        assert sum(len(p.q) for r in part for p in r.pieces) > MOST_ROWS
+        used, _ = in_stretches(part)
+        rows = sum(int(p.use.sum()) for r in used for p in r.pieces)
+        assert [r.name for r in used] == [r.name for r in part]
+        assert 0.4 * MOST_ROWS < rows <= MOST_ROWS
 
 
 def test_logs_that_a_search_can_keep_are_used_as_they_are():

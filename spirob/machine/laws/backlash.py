@@ -63,7 +63,7 @@ class Backlash(Effect):
         own, ratio = 2.0 * math.pi * frequency, 0.3
         beat, decay = own * math.sqrt(1.0 - ratio * ratio), ratio * own
         mean = (speed - last) / dt
-        push = mean + (last - rate) / coasting
+        push = mean + (last - rate) / max(coasting, dt)  # it rests within a step at the soonest
         if abs(behind) >= half:
             flank = math.copysign(half, behind)
             level = push / (own * own)

@@ -53,6 +53,16 @@ def test_a_loose_load_flies_through_its_play_and_gives_back_its_momentum():
     assert states["behind"][-1] == pytest.approx(-0.05, abs=2e-3)  # on the other flank
 
 
+@pytest.mark.parametrize("step", [1e-3, 1 / 30, 0.05])
+def test_play_stays_finite_in_a_log_of_any_rate(step):
+    t = np.arange(0, 100, step)
+    speed = np.sin(2.0 * t) + 0.3 * np.sin(5.0 * t)
+    for coasting, frequency in ((0.01, 8.0), (0.01, 120.0), (10.0, 8.0)):
+        numbers = {"load_inertia": 1.0, "play": 1e-3, "coasting": coasting, "frequency": frequency}
+        torque, _ = run(Backlash, numbers, {"speed": speed}, step)
+        assert np.isfinite(torque).all()
+
+
 def test_they_take_the_place_of_the_laws_of_a_tendon():
     laws = for_axis(all_effects().values())
     assert {e for e in laws if e.name() in AXIS} == set(AXIS.values())
