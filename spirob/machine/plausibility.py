@@ -163,7 +163,8 @@ def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
     if spread > 0 and 1.0 - left / spread < SENSE:
         return (
             f"The motion explains only {max(0.0, 1 - left / spread):.0%} of the effort's variance, "
-            "even with a flexible model: the effort is hardly that of this axis."
+            "even with a flexible model: the effort is hardly that of this axis, or other joints "
+            "load it while they move (a model file tells what they do: body)."
         )
     return ""
 

@@ -75,45 +75,83 @@ def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.nda
     at = np.flatnonzero(_alone(rates, track.values))
     if not len(at):
         return at, track
-    before, after = rates[np.maximum(at - 1, 0)], rates[np.minimum(at + 1, len(rates) - 1)]
-    way, step = 0.5 * (before + after), np.diff(track.values)[at]
-    moving = _goes_on(rates, before, after) & (track.apart[at] <= LONG * track.period)
-    lost = moving & _whole_rows(step, way)
+    found = _Jumps(
+        at,
+        np.diff(track.values)[at],
+        rates[np.maximum(at - 1, 0)],
+        rates[np.minimum(at + 1, len(rates) - 1)],
+        track.seconds[at + 1],
+    )
+    moving = _goes_on(rates, found.before, found.after) & (track.apart[at] <= LONG * track.period)
+    lost = moving & found.whole_rows
+    said += _lost(where, name, found, lost)
+    said += _of_counts(where, name, found, ~lost, moving, max(LEAST, FEW * len(rates)))
     leaps = np.zeros_like(track.values)
-    leaps[at[moving & ~lost] + 1] = (step - way)[moving & ~lost]
-    if lost.any():
-        said.append(
-            f"{where}: '{name}' moves by the way of {step[lost][0] / way[lost][0]:.0f} rows in one "
-            f"at {track.seconds[at[lost][0] + 1]:.4g} s{_more(lost)}: samples were lost that no "
-            "stamp tells; the log was cut there."
-        )
-    if (jumps := ~lost).any():
-        k = int(np.argmax(jumps))
-        told = (
-            f"{where}: '{name}' jumps by {step[k]:.3g} at {track.seconds[at[k] + 1]:.4g} s, where "
-            f"it moves by {before[k]:.2g} in the row before and {after[k]:.2g} in the row behind"
-        )
-        if jumps.sum() > max(LEAST, FEW * len(rates)):
-            raise DataError(
-                f"{told}, and {jumps.sum()} times in all: lost counts, or a wrong unit?"
-            )
-        ends = "its motion goes on behind it" if moving[jumps].all() else ANOTHER
-        said.append(
-            f"{told}{_more(jumps)}: lost counts or a reset; the log was cut there, and {ends}."
-        )
+    counts = moving & ~lost
+    leaps[at[counts] + 1] = (found.step - found.way)[counts]
     return at + 1, replace(track, values=track.values - np.cumsum(leaps))
+
+
+@dataclass(frozen=True)
+class _Jumps:
+    """Steps that their neighbours know nothing of, (k,) each.
+
+    at  row before each;  step  of the position;  before, after  its change in the rows beside
+    seconds  of the row behind
+    """
+
+    at: np.ndarray
+    step: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    seconds: np.ndarray
+
+    @property
+    def way(self) -> np.ndarray:
+        """Change in a row at the speed there."""
+        return 0.5 * (self.before + self.after)
+
+    @property
+    def whole_rows(self) -> np.ndarray:
+        """Which are the way of some rows at their speed: rows lack, and no counts."""
+        rows = self.step / np.where(self.way == 0.0, np.inf, self.way)
+        whole = np.rint(rows)
+        return np.asarray((whole > 1) & (whole <= LACKING) & (np.abs(rows - whole) < WHOLE))
+
+
+def _lost(where: str, name: str, found: _Jumps, lost: np.ndarray) -> list[str]:
+    """That samples were lost, where (k,) says so."""
+    if not lost.any():
+        return []
+    k = int(np.argmax(lost))
+    return [
+        f"{where}: '{name}' moves by the way of {found.step[k] / found.way[k]:.0f} rows in one at "
+        f"{found.seconds[k]:.4g} s{_more(lost)}: samples were lost that no stamp tells; the log "
+        "was cut there."
+    ]
+
+
+def _of_counts(
+    where: str, name: str, found: _Jumps, jumps: np.ndarray, moving: np.ndarray, most: float
+) -> list[str]:
+    """That the position jumps, where (k,) says so; raise DataError where it does more often."""
+    if not jumps.any():
+        return []
+    k = int(np.argmax(jumps))
+    told = (
+        f"{where}: '{name}' jumps by {found.step[k]:.3g} at {found.seconds[k]:.4g} s, where it "
+        f"moves by {found.before[k]:.2g} in the row before and {found.after[k]:.2g} in the row "
+        "behind"
+    )
+    if jumps.sum() > most:
+        raise DataError(f"{told}, and {jumps.sum()} times in all: lost counts, or a wrong unit?")
+    ends = "its motion goes on behind it" if moving[jumps].all() else ANOTHER
+    return [f"{told}{_more(jumps)}: lost counts or a reset; the log was cut there, and {ends}."]
 
 
 def _more(where: np.ndarray) -> str:
     """How often besides the first."""
     return f" and {where.sum() - 1} times more" if where.sum() > 1 else ""
-
-
-def _whole_rows(step: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """Which steps are those of some rows at their speed, (k,): rows lack, and no counts."""
-    rows = step / np.where(way == 0.0, np.inf, way)
-    whole = np.rint(rows)
-    return np.asarray((whole > 1) & (whole <= LACKING) & (np.abs(rows - whole) < WHOLE))
 
 
 def _leaps(where: str, name: str, track: Track, said: list[str]) -> None:
