@@ -97,7 +97,7 @@ def test_blocks_together_are_the_whole(trial, plant):
         a, b = (x(changes) if callable(x) else x for x in (part, all_of_it))
         assert np.array_equal(a, b.reshape(-1, samples)[:, begin // every :].ravel())
     assert late.stretches()[0].seconds[0] == pytest.approx(5.0)
-    assert len(late.raw()[0]) == len(trial.current) - begin
+    assert len(late.raw()[0]) == len(trial.current[begin :: trial.every])
 
 
 def test_a_block_ends_where_it_ends_and_counts_from_where_it_begins(trial):

@@ -121,7 +121,7 @@ def test_what_is_compared_is_a_part_of_the_whole_residual(columns):
     kept = trial.use[:: whole.filter.every]
     for one, all_of_it in ((part(changes), whole(changes)), (part.rows, whole.rows)):
         np.testing.assert_array_equal(one, all_of_it.reshape(3, -1)[:, kept].ravel())
-    assert len(part.raw()[0]) == np.count_nonzero(trial.use)
+    assert len(part.raw()[0]) == np.count_nonzero(trial.use[:: trial.every])
 
 
 def test_screening_and_atlas_follow_what_is_compared(columns):
