@@ -164,10 +164,17 @@ def result(case: Case) -> dict[str, Any]:
         found |= {"composed": law(document), "heldout": errors(document, least)}
     except SpirobError as error:
         found["refused"] = str(error)
-    except Exception:
-        found["crashed"] = traceback.format_exc(limit=-3)
+    except Exception as error:
+        found["crashed"] = _told(error)
     found["seconds"] = round(time.process_time() - begun, 3)
     return found | {"outcome": outcome(found)}
+
+
+def _told(error: Exception) -> str:
+    """A bug and where it was, a line for each of the last three places, without folders."""
+    places = traceback.extract_tb(error.__traceback__, limit=-3)
+    where = [f"{Path(p.filename).name}:{p.lineno}, in {p.name}" for p in places]
+    return "\n".join([*where, f"{type(error).__name__}: {error}"])
 
 
 def _lacking(truth: Mapping[str, Any]) -> list[str]:

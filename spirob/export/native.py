@@ -82,10 +82,8 @@ def _stribeck(machine: Machine, one: Held, model: Corrected) -> None:
 
 def _dahl(machine: Machine, one: Held, model: Corrected) -> None:
     level = one.values["sliding_torque"]
-    damping, bend = one.values.get("damping", 0.0), one.values.get("exponent", 1.0)
-    # LuGre's bristles bend by and by, alike: what a reversal gives back, ∫(1 - z)dx, is the same
-    way = one.values["presliding"] * 2.0 ** (1.0 - bend) / (2.0 - bend)
-    _bristles(machine, level, level, 1.0, way, damping)
+    damping = one.values.get("damping", 0.0)
+    _bristles(machine, level, level, 1.0, one.values["presliding"], damping)
 
 
 def _bristles(

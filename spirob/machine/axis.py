@@ -15,7 +15,7 @@ from spirob.effects import Effect
 from spirob.errors import NothingLeft
 from spirob.machine.bounds import beyond_bounds, in_scale, released
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import AS_LOGGED, DELAY, Alignment, alignment, as_usual, place, widened
+from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, widened
 from spirob.machine.differing import counted_alike, differing
 from spirob.machine.document import heldout, plain, rig_document, standing
 from spirob.machine.inverse import Work
@@ -155,26 +155,13 @@ def _searched(ready: Ready) -> Searched:
 
 
 def _placed(ready: Ready) -> Ready:
-    """With a delay between effort and motion to fit, where the description tells nothing of it.
-
-    An unusual one that the held-out logs deny, about numbers of their own, is none.
-    """
+    """With a delay between effort and motion to fit, where the description tells nothing of it."""
     if not ready.untold:
         return ready
-    ready.progress("effort and motion are laid over one another")
-    delay = _place(*_without_effects(ready))
-    usual = as_usual(max(r.period for r in ready.train))
-    if (delay.low, delay.high) != (usual.low, usual.high) and ready.test:
-        heldout = _alignment(*_without_effects(ready.with_logs(ready.test, ready.train)))
-        delay = usual if heldout and heldout.denies(delay) else delay
-    return _about(ready, delay)
-
-
-def _without_effects(ready: Ready) -> tuple[RigSearch, Model]:
-    """The numbers fitted without any effect, as if effort and motion were logged on one clock."""
     known = {**ready.rig.known, "delay": 0.0}
     search, _ = search_of(ready.told(known=known, fit=_without_delay(ready.rig)))
-    return search, search.models.fitted((), {})
+    ready.progress("effort and motion are laid over one another")
+    return _about(ready, _place(search, search.models.fitted((), {})))
 
 
 def _without_delay(rig: RigFile) -> dict[str, Bounded]:
@@ -187,10 +174,6 @@ def _about(ready: Ready, delay: Bounded) -> Ready:
 
 def _place(search: RigSearch, model: Model) -> Bounded:
     return place(search.models.train, model, search.models.folds, search.absent(model))
-
-
-def _alignment(search: RigSearch, model: Model) -> Alignment | None:
-    return alignment(search.models.train, model, search.models.folds, search.absent(model))
 
 
 def _once_more(done: Searched) -> Searched:

@@ -162,63 +162,17 @@ class _Law:
         return np.asarray(-np.sum(moved * (2.0 * side + moved @ self.gram), axis=1))
 
 
-@dataclass(frozen=True)
-class Alignment:
-    """What is left at each delay, beside the law that takes most there.
-
-    delays  (K,) [s];  left  squared residuals (K,);  most  of a usual delay [s]
-    """
-
-    delays: np.ndarray
-    left: np.ndarray
-    most: float
-
-    @property
-    def usual(self) -> np.ndarray:
-        """Which delays those of any log are, (K,)."""
-        return np.asarray(np.abs(self.delays) <= self.most)
-
-    def place(self) -> Bounded | None:
-        """Seconds by which the effort trails the motion, bounds as far about as is left open.
-
-        Where a usual one leaves hardly more than the best one, it is taken, within what is usual:
-        beside a law that is not found yet many delays are alike.  Else bounds hold all that leave
-        hardly more.  None where the best one is at the end of what is looked at.
-        """
-        best, first, last = valley(self.left, self.usual)
-        nominal, low, high, near = (
-            round(float(x), GRAIN)
-            for x in (self.delays[best], self.delays[first], self.delays[last], self.most)
-        )
-        if best in (0, len(self.delays) - 1):
-            return None
-        if low <= near and high >= -near:
-            return Bounded(nominal=min(max(nominal, -near), near), low=-near, high=near)
-        return Bounded(nominal=nominal, low=low - near, high=high + near)
-
-    def denies(self, delay: Bounded) -> bool:
-        """Whether a usual delay leaves clearly less than any within these bounds."""
-        inside = (self.delays >= delay.low) & (self.delays <= delay.high)
-        least = np.min(self.left[inside], initial=np.inf)
-        return bool(np.min(self.left[self.usual]) < (1.0 - TOLD) * least)
-
-
 def place(
     problem: InverseProblem, model: Model, folds: np.ndarray, effects: Sequence[type[Effect]]
 ) -> Bounded:
-    """The delay to fit by `Alignment.place`; the usual one where that finds none.
+    """Seconds by which the effort trails the motion, bounds as far about as the logs leave open.
+
+    Where a usual one leaves hardly more than the best one, it is taken, within what is usual:
+    beside a law that is not found yet many delays are alike.  Else bounds hold all that leave
+    hardly more; the best one at the end of what is looked at is none.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
-    found = alignment(problem, model, folds, effects)
-    delay = found.place() if found else None
-    return delay or as_usual(max(r.period for r in problem.recordings))
-
-
-def alignment(
-    problem: InverseProblem, model: Model, folds: np.ndarray, effects: Sequence[type[Effect]]
-) -> Alignment | None:
-    """The same at each delay; None where too few rows are left."""
     period = max(r.period for r in problem.recordings)
     most, here = usual(period), model.fit.changes.get(DELAY, 0.0)
     apart = max(period, most / FINE)
@@ -226,11 +180,19 @@ def alignment(
     delays = apart * np.arange(-far, far + 1)
     rows, efforts = problem.later(delays - here, max(1, len(model.left) // ENOUGH))
     if len(rows) < FEWEST:
-        return None
+        return as_usual(period)
     residuals = (model.fit.residual + problem.measured())[rows, None] - efforts
     laws = _laws(problem, model, folds, rows, residuals, effects)
     left = np.sum(residuals**2, axis=0) - np.max([law.falls() for law in laws], axis=0)
-    return Alignment(delays, left, most)
+    best, first, last = valley(left, np.abs(delays) <= most)
+    nominal, low, high, near = (
+        round(float(x), GRAIN) for x in (delays[best], delays[first], delays[last], most)
+    )
+    if best in (0, len(delays) - 1):
+        return as_usual(period)
+    if low <= near and high >= -near:
+        return Bounded(nominal=min(max(nominal, -near), near), low=-near, high=near)
+    return Bounded(nominal=nominal, low=low - near, high=high + near)
 
 
 def valley(left: np.ndarray, usual: np.ndarray) -> tuple[int, int, int]:

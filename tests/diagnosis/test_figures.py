@@ -1,13 +1,16 @@
 """The figures of a name: what a search shows of it, and what says most of the same."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from spirob.diagnosis.certainty import FIGURES, LEARNED, MOST, figures, kin, probability
+from spirob.diagnosis.certainty import FIGURES, LEARNED, MOST, figures, kin, probability, sharp
 from spirob.effects import find_effects
+from spirob.identify.fit import fit
 from tests.diagnosis.machines import SAMPLES, ended, model
+from tests.identify.linear import Linear as Nearly
 
 EFFECT, OTHER, THIRD = find_effects(["coulomb_friction", "presliding_friction", "cogging"])
 BARE = model([], 0.010)
@@ -73,6 +76,25 @@ def test_an_effect_is_weighed_against_the_chosen_model_without_it():
 def test_the_sharper_its_number_the_surer_a_name():
     vague, clear = (probability(shown(0.003, half=half)) for half in (0.8, 0.02))
     assert vague < clear
+
+
+@pytest.mark.parametrize(
+    ("certainty", "bound", "held"),
+    [("name", True, True), ("name", False, False), ("arm", True, False)],
+)
+def test_a_number_that_ended_at_a_bound_makes_no_amplitude_of_a_rig_unsure(certainty, bound, held):
+    problem = Nearly([0.1, 0.1], [1.0, 1.0], 1e-3)
+    problem.slopes[:, 1] = 0.95 * problem.slopes[:, 0] + 0.05 * problem.slopes[:, 1]
+    own, other = problem.names
+    both = fit(problem, problem.names, {}, 0.05)
+    ended_there = replace(both.estimates[other], at_bound=bound)
+    both = replace(both, estimates={**both.estimates, other: ended_there})
+    effect = SimpleNamespace(name=lambda: "part", neutral={own.split(".")[1]: 0.0})
+    models = SimpleNamespace(train=problem, names=[other], certainty=certainty, robust=0.05)
+    alone = fit(problem, [own], {other: both.changes[other]}, 0.05).estimates[own]
+    wanted = alone if held else both.estimates[own]
+    expected = np.log(wanted.value / (0.5 * (wanted.high - wanted.low)))
+    assert sharp(models, both, effect) == pytest.approx(expected, abs=1e-3)
 
 
 def test_more_of_what_speaks_for_a_name_makes_it_likelier():

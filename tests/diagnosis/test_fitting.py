@@ -19,6 +19,7 @@ from spirob.diagnosis.fitting import (
 )
 from spirob.diagnosis.screen import screen
 from spirob.effects import find_effects
+from spirob.errors import SimulationError
 from spirob.identify.fit import STEPS, fit
 from tests.identify.known import residual, spirob
 
@@ -152,6 +153,23 @@ def test_the_numbers_alone_are_fitted_again_from_where_a_candidate_led_them(trai
 def test_numbers_that_stand_well_stay_where_they_are(train, settled):
     bare = fit(train, BARE, {}, 0.05, 3, exact=False)
     assert again_from(train, bare, settled.changes, parameters_of(FRICTION), SETTINGS) is None
+
+
+def test_a_candidate_that_cannot_be_simulated_ends_no_screening(monkeypatch):
+    train = residual(spirob([FRICTION, OFFSET]), {**TRUE, "current_offset.offset": 0.04})
+    bare = fit(train, BARE, {}, 0.05, 3, exact=False)
+    plain = {s.effect: s.gain for s in screen(train, bare, BARE, [FRICTION, OFFSET], 0.05)}
+    one = type(train).one
+
+    def diverges(self, changes, index):
+        if changes.get(AMPLITUDE, 0.0) > 0.02:
+            raise SimulationError("the model became non-finite")
+        return one(self, changes, index)
+
+    monkeypatch.setattr(type(train), "one", diverges)
+    seen = {s.effect: s.gain for s in screen(train, bare, BARE, [FRICTION, OFFSET], 0.05)}
+    assert seen[OFFSET] == plain[OFFSET]
+    assert 0.0 <= seen[FRICTION] < 0.5 * plain[FRICTION]
 
 
 def test_several_candidates_are_confirmed_jointly_from_where_the_screening_left_each():
