@@ -3,12 +3,14 @@
 One file in `targets/` for each target; a new file there is a new target, no list names it:
 
     HOLDS, LACKS   what it can and cannot hold, each a line
-    PLAYER         script in `players/` that plays logs in what was written; "" where nothing runs
     LOSSY          whether it may lose something; it is then always played, where it can be
     files(model)   name of each file -> its text
     arm(model)     the same of the arm, where the target can hold it
+    play(folder, about, given)
+                   logs played in what was written, arrays by name, where anything can run it; it
+                   imports nothing of ours
 
-They load what they need when they write.
+They load what they need when they write or play.
 
 What is exported:
     corrected.py    the corrected model of a rig;  arm.py  of the arm, each motor an axis
@@ -23,6 +25,7 @@ As a MuJoCo model:
 And its proof:
     exporting.py    writes the files, each whole or not at all, and proves them
     heldout.py      held-out logs of a rig, or trials of an arm, played in what was written
+    alone.py        runs a target's `play` where this project cannot be imported
 """
 
 import importlib

@@ -12,38 +12,36 @@ from typing import Any
 
 from spirob.errors import ExportError
 from spirob.export import targets
+from spirob.export.alone import played_alone
 from spirob.export.arm import CorrectedArm, corrected_arm
 from spirob.export.axis import equations
 from spirob.export.body import AXIS
 from spirob.export.code import c_name
 from spirob.export.corrected import Corrected, corrected, read_document
 from spirob.export.heldout import PLAYED, Errors, Heldout, played_arm, there
-from spirob.export.players import played_alone
 from spirob.files import may_hold_results, write_text
 
 LOSS = 0.01  # of the effects' size, which an export may lose in silence
 
 
-def played(model: Corrected, player: str, folder: Path, heldout: Heldout | None = None) -> Errors:
-    """The errors of a model that was exported to a folder, on the held-out logs.
+def played(model: Corrected, to: str, folder: Path, heldout: Heldout | None = None) -> Errors:
+    """The errors of a model that was exported to a folder for a target, on the held-out logs.
 
-    Raises ExportError where it cannot be played, with what the player says.
+    Raises ExportError where it cannot be played, with what the target's `play` says.
     """
     heldout = heldout or Heldout(model)
-    about = about_of(model, player)
-    script = "mujoco" if player == "mjcf" else player
-    made = played_alone(script, folder, about, heldout.given())
+    made = played_alone(to, folder, about_of(model, to), heldout.given())
     return heldout.errors(made["effort"], made["framed"])
 
 
-def about_of(model: Corrected, player: str) -> dict[str, Any]:
-    """What a player is told beside the rows."""
+def about_of(model: Corrected, to: str) -> dict[str, Any]:
+    """What a target's `play` is told beside the rows."""
     return {
         "name": c_name(model.name),
         "fields": list(equations(model).state),
         "joint": model.body.joint if model.body else AXIS,
         "others": list(model.body.others) if model.body else [],
-        "controller": player == "mujoco",
+        "controller": to == "mujoco",
     }
 
 
@@ -105,16 +103,16 @@ def export(diagnosis: Path, to: str, out: Path, check: bool = False) -> Exported
     if isinstance(model, CorrectedArm):
         if not hasattr(target, "arm"):
             raise ExportError(f"'{to}' holds no arm: it has {target.LACKS}")
-        made, player = target.arm(model), target.PLAYER if target.PLAYER in PLAYED else ""
+        made, plays = target.arm(model), to in PLAYED
     else:
         by_tendon = model.body is not None and model.body.tendon
         made = target.files(model)
-        player = "" if by_tendon and target.PLAYER in ("mujoco", "mjcf") else target.PLAYER
-    if check and not player:
+        plays = hasattr(target, "play") and not (by_tendon and to in ("mujoco", "mjcf"))
+    if check and not plays:
         raise ExportError(f"'{to}' leaves nothing here that could be played; leave --check away")
     said: list[str] = []
-    if player and (check or (target.LOSSY and _kept(model))):
-        made, said = _proved(model, player, made)
+    if plays and (check or (target.LOSSY and _kept(model))):
+        made, said = _proved(model, to, made)
     if isinstance(model, Corrected) and model.way:
         made = {name: _first(ONE_WAY, name, text) for name, text in made.items()}
         said.insert(0, ONE_WAY)
@@ -157,16 +155,16 @@ def _model(document: dict[str, Any], folder: Path) -> Corrected | CorrectedArm:
 
 
 def _proved(
-    model: Corrected | CorrectedArm, player: str, made: dict[str, str]
+    model: Corrected | CorrectedArm, to: str, made: dict[str, str]
 ) -> tuple[dict[str, str], list[str]]:
     """The files, each with what it loses in its first line, and what the proof says."""
     with tempfile.TemporaryDirectory() as place:
         for name, text in made.items():
             write_text(Path(place) / name, text)
         if isinstance(model, CorrectedArm):
-            errors, unit = played_arm(model, player, Path(place)), "A"
+            errors, unit = played_arm(model, to, Path(place)), "A"
         else:
-            errors, unit = played(model, player, Path(place)), model.effort
+            errors, unit = played(model, to, Path(place)), model.effort
     told = {"unit": unit, **asdict(errors), "lost": errors.lost}
     made = {**made, "check.json": json.dumps(told, indent=2, ensure_ascii=False) + "\n"}
     said = [sentence(errors, unit)]

@@ -16,11 +16,11 @@ import numpy as np
 from spirob.control import CURRENT
 from spirob.effects import Effect
 from spirob.errors import ExportError
+from spirob.export.alone import played_alone
 from spirob.export.arm import CorrectedArm, lever_of, motor_of, reported_lever
 from spirob.export.axis import equations
 from spirob.export.code import c_name, python_text
 from spirob.export.corrected import Corrected, Held
-from spirob.export.players import played_alone
 from spirob.identify.measurement import Measurement
 from spirob.logs.trace import read_table
 from spirob.machine.motion import Motion, late
@@ -82,7 +82,7 @@ class Heldout:
             raise ExportError(f"{path}: belongs to another diagnosis; diagnose again") from None
 
     def given(self) -> dict[str, np.ndarray]:
-        """What a player needs."""
+        """What a target's `play` needs."""
         kept = [str(n) for n in self.table.columns if n not in ("used", "trial")]
         found = {name: self.table[name].to_numpy(float) for name in kept}
         numbers, q = self.model.numbers, found["position"]
@@ -261,7 +261,7 @@ def _coupled(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
         given |= {f"reference_{k}": said.reference, f"rate_{k}": said.reference_rate}
         given[f"angle_{k}"] = np.array(t.first_angle)
     about = {"name": c_name(heldout.model.name), "trials": len(heldout.trials)}
-    made = played_alone("arm", folder, about, given)
+    made = played_alone("mujoco", folder, about, given)
     return [made[f"current_{k}"] for k in range(len(heldout.trials))]
 
 
@@ -279,11 +279,11 @@ def _led(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
         "trials": len(heldout.trials),
         "motors": list(MOTORS),
     }
-    made = played_alone("arm_led", folder, about, given)
+    made = played_alone("mjcf", folder, about, given)
     return [made[f"current_{k}"] for k in range(len(heldout.trials))]
 
 
-def _motors(player: str) -> Callable[[ArmHeldout, Path], list[np.ndarray]]:
+def _motors(to: str) -> Callable[[ArmHeldout, Path], list[np.ndarray]]:
     """Each motor as an axis: the tendon moves and pulls as in the model here."""
 
     def play(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:
@@ -300,7 +300,7 @@ def _motors(player: str) -> Callable[[ArmHeldout, Path], list[np.ndarray]]:
             given = {n: np.concatenate([row[n] for row in rows]) for n in rows[0]}
             given |= {"starts": starts, "steps": np.full(len(lengths), CYCLE)}
             about = {"name": c_name(axis.name), "fields": list(equations(axis).state)}
-            made = played_alone(player, folder, about, given)
+            made = played_alone(to, folder, about, given)
             found[:, m] = made["effort"] + given["effort"] - made["framed"]
         return np.split(found, starts[1:-1])
 
@@ -333,10 +333,10 @@ PLAYED: dict[str, Callable[[ArmHeldout, Path], list[np.ndarray]]] = {
 }
 
 
-def played_arm(model: CorrectedArm, player: str, folder: Path) -> Errors:
-    """The errors of an arm that was exported to a folder, on the trials kept aside."""
+def played_arm(model: CorrectedArm, to: str, folder: Path) -> Errors:
+    """The errors of an arm that was exported to a folder for a target, on the trials kept aside."""
     heldout = ArmHeldout(model)
-    return heldout.errors(PLAYED[player](heldout, folder))
+    return heldout.errors(PLAYED[to](heldout, folder))
 
 
 def arm_left_out(model: CorrectedArm, instead: dict[str, dict[str, float]]) -> dict[str, str]:

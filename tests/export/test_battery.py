@@ -1,6 +1,6 @@
 """Every effect of the library goes home: played on held-out logs it is the same to a per cent.
 
-The players run in this process here; `test_exporting` lets them run apart.
+What was written is played in this process here; `test_exporting` lets them run apart.
 """
 
 import ctypes
@@ -15,7 +15,6 @@ from spirob.effects.motor import quadratic_drag
 from spirob.export import targets
 from spirob.export.exporting import LOSS, about_of
 from spirob.export.heldout import Heldout
-from spirob.export.players import c, mujoco
 from spirob.files import write_text
 from spirob.machine.laws import for_axis
 from spirob.machine.preparation import applicable
@@ -76,11 +75,11 @@ def test_what_reads_a_signal_that_a_plain_axis_lacks_is_left_to_the_arm(tmp_path
 
 def lost(model, target, folder):
     """What a target loses of the effect."""
-    player, place = targets()[target].PLAYER, folder / target
-    for name, text in targets()[target].files(model).items():
+    there, place = targets()[target], folder / target
+    for name, text in there.files(model).items():
         write_text(place / name, text)
-    heldout, script = Heldout(model), c if player == "c" else mujoco
-    errors = heldout.errors(**script.play(place, about_of(model, player), heldout.given()))
+    heldout = Heldout(model)
+    errors = heldout.errors(**there.play(place, about_of(model, target), heldout.given()))
     assert errors.size > 0.0
     return errors.lost
 
@@ -147,7 +146,7 @@ def test_what_is_not_finite_leaves_the_c_state_as_it_is(tmp_path):
     model = exported_model(tmp_path, ["presliding_friction", "gear_compliance"], seconds=1.5)
     for name, text in targets()["c"].files(model).items():
         write_text(tmp_path / name, text)
-    library, about = c.compiled(tmp_path, "elbow", tmp_path), about_of(model, "c")
+    library, about = targets()["c"].compiled(tmp_path, "elbow", tmp_path), about_of(model, "c")
     state = (ctypes.c_double * len(about["fields"]))()
     call = library.elbow_compensate
     call.restype, call.argtypes = ctypes.c_double, [ctypes.c_void_p, *[ctypes.c_double] * 4]

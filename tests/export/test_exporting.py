@@ -11,9 +11,9 @@ import pytest
 from spirob.cli.main import main
 from spirob.errors import ExportError
 from spirob.export import exporting, listed, targets
+from spirob.export.alone import ALONE, alone
 from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
-from spirob.export.players import ALONE, alone, bam
 from tests.export.machines import exported_model
 
 OWN = '''
@@ -173,7 +173,7 @@ def test_bam_counts_a_load_once(kind, way, tmp_path):
         given["carried"] = np.array([load])
     else:
         given["acceleration"] = np.array([load / told["armature"]])
-    torque = told["kt"] * bam.effort(told, given)[0]
+    torque = told["kt"] * targets()["bam"].effort(told, given)[0]
     # a motor's torque is the load and its friction: F = m·|load ± F|
     assert torque - load == pytest.approx(way * share * load / (1 - way * share), rel=0.01)
 

@@ -3,8 +3,6 @@
 import json
 from typing import TYPE_CHECKING, Any
 
-from spirob.errors import ExportError
-
 if TYPE_CHECKING:
     from spirob.export.arm import CorrectedArm
     from spirob.export.corrected import Corrected
@@ -15,10 +13,10 @@ HOLDS = (
 )
 LACKS = "whatever is no friction, an axis that slides; the file states what that costs"
 LOSSY = True
-PLAYER = "bam"
 FAST = 1.0  # rad/s: BAM divides by a Stribeck speed, also where there is no such friction
 # actuators of BAM that are commanded in the unit of the effort
 ACTUATORS = {"A": "erob80_100", "V": "mx106"}
+PASSES = 60
 HELD = ("coulomb_friction", "stribeck_friction", "load_dependent_friction")
 
 
@@ -32,6 +30,7 @@ def arm(model: "CorrectedArm") -> dict[str, str]:
 
 def files(model: "Corrected") -> dict[str, str]:
     """Name of each file -> its text."""
+    from spirob.errors import ExportError
     from spirob.export.code import c_name
     from spirob.export.heldout import left_out
 
@@ -84,6 +83,8 @@ def parameters(model: "Corrected") -> dict[str, Any]:
 
 def _motor(model: "Corrected") -> dict[str, float]:
     """Torque constant and resistance."""
+    from spirob.errors import ExportError
+
     scale, back_emf = model.numbers["scale"], model.numbers["back_emf"]
     if model.effort != "V":
         return {"kt": scale, "R": 1.0}
@@ -92,3 +93,36 @@ def _motor(model: "Corrected") -> dict[str, float]:
             f"{model.name}: BAM tells a voltage by torque constant and resistance; fit 'back_emf'"
         )
     return {"kt": back_emf, "R": back_emf / scale}
+
+
+def effort(told, given):
+    """Control that each row needs, by the equations of BAM's paper.
+
+        J·a = τ_m + τ_e + τ_f,   τ_f = -sign(v)·(base + stribeck + |k_e·τ_e - k_m·τ_m|) - viscous·v
+    (Duclusaud, Passault, Padois, Ly, Extended friction models for servo actuators, 2024, eq. 4 to
+    9; while it slides.)  BAM itself is not needed.
+    """
+    import numpy as np
+
+    v, a = given["speed"], given["acceleration"]
+    external = -given["carried"] - given["hung"]
+    sliding = told["friction_base"] + np.zeros_like(v)
+    if "friction_stribeck" in told:
+        slow = np.exp(-(np.abs(v / told["dtheta_stribeck"]) ** told["alpha"]))
+        sliding += told["friction_stribeck"] * slow
+    needed = told["armature"] * a - external + told["friction_viscous"] * v
+    torque = needed.copy()
+    for _ in range(PASSES):
+        by_load = told.get("load_friction_external", 0.0) * external
+        by_load = by_load - told.get("load_friction_motor", 0.0) * torque
+        torque = needed + np.sign(v) * (sliding + np.abs(by_load))
+    if told["actuator"].startswith("mx"):  # commanded in volts
+        return told["R"] * torque / told["kt"] + told["kt"] * v
+    return torque / told["kt"]
+
+
+def play(folder, about, given):
+    """Effort for each row; BAM has no frame that could be late."""
+    (file,) = folder.glob(f"{about['name']}_m?.json")
+    told = json.loads(file.read_text(encoding="utf-8"))
+    return {"effort": effort(told, given), "framed": given["effort"]}

@@ -1,5 +1,8 @@
 """MuJoCo with a controller: MJCF, and a Python module that steps every effect beside it."""
 
+import copy
+import importlib.util
+import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -9,7 +12,8 @@ if TYPE_CHECKING:
 HOLDS = "every effect: `before_step(model, data)` of the module adds what MJCF cannot say"
 LACKS = "MJX and MJWarp, which call no Python"
 LOSSY = False
-PLAYER = "mujoco"
+PASSES = 12
+STEPS = 2  # of an arm's body in a cycle
 CONTROLLER = '''
 
 class Controller:
@@ -137,3 +141,207 @@ def files(model: "Corrected") -> dict[str, str]:
 def _quoted(name: str) -> str:
     """A name of a model file inside quotes of Python."""
     return name.encode("unicode_escape").decode("ascii").replace('"', '\\"')
+
+
+class Played:
+    """An exported model of a rig, its data, and the controller beside it.
+
+    The joint is led along the measured motion; sought is the effort at which drive, effects and
+    model together make the measured acceleration.  Further joints that the export added move by
+    themselves.
+    """
+
+    def __init__(self, folder, about):
+        import mujoco
+
+        self.mujoco = mujoco
+        self.model = mujoco.MjModel.from_xml_path(str(folder / f"{about['name']}.xml"))
+        self.data, self.step = mujoco.MjData(self.model), float(self.model.opt.timestep)
+        self.dof = int(self.model.joint(about["joint"]).dofadr[0])
+        self.drive = int(self.model.actuator("drive").id)
+        self.others = {int(self.model.joint(n).dofadr[0]): n for n in about["others"]}
+        self.module = self.controller = None
+        if about["controller"]:
+            self.module = _module(folder, about)
+            self.controller = self.module.Controller(self.model)
+
+    def begin(self, time, position, speed, acceleration):
+        """Forget everything; a load on a spring begins as far behind as it takes to move along."""
+        self.mujoco.mj_resetData(self.model, self.data)
+        for k in range(self.model.njnt):
+            if self.model.joint(k).name == "behind":
+                stiffness = float(self.model.tendon_stiffness[self.model.tendon("shaft").id])
+                twist = acceleration * float(self.model.dof_M0[k]) / stiffness
+                self.data.joint(k).qpos[0], self.data.joint(k).qvel[0] = position - twist, speed
+        if self.controller:
+            self.controller.reset()
+            self.controller.state.time = float(time)
+
+    def lead(self, motion):
+        """Put the measured joints where they were; motion: dof -> position, speed, acceleration."""
+        for dof, (q, v, a) in motion.items():
+            self.data.qpos[dof], self.data.qvel[dof], self.data.qacc[dof] = q, v, a
+
+    def given(self, effort):
+        """What drive and effects put on the joint at this effort, without keeping memory."""
+        data = self.data
+        data.ctrl[self.drive] = effort
+        if self.controller:
+            kept = copy.copy(self.controller.state)
+            self.controller.before_step(self.model, data)
+            self.controller.state = kept
+        self.mujoco.mj_fwdActuation(self.model, data)
+        return float(data.qfrc_actuator[self.dof] + data.qfrc_applied[self.dof])
+
+    def needed(self, motion):
+        """What the joint needs beside what the model itself puts on it."""
+        model, data = self.model, self.data
+        data.qacc[:] = 0.0
+        self.lead(motion)
+        self.mujoco.mj_fwdPosition(model, data)
+        self.mujoco.mj_fwdVelocity(model, data)
+        self.mujoco.mj_inverse(model, data)
+        return float(data.qfrc_inverse[self.dof])
+
+    def effort(self, motion, guess):
+        """The effort of a row."""
+        effort, step, last, moved = guess, 1.0 / self.gain(), None, 0.0
+        wanted = self.needed(motion)
+        for _ in range(PASSES):
+            given = self.given(effort)
+            if self.controller:  # it moves the slope of friction into the joint's damping
+                wanted = self.needed(motion)
+            miss = wanted - given
+            if abs(miss) <= 1e-10 * (1e-9 + abs(wanted)):
+                break
+            if last is not None:
+                flat = miss * last > 0 and abs(miss) > 0.5 * abs(last)
+                step = 2.0 * step if flat else (moved / (last - miss) if last != miss else step)
+            moved, last = step * miss, miss
+            effort += moved
+        return effort
+
+    def gain(self):
+        """Torque for one unit of effort, roughly."""
+        return float(self.model.actuator_gainprm[self.drive, 0]) or 1.0
+
+    def parts(self, dt):
+        """Steps of the model in which a row is passed; effects alone need no more than one."""
+        if self.controller:
+            return 1
+        return max(1, math.ceil(dt / self.step - 1e-6))
+
+    def read(self, values, dt, lag):
+        """What the model's own log shows of these efforts, with its lag or its latency alone."""
+        model, data = self.model, self.data
+        sensor, reading = data.sensor("effort"), model.actuator("reading")
+        filtered = float(reading.dynprm[0])
+        model.opt.timestep, reading.dynprm[0] = dt, filtered if lag else 0.0
+        self.mujoco.mj_resetData(model, data)
+        found = []
+        for value in values:
+            data.ctrl[reading.id] = value
+            self.mujoco.mj_step(model, data)
+            found.append(data.actuator_force[reading.id] if lag else sensor.data[0])
+        reading.dynprm[0] = filtered
+        return found
+
+    def advance(self, motion, effort, dt):
+        """Let memory and further joints go on to the next row."""
+        parts = self.parts(dt)
+        for k in range(parts):
+            x = k * dt / parts
+            moved = {
+                d: (q + v * x + 0.5 * a * x * x, v + a * x, a) for d, (q, v, a) in motion.items()
+            }
+            self.lead(moved)
+            self.data.ctrl[self.drive] = effort
+            if self.controller:
+                self.controller.before_step(self.model, self.data)
+            self.mujoco.mj_step(self.model, self.data)
+
+
+def efforts(played, about, given):
+    """Effort and the frame's reading of each row, (n,) each."""
+    import numpy as np
+
+    n = len(given["position"])
+    effort, framed = np.zeros(n), given["effort"].copy()
+    orders = ("position", "speed", "acceleration")
+    columns = {played.dof: [given[o] for o in orders]}
+    for dof, name in played.others.items():
+        columns[dof] = [given[f"{o} of {name}"] for o in orders]
+    motor = getattr(played.module, "motor", None)
+    seen = played.module.State() if motor else None
+    starts = given["starts"]
+    pieces = list(zip(starts[:-1], starts[1:], given["steps"], strict=True))
+    for first, last, dt in pieces:
+        played.begin(*(given[n][first] for n in ("time", *orders)))
+        guess = float(given["effort"][first])
+        if seen:
+            seen.reset()
+        played.model.opt.timestep = dt / played.parts(dt)
+        for row in range(first, last):
+            motion = {dof: tuple(float(c[row]) for c in cs) for dof, cs in columns.items()}
+            if motor:  # the columns are what the sensor tells, with its errors
+                motion[played.dof] = motor(seen, *motion[played.dof], dt)
+            if played.controller:
+                played.controller.state.payload = float(given["payload"][row])
+            guess = played.effort(motion, guess)
+            effort[row] = guess + given["beside"][row] / played.gain()
+            played.advance(motion, guess, dt)
+    if "effort" in [played.model.sensor(k).name for k in range(played.model.nsensor)]:
+        for first, last, dt in pieces:
+            rows = slice(first, last)
+            effort[rows] = played.read(effort[rows], dt, True)
+            framed[rows] = played.read(given["effort"][rows], dt, False)
+    if played.module:
+        state = played.module.State()
+        for first, last, dt in pieces:
+            rows = range(first, last)
+            state.reset()
+            effort[rows] = [played.module.reported(state, float(effort[r]), dt) for r in rows]
+            state.reset()
+            framed[rows] = [
+                played.module.framed(state, float(given["effort"][r]), dt) for r in rows
+            ]
+    return effort, framed
+
+
+def play(folder, about, given):
+    """Of a rig the effort for each row, and the frame's reading; of an arm its currents."""
+    if "trials" in about:
+        return _arm(folder, about, given)
+    effort, framed = efforts(Played(folder, about), about, given)
+    return {"effort": effort, "framed": framed}
+
+
+def _arm(folder, about, given):
+    """Currents of each trial of an arm, (T, 2)."""
+    import mujoco
+
+    module = _module(folder, about)
+    model = mujoco.MjModel.from_xml_path(str(folder / f"{about['name']}.xml"))
+    result = {}
+    for k in range(about["trials"]):
+        data, controller = mujoco.MjData(model), module.Controller(model, given[f"angle_{k}"])
+        controller.start(model, data)
+        controller.mode[:], controller.limit[:] = given[f"mode_{k}"], given[f"limit_{k}"]
+        wanted, rates = given[f"reference_{k}"], given[f"rate_{k}"]
+        result[f"current_{k}"] = current = 0.0 * wanted
+        for cycle in range(len(wanted)):
+            controller.reference[:], controller.reference_rate[:] = wanted[cycle], rates[cycle]
+            for step in range(STEPS):
+                controller.before_step(model, data)
+                if step == 0:
+                    current[cycle] = controller.read("current")
+                mujoco.mj_step(model, data)
+    return result
+
+
+def _module(folder, about):
+    """What was written in Python beside the model."""
+    spec = importlib.util.spec_from_file_location("exported", folder / f"{about['name']}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
