@@ -20,7 +20,8 @@ Its logs, made even, filtered, alike:
 The inverse model, which tells the effort that a motion asks for:
     inverse.py, inverse_equations.py
                                    the model on the trials, and its equations
-    numbers.py, bounds.py          what of it is fitted, and what comes of numbers beyond bounds
+    numbers.py                     what of it is fitted
+    wrong_numbers.py               numbers beyond their bounds, and masses many times off
     delays.py                      the delay of the effort
     scaling.py, shapes.py          the library's numbers at this size; where they start, and which
                                    waves are one
@@ -39,7 +40,6 @@ What is left, doubted and shown:
     leftovers.py                   what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
-    masses.py                      does a known inertia or body weigh what the effort says
     differing.py                   do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward
     result.py, document.py, page_tables.py

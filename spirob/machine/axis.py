@@ -13,7 +13,6 @@ from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.verdict import TWICE, likely
 from spirob.effects import Effect
 from spirob.errors import NothingLeft
-from spirob.machine.bounds import beyond_bounds, in_scale, released
 from spirob.machine.composed.law import beyond
 from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, widened
 from spirob.machine.differing import counted_alike, differing
@@ -35,6 +34,7 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
+from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
 
 SHORTER = "fewer or slower rows make it shorter."
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"

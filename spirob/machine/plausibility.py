@@ -15,11 +15,9 @@ from spirob.diagnosis.search import Found
 from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.fit import Estimate
 from spirob.identify.identifiability import Identifiability
-from spirob.machine.bounds import set_free
 from spirob.machine.delays import DELAY, usual
 from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.leftovers import RigCeiling, drifting
-from spirob.machine.masses import out_of_scale
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (
     FAMILIAR,
@@ -33,6 +31,7 @@ from spirob.machine.odd_logs import (
     ways_apart,
 )
 from spirob.machine.rig import RigFile
+from spirob.machine.wrong_numbers import out_of_scale, set_free
 
 FAR = 20.0  # between a number and its nominal one
 SENSE = 0.3  # R² below which the effort does not follow from this motion
