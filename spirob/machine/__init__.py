@@ -11,9 +11,8 @@ Its logs, made even, filtered, alike:
     selection.py, checks.py, broken_seconds.py, bursts.py
                                    which logs take part, and which of their rows
     recording.py                   one trial in SI
-    grids.py, clock.py, held_frames.py
-                                   even grids of a log's columns, when each row was, and which
-                                   rows hold the frame before
+    grids.py, clock.py             even grids of a log's columns; when each row was, and which hold
+                                   the frame before
     filtering.py                   its filters
     positions.py, unwrapping.py    a position as the axis moved: jumps told, wraps undone
     motion.py                      the motion of all trials in a row, and what remembers along it

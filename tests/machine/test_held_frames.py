@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.machine.held_frames import held
+from spirob.machine.clock import held
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
