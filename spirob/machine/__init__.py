@@ -8,7 +8,7 @@ What a rig is:
     body.py, model_file.py         the body behind the motor, of a model in MuJoCo's format
     arm/                           our arm, logged by somebody else
 Its logs, made even, filtered, alike:
-    selection.py, checks.py, broken_seconds.py, bursts.py
+    selection.py, checks.py, broken_stretches.py
                                    which logs take part, and which of their rows
     recording.py                   one trial in SI
     grids.py, clock.py             even grids of a log's columns; when each row was, and which hold

@@ -14,8 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from spirob.errors import MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
-from spirob.machine.broken_seconds import Grid, followed
-from spirob.machine.bursts import Looked, without_bursts
+from spirob.machine.broken_stretches import Grid, Looked, followed, without_bursts
 from spirob.machine.checks import agreement, shifted, stands, usable
 from spirob.machine.filtering import (
     ALIAS,

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from spirob.machine.bursts import least_absolute
+from spirob.machine.broken_stretches import least_absolute
 from spirob.machine.recording import Recording, prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description

@@ -1,4 +1,7 @@
-"""Stretches of a log whose effort is none of this machine's: bridged and not compared, and said.
+"""Stretches of a log that are broken, which is said: bursts of its effort, seconds of its position.
+
+An effort that is none of this machine's is bridged and not compared; seconds in which most of the
+position is faster than what is compared are cut out.
 
 What plain columns of the motion make, fitted by least absolute errors, tells the effort of a good
 log, whatever a fifth of it holds.  A burst is where that misses √10 times what it misses anywhere
@@ -17,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
+from spirob.errors import NothingLeft
 from spirob.machine.checks import EDGE, TEN, TENFOLD, widened
 from spirob.machine.filtering import derivative, rates, smooth
 from spirob.machine.grids import FILLED
@@ -28,6 +32,8 @@ FAR = 2.0  # deviations of the rest's motion, between it and a motion that is an
 LADDER = 1.15 ** -np.arange(60.0)  # of levels, over three decades
 ROUNDS, SMALL = 40, 1e-6  # of weighted least squares, and the least error in its weights
 ENOUGH = 20_000  # rows that are looked at
+NOISE = 0.5  # of a motion's variance: more beyond what is compared is no motion
+PIECE = 0.5  # s, of what is left between broken seconds
 SLIDES = 0.05  # of the RMS speed: slower than that, dry friction may hold any effort
 Grid = dict[str, np.ndarray]
 
@@ -241,3 +247,53 @@ def _bridged(track: Track, burst: Burst, piece: int, grid: Grid) -> Grid:
     kept = np.flatnonzero(~broken)
     effort = np.interp(rows, kept, grid["effort"][kept]) if len(kept) else grid["effort"]
     return {**grid, "effort": effort, FILLED: np.where(broken, 1.0, grid[FILLED])}
+
+
+def followed(
+    where: str, name: str, grids: list[Grid], edge: float, period: float, said: list[str]
+) -> list[Grid]:
+    """The pieces of a log without seconds in which its position is noise.
+
+    Noise is what is faster than what is compared, `edge` [Hz], where it is more than half of the
+    whole motion's variance.  Raises NothingLeft where that is most of the log.
+    """
+    places = [grid["position"] for grid in grids]
+    rows = sum(map(len, places))
+    motion = sum(float(np.sum((q - q.mean()) ** 2)) for q in places) / rows
+    fast = [_means((q - smooth(q, edge, period)) ** 2, period) for q in places]
+    noise = [(motion > 0.0) & (means > NOISE * motion) for means in fast]
+    found, lost = _without(noise, grids, period)
+    if 2 * lost > rows or not found:
+        raise NothingLeft(
+            f"{where}: '{name}' is no motion that can be followed: in {lost / rows:.0%} of the "
+            f"log most of its variance lies above {edge:.3g} Hz; is it another column, an axis "
+            "that stands, or an angle that turns too fast for these rows?"
+        )
+    if lost:
+        said.append(
+            f"{where}: '{name}' is noise, or faster than what is compared, for "
+            f"{lost * period:.3g} s, which were left out."
+        )
+    return found
+
+
+def _means(values: np.ndarray, period: float) -> np.ndarray:
+    """Of each second of a piece, the last one shorter, (seconds,)."""
+    blocks = _seconds(len(values), period)
+    return np.asarray(np.bincount(blocks, values) / np.bincount(blocks))
+
+
+def _seconds(rows: int, period: float) -> np.ndarray:
+    return np.arange(rows) // max(1, round(1.0 / period))
+
+
+def _without(broken: list[np.ndarray], grids: list[Grid], period: float) -> tuple[list[Grid], int]:
+    """The pieces without broken seconds and those beside them, and how many rows these have."""
+    found, lost = [], 0
+    for grid, bad in zip(grids, broken, strict=True):
+        rows = widened(bad, 1)[_seconds(len(grid["time"]), period)]
+        lost += int(rows.sum())
+        parts = np.split(np.arange(len(rows)), np.flatnonzero(np.diff(rows.astype(int))) + 1)
+        kept = [p for p in parts if not rows[p[0]] and (not bad.any() or len(p) * period > PIECE)]
+        found += [{name: values[part] for name, values in grid.items()} for part in kept]
+    return found, lost
