@@ -22,7 +22,6 @@ from spirob.emulator.robot import EmulatedRobot
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
 from spirob.files import replacing
-from spirob.logs.cycles import Transmission
 from spirob.logs.writer import git_commit, versions
 from spirob.plant import Plant, Rig
 from spirob.robot import CYCLE_NS, Robot, Scene
@@ -65,27 +64,15 @@ def _record(
     robot = build(config, rig, hidden)
     watched = WatchedRobot(robot) if isinstance(robot, EmulatedRobot) else None
 
-    def prepare(scene: Scene) -> None:
-        # the emulator's noise belongs to the trial, not to the order of trials
-        if isinstance(robot, EmulatedRobot):
-            robot.prepare(scene, trial.name)
-        else:
-            robot.prepare(scene)
-
     about = {"commit": git_commit(root), **versions()}
     try:
         record(
             trial,
             watched or robot,
             root / folder / f"{trial.name}.mcap",
-            transmission=Transmission(
-                gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
-            ),
-            gains=rig.gains,
-            rig=rig.name,
+            rig,
             config=yaml.safe_dump(config.public(), sort_keys=False).encode(),
             about=about,
-            prepare=prepare,
             limits=limits,
             drive=drive_of(config, rig),
             loop=loop_of(config, rig, limits),
@@ -167,9 +154,9 @@ class WatchedRobot:
         self._cycles = 0
         self._seen: list[np.ndarray] = []
 
-    def prepare(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
         """As the robot does."""
-        self._robot.prepare(scene)
+        self._robot.prepare(scene, trial)
 
     def exchange(self, command: bytes) -> list[CanFrame]:
         """As the robot does."""

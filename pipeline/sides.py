@@ -32,10 +32,9 @@ from spirob.ending import end_with_parent
 from spirob.experiments import BLOCK, BUILT, Experiment, Play, Side, repeating
 from spirob.identify.builds import TOLERANCES, anew
 from spirob.logs import read_log
-from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
 from spirob.plant.plant import single_dynamics
-from spirob.robot import MOTORS, Scene
+from spirob.robot import MOTORS
 from spirob.trials import Trial, record
 from spirob.trials.simulation import simulate
 
@@ -168,23 +167,12 @@ def robot_side(
     if moved and isinstance(robot, EmulatedRobot):
         robot.machine.move(moved)
 
-    def prepare(scene: Scene) -> None:
-        if isinstance(robot, EmulatedRobot):
-            robot.prepare(scene, trial.name)
-        else:
-            robot.prepare(scene)
-
     try:
         path = record(
             trial,
             robot,
             log,
-            transmission=Transmission(
-                gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
-            ),
-            gains=rig.gains,
-            rig=rig.name,
-            prepare=prepare,
+            rig,
             drive=drive_of(config, rig),
             loop=loop_of(config, rig),
             react=play.react() if play.react else None,

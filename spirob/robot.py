@@ -94,10 +94,11 @@ class Scene:
 class Robot(Protocol):
     """A robot behind a CAN bus."""
 
-    def prepare(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
         """Bring the arm to rest, straight, tendons just taut, currents zero, in this scene.
 
-        A simulated robot does so at once; a real one asks the operator.
+        A simulated robot does so at once; a real one asks the operator.  The noise of an emulated
+        one belongs to the trial's name.
         """
 
     def exchange(self, command: bytes) -> list[CanFrame]:

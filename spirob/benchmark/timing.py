@@ -20,9 +20,8 @@ import numpy as np
 from mujoco import rollout
 
 from spirob.control import CURRENT, VELOCITY, Schedule
-from spirob.emulator import EmulatedRobot
 from spirob.identify.measurement import Measurement
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
 from spirob.plant import Plant, Response, Rig
 from spirob.plant.body import build_spec
 from spirob.plant.plant import CYCLE
@@ -101,27 +100,9 @@ def recorded(robot: Robot, trials: Sequence[Trial], rig: Rig) -> list[Measuremen
     found = []
     with tempfile.TemporaryDirectory(prefix="spirob-recorded-") as folder:
         for trial in trials:
-            path = record(
-                trial,
-                robot,
-                Path(folder) / f"{trial.name}.mcap",
-                transmission=Transmission(
-                    gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius
-                ),
-                gains=rig.gains,
-                rig=rig.name,
-                prepare=lambda scene, name=trial.name: _prepare(robot, scene, name),  # type: ignore[misc]
-            )
+            path = record(trial, robot, Path(folder) / f"{trial.name}.mcap", rig)
             found.append(Measurement.from_trace(read_log(path)))
     return found
-
-
-def _prepare(robot: Robot, scene: Scene, name: str) -> None:
-    # an emulated robot's noise belongs to the trial's name
-    if isinstance(robot, EmulatedRobot):
-        robot.prepare(scene, name)
-    else:
-        robot.prepare(scene)
 
 
 def measure_cycles(size: Size) -> dict[str, float]:
@@ -188,14 +169,7 @@ def measure_decoding(size: Size) -> dict[str, float]:
     rig = Rig()
     trial = moving("decoding", "left", 5.0 * size.seconds)
     with tempfile.TemporaryDirectory() as folder:
-        path = record(
-            trial,
-            SimulatedRobot(Plant(rig)),
-            Path(folder) / "trial.mcap",
-            transmission=Transmission(),
-            gains=rig.gains,
-            rig=rig.name,
-        )
+        path = record(trial, SimulatedRobot(Plant(rig)), Path(folder) / "trial.mcap", rig)
         taken = in_turns({"decode": lambda: read_log(path)}, size.repeats)
         samples = len(read_log(path))
     return {"decode_samples_per_second": samples / float(np.median(taken["decode"]))}

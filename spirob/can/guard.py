@@ -72,11 +72,11 @@ class GuardedRobot:
         self._watched: list[Watched] | None = None
         self._stopped = False
 
-    def prepare(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
         """Disarm, and bring the robot to rest in a scene."""
         self.armed = False
         self._reset()
-        self._robot.prepare(scene)
+        self._robot.prepare(scene, trial)
 
     def arm(self) -> None:
         """Let currents flow from now on; a robot with an operator asks for it."""

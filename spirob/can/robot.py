@@ -175,7 +175,7 @@ class CanRobot:
         self._open = True
         self._lateness = Lateness()
 
-    def prepare(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
         """Disarm, hold zero current and ask the operator to set the scene."""
         self.armed = False
         if self.urgency:

@@ -19,7 +19,7 @@ from spirob.control import CYCLE, Gains, HostLoop, Placed, current_command, host
 from spirob.errors import ConfigError, HardwareError
 from spirob.logs.cycles import Transmission
 from spirob.logs.writer import ThreadedLog, TrialLog
-from spirob.robot import CYCLE_NS, MOTORS, Robot, Scene
+from spirob.robot import CYCLE_NS, MOTORS, Robot
 from spirob.trials.trial import Trial
 
 if TYPE_CHECKING:
@@ -130,7 +130,6 @@ class Reaction(Protocol):
 
 ZERO = encode_command((0.0,) * len(MOTORS))
 FIRST_ANSWER = 100  # cycles a drive may take until its first feedback
-PROGRESS_EVERY = 500  # cycles
 PERIOD = CYCLE_NS / 1e9
 
 
@@ -146,14 +145,10 @@ def record(
     trial: Trial,
     robot: Robot,
     path: Path | str,
+    rig: "Rig",
     *,
-    transmission: Transmission,
-    gains: Gains,
-    rig: str,
     config: bytes = b"",
     about: Mapping[str, str] | None = None,
-    progress: Callable[[float], None] | None = None,
-    prepare: Callable[[Scene], None] | None = None,
     limits: Limits | None = None,
     drive: Drive | None = None,
     react: Reaction | None = None,
@@ -161,12 +156,13 @@ def record(
 ) -> Path:
     """Prepare the scene, arm, play the trial and write its log; the finished log's path.
 
-    prepare  instead of the robot's own `prepare`, where that needs more than the scene
+    rig      tells gains and transmission
     limits   of the guard that is put around the robot
     drive    what the robot's drives are where they are not C620-style
     loop     closes the current loop on the host, of drives that take voltages
-    See `TrialLog` for rig, config and about, `play` for the rest.
+    See `TrialLog` for config and about, `play` for the rest.
     """
+    transmission = Transmission(gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius)
     guarded = guard(robot, transmission, limits, drive, loop)
     if loop:
         about = {**(about or {}), "host_loop": loop.placed.told()}
@@ -175,16 +171,16 @@ def record(
         path,
         trial=trial.plain,
         transmission=transmission,
-        rig=rig,
+        rig=rig.name,
         config=config,
         about=about,
         drive=drive,
     )
-    (prepare or robot.prepare)(trial.scene)
+    robot.prepare(trial.scene, trial.name)
     guarded.arm()
     with log:
         try:
-            play(trial, guarded, log, gains=gains, progress=progress, react=react)
+            play(trial, guarded, log, gains=rig.gains, react=react)
         finally:
             if isinstance(robot, Timed):
                 log.timing = robot.timing()
@@ -216,19 +212,17 @@ def play(
     log: TrialLog,
     *,
     gains: Gains,
-    progress: Callable[[float], None] | None = None,
     react: Reaction | None = None,
 ) -> None:
     """Play a trial on a prepared and armed robot.
 
-    progress  called now and then with the fraction done
-    react     what the trial does about what it feels
+    react  what the trial does about what it feels
     Raises what the robot raises, HardwareError where a drive never answers; the command is zero.
     """
     robot.keep = log.frames
     try:
         with interruptible() as check:
-            _play(trial, robot, log, gains, progress, check, react)
+            _play(trial, robot, log, gains, check, react)
     except BaseException:
         robot.stop()
         raise
@@ -241,7 +235,6 @@ def _play(
     robot: GuardedRobot,
     log: TrialLog,
     gains: Gains,
-    progress: Callable[[float], None] | None,
     check: Callable[[], None],
     react: Reaction | None,
 ) -> None:
@@ -290,11 +283,7 @@ def _play(
             rates,
             modes,
         )
-        if progress and k % PROGRESS_EVERY == 0:
-            progress(k / schedule.cycles)
         k += 1
-    if progress:
-        progress(1.0)
 
 
 def _first_answers(robot: GuardedRobot, check: Callable[[], None]) -> None:

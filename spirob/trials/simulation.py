@@ -138,7 +138,7 @@ class SimulatedRobot:
         self._cycle = 0
         self._limit = np.full(len(MOTORS), 20.0)
 
-    def prepare(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
         """Start again at rest in this scene, at time zero."""
         self._session = self._plant.start(scene, self._changes)
         self._cycle = 0

@@ -14,9 +14,9 @@ import pytest
 from spirob.can.bus import open_bus
 from spirob.can.limits import Limits
 from spirob.can.robot import EDGES, PRIORITY, CanRobot, Lateness, Urgency
-from spirob.control import Gains
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
 from spirob.logs.writer import TrialLog
+from spirob.plant import Rig
 from spirob.trials import Trial, record
 from tests.can.fake_drives import FakeDrives
 from tests.can.stalls import steady
@@ -63,9 +63,7 @@ def test_a_trial_on_a_bus_says_how_late_its_cycles_were_and_does_not_wait_for_it
             Trial.from_plain(plain_trial(0.3)),
             robot,
             tmp_path / "t.mcap",
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="fake",
+            Rig(name="fake"),
             limits=Limits(silence=0.9, following=40.0, frozen=10.0),  # a busy machine, crude drives
         )
         robot.close()

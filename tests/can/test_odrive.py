@@ -12,11 +12,11 @@ from spirob.can.drive import Drive, Translator, find_drive, translated
 from spirob.can.limits import Limits
 from spirob.can.robot import CanRobot
 from spirob.can_protocol import AMPERE_PER_COUNT, CanFrame, decode_feedback, encode_command
-from spirob.control import Gains
 from spirob.errors import ConfigError, MissingLog
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
 from spirob.logs.messages import FRAME, pack_frame, unpack_frames
 from spirob.logs.reader import read_content
+from spirob.plant import Rig
 from spirob.trials import Trial, record
 from tests.can.fake_odrives import TORQUE_CONSTANT, FakeODrives
 from tests.can.stalls import steady
@@ -41,9 +41,7 @@ def test_a_trial_on_odrives_reads_like_any_other(tmp_path):
             trial,
             robot,
             tmp_path / "t.mcap",
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="odrives",
+            Rig(),
             limits=Limits(silence=0.9),
             drive=DRIVE,
         )

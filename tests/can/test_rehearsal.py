@@ -13,9 +13,9 @@ import pytest
 from spirob.can.bus import open_bus
 from spirob.can.limits import Limits
 from spirob.can.robot import CanRobot
-from spirob.control import Gains
 from spirob.errors import HardwareError
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
+from spirob.plant import Rig
 from spirob.trials import Trial, record
 from tests.can.stalls import HELD_UP, Worst, pauses_of, steady
 from tests.trials.trials import plain_trial
@@ -65,9 +65,7 @@ def play(folder, duration, left, right):
             Trial.from_plain(plain_trial(duration, motors={"left": left, "right": right})),
             robot,
             folder / "t.mcap",
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="rehearsal",
+            Rig(),
             limits=Limits(silence=PATIENT),
         )
     finally:

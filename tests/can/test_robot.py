@@ -10,10 +10,10 @@ from spirob.can.bus import open_bus
 from spirob.can.limits import Limits
 from spirob.can.robot import CanRobot, Urgency
 from spirob.can_protocol import COMMAND_ID, encode_command
-from spirob.control import Gains
 from spirob.emulator.__main__ import main as serve
 from spirob.errors import HardwareError
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
+from spirob.plant import Rig
 from spirob.robot import CYCLE_NS, MOTORS, Cylinder, Scene
 from spirob.trials import Trial, record
 from tests.can.fake_drives import FakeDrives
@@ -162,9 +162,7 @@ def test_a_trial_is_recorded_over_a_bus(channel, tmp_path):
             trial,
             robot,
             tmp_path / "t.mcap",
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="virtual",
+            Rig(),
             limits=Limits(silence=1e-9 * PATIENT_NS),
         )
         robot.close()

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from spirob.cli.main import main
-from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
-from spirob.logs import Transmission
 from spirob.perceive.features import table
 from spirob.perceive.interval import calibrated
 from spirob.perceive.model_file import save_model
@@ -34,9 +32,7 @@ def folder(tmp_path_factory):
             trial,
             robot,
             folder / f"{trial.name}.mcap",
-            transmission=Transmission(gear_ratio=3591 / 187, winch_radius=0.02),
-            gains=Gains(),
-            rig="spirob",
+            Rig(),
         )
         robot.close()
     return folder

@@ -6,12 +6,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.experiments import Side
 from spirob.experiments.active_contact import RIGHT, ActiveContact
 from spirob.experiments.response import PERIOD, Recoil, Repeat, detected
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
 from spirob.perceive.contact import ContactSettings
 from spirob.plant import Plant, Rig
 from spirob.trials import Trial, record
@@ -39,9 +38,7 @@ def on_the_robot(play, folder):
         trial,
         robot,
         folder / f"{trial.name}.mcap",
-        transmission=Transmission(),
-        gains=Gains(),
-        rig="spirob",
+        Rig(),
         react=react,
     )
     robot.close()

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 
-from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.errors import ConfigError, DataError
-from spirob.logs import Transmission
 from spirob.logs.reader import read_log
 from spirob.perceive.features import table
 from spirob.perceive.interval import held_out, unfamiliar, used_features
 from spirob.perceive.size import PREDICTORS, SizeSettings, folds, predict, train
 from spirob.perceive.study import score
+from spirob.plant import Rig
 from spirob.trials import Trial, record
 from spirob.trials.trial import wrap_trial
 from tests.perceive.conftest import simulate
@@ -87,9 +86,7 @@ def test_the_emulated_robot_is_understood_without_retraining(model, tmp_path):
             trial,
             robot,
             tmp_path / f"{trial.name}.mcap",
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="emulated",
+            Rig(),
         )
         traces.append(read_log(path))
     robot.close()

@@ -33,7 +33,7 @@ class FakeRobot:
         self.angle = [0.0, 0.0]
         self.closed = False
 
-    def prepare(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene, trial: str = "trial") -> None:
         self.scene = scene
 
     def exchange(self, command: bytes) -> list[CanFrame]:

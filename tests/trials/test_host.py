@@ -33,8 +33,8 @@ class Seen:
         )
         self.volts, self.mute = [], False
 
-    def prepare(self, scene):
-        self.robot.prepare(scene)
+    def prepare(self, scene, trial="trial"):
+        self.robot.prepare(scene, trial)
 
     def exchange(self, command):
         self.volts.append(decode_volts(command))
@@ -74,9 +74,7 @@ def test_current_follows_its_command_and_the_log_holds_both(tmp_path):
         bend(),
         robot,
         tmp_path / "t.mcap",
-        transmission=Transmission(),
-        gains=RIG.gains,
-        rig="host",
+        RIG,
         drive=DRIVE,
         loop=HostCurrentLoop.of(RIG, 24.0),
     )
@@ -197,9 +195,7 @@ def test_the_simulated_robot_has_the_loop_inside(tmp_path):
         bend(0.4),
         SimulatedRobot(Plant(RIG)),
         tmp_path / "t.mcap",
-        transmission=Transmission(),
-        gains=RIG.gains,
-        rig="host",
+        RIG,
     )
     same = simulate(Plant(RIG), bend(0.4), {})
     assert read_log(path)["left.current"][200:] == pytest.approx(

@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 from spirob.can_protocol import AMPERE_PER_COUNT
-from spirob.control import Gains
 from spirob.errors import HardwareError
-from spirob.logs import Transmission, TrialLog, read_log
-from spirob.robot import Scene
-from spirob.trials import Trial, guard, play
+from spirob.logs import read_log
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.trials import plain_trial, record_on
 
@@ -81,22 +78,3 @@ def test_a_late_first_answer_is_waited_for(tmp_path):
     trace = read_log(record_on(Late(), tmp_path))
     assert len(trace) == 400
     assert trace["left.displacement"][0] == 0.0
-
-
-def test_progress_runs_to_one(tmp_path):
-    told = []
-    trial = Trial.from_plain(plain_trial(1.2))
-    robot = guard(FakeRobot(), Transmission())
-    robot.prepare(Scene())
-    robot.arm()
-    log = TrialLog(tmp_path / "t.mcap", trial=trial.plain, transmission=Transmission(), rig="fake")
-    with log:
-        play(
-            trial,
-            robot,
-            log,
-            gains=Gains(),
-            progress=told.append,
-        )
-    assert told == sorted(told)
-    assert told[-1] == 1.0

@@ -16,6 +16,7 @@ from spirob.can.limits import Limits
 from spirob.errors import DataError, HardwareError
 from spirob.logs import read_log
 from spirob.logs.recovery import recover
+from spirob.plant import Rig
 from tests.trials.fake_robot import FakeRobot
 from tests.trials.stopped_trial import commands
 from tests.trials.trials import record_on
@@ -100,8 +101,6 @@ def test_a_full_disk_sends_zero_first_and_keeps_what_was_written(tmp_path, monke
 
 
 def test_a_stop_is_told_by_the_log_with_every_frame_of_its_last_cycle(tmp_path):
-    from spirob.control import Gains
-    from spirob.logs import Transmission
     from spirob.logs.messages import unpack_frames
     from spirob.logs.reader import read_content
     from spirob.trials import Trial, record
@@ -121,9 +120,7 @@ def test_a_stop_is_told_by_the_log_with_every_frame_of_its_last_cycle(tmp_path):
             Trial.from_plain(plain_trial(2.0)),
             robot,
             tmp_path / "t.mcap",
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="fake",
+            Rig(name="fake"),
             limits=Limits(travel=0.01),
         )
     path = tmp_path / "t.mcap.part"

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from spirob.control import Gains
-from spirob.logs import Transmission
+from spirob.plant import Rig
 from spirob.trials import Trial, record
 
 
@@ -35,9 +34,7 @@ def record_on(robot, folder, duration=0.4, name="trial.mcap", **changes):
         trial,
         robot,
         folder / name,
-        transmission=Transmission(),
-        gains=Gains(),
-        rig="fake",
+        Rig(name="fake"),
         config=b"rig: fake\n",
         about={"git_commit": "0" * 40, "start_time": "simulated"},
     )

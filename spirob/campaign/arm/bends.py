@@ -18,9 +18,7 @@ from spirob.emulator.robot import EmulatedRobot
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.logs import read_log
-from spirob.logs.cycles import Transmission
 from spirob.plant import Plant, Rig
-from spirob.robot import Scene
 from spirob.trials import Trial, record
 
 # name, role, motor that moves, (duration [s], length [m]) of its moves, current of the other [A];
@@ -98,26 +96,11 @@ def recorded(
         with tempfile.TemporaryDirectory(prefix="spirob-trial-") as folder:
             for plain in bends() if trials is None else trials:
                 path = Path(folder) / f"{plain['name']}.mcap"
-                _record(robot, Trial.from_plain(plain), path, rig)
+                record(Trial.from_plain(plain), robot, path, rig)
                 found[plain["role"]].append(Measurement.from_trace(read_log(path)))
     finally:
         robot.close()
     return found
-
-
-def _record(robot: EmulatedRobot, trial: Trial, path: Path, rig: Rig) -> None:
-    def prepare(scene: Scene) -> None:
-        robot.prepare(scene, trial.name)
-
-    record(
-        trial,
-        robot,
-        path,
-        transmission=Transmission(gear_ratio=rig.winch.gear_ratio, winch_radius=rig.winch.radius),
-        gains=rig.gains,
-        rig=rig.name,
-        prepare=prepare,
-    )
 
 
 def problems_of(trials: dict[str, list[Measurement]], plant: Plant) -> dict[str, Residual]:

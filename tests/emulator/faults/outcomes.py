@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from spirob.can.limits import Limits
-from spirob.control import Gains
 from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import HardwareError
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
 from spirob.logs.messages import unpack_frames
 from spirob.logs.reader import read_content
 from spirob.logs.trace import Trace
+from spirob.plant import Rig
 from spirob.trials import Trial, record
 
 START = 0.4  # s
@@ -81,7 +81,7 @@ def trial(seconds=1.0):
         "profile": {"kind": "constant", "value": 0.2, "blend": 0.1},
         "current_limit": 5.0,
     }
-    plain = {"name": "faulty", "role": "train", "duration": seconds}
+    plain = {"name": "trial", "role": "train", "duration": seconds}
     return Trial.from_plain(plain | {"motors": {"left": left, "right": right}})
 
 
@@ -95,9 +95,7 @@ def outcome(name, folder, seconds=1.0):
             trial(seconds),
             robot,
             path,
-            transmission=Transmission(),
-            gains=Gains(),
-            rig="emulated",
+            Rig(),
             limits=LIMITS,
         )
     except HardwareError as error:

@@ -11,7 +11,6 @@ from spirob.emulator import EmulatedRig, EmulatedRobot, HiddenSettings
 from spirob.errors import DataError
 from spirob.geometry import Drawing
 from spirob.logs import read_log
-from spirob.logs.cycles import Transmission
 from spirob.logs.readers import Table, read_table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
@@ -62,16 +61,12 @@ def folder(tmp_path_factory):
 
 
 def played(robot, machine, trial, folder):
-    winch = Transmission(gear_ratio=machine.winch.gear_ratio, winch_radius=machine.winch.radius)
     path = folder / f"{trial.name}.mcap"
     record(
         trial,
         robot,
         path,
-        transmission=winch,
-        gains=machine.gains,
-        rig=machine.name,
-        prepare=lambda scene: robot.prepare(scene, trial.name),
+        machine,
     )
     trace = read_log(path)
     columns = {"ms": 1e3 * trace.seconds}

@@ -4,12 +4,11 @@ import pandas as pd
 
 from spirob.can.drive import find_drive
 from spirob.can_protocol import CanFrame
-from spirob.control import Gains
 from spirob.emulator import EmulatedRobot
 from spirob.emulator.rig import EmulatedRig
 from spirob.experiments.host_contact import HostContact
 from spirob.experiments.host_loop import GainSet
-from spirob.logs import Transmission, read_log
+from spirob.logs import read_log
 from spirob.logs.messages import unpack_frames
 from spirob.logs.reader import RAW_TOPIC, read_content
 from spirob.perceive.features import extract
@@ -27,9 +26,7 @@ def pushed(folder):
         Trial.from_plain(about.trial_at("push", 0.95)),
         robot,
         folder / "push.mcap",
-        transmission=Transmission(gear_ratio=1.0),
-        gains=rig.gains,
-        rig="direct",
+        rig,
         drive=find_drive("gm6020"),
         loop=HostCurrentLoop.of(rig, 24.0),
     )
@@ -50,9 +47,7 @@ def frames_and_features(plain, folder, features=True):
         trial,
         robot,
         folder / f"{trial.name}.mcap",
-        transmission=Transmission(),
-        gains=Gains(),
-        rig="spirob",
+        Rig(),
     )
     robot.close()
     frames = frames_of(path)
