@@ -238,13 +238,13 @@ MOST = 1000  # cycles lived through at once
 NAP_NS = 200_000  # before the deadline, where sleeping is not exact any more
 
 
-def serve(bus: can.BusABC, machine: Machine, seconds: float, wire: Wire | None = None) -> int:
+def serve(bus: can.BusABC, machine: Machine, seconds: float) -> int:
     """Run for some seconds of the wall clock; returns in how many cycles nobody was told anything.
 
     Where the computer is late, the machine still lives through the time: its drives only fail to
     speak.
     """
-    wire = wire or Wire()
+    wire = Wire()
     wire.begin(machine.generator)
     node = DriveNode(bus, machine, wire)
     deadline = start = time.monotonic_ns()

@@ -101,11 +101,9 @@ class Profile:
     give: np.ndarray
 
 
-def profile(
-    places: Sequence[float], arm: Arm | None = None, geometry: Geometry = PUBLISHED
-) -> Profile:
+def profile(places: Sequence[float], geometry: Geometry = PUBLISHED) -> Profile:
     """Of places in (0, 1], as shares of the arm's length from the base."""
-    arm, whole = arm or Arm(), geometry.arm()
+    arm, whole = Arm(), geometry.arm()
     hinge, k = whole.hinge_position, hinge_stiffness(arm, whole)
     mass, inertia = unit_inertia(arm, whole)
     centre = hinge + whole.unit_length / 2

@@ -152,7 +152,6 @@ def differences(
     scaling: Scaling,
     u: np.ndarray,
     fixed: Mapping[str, float],
-    step: float = EXACT,
 ) -> np.ndarray:
     """Central differences of the residual by the scaled parameters, (samples, parameters).
 
@@ -165,7 +164,7 @@ def differences(
     for k in range(len(u)):
         for sign in (1.0, -1.0):
             moved = u.copy()
-            moved[k] = np.clip(u[k] + sign * step, low[k], high[k])
+            moved[k] = np.clip(u[k] + sign * EXACT, low[k], high[k])
             widths[k] += sign * moved[k]
             points.append({**fixed, **scaling.physical(moved)})
     values = residual.many(points)

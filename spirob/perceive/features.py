@@ -200,9 +200,7 @@ def extract(
     return values
 
 
-def table(
-    traces: Iterable[Trace], motor: str = "left", names: Sequence[str] | None = None
-) -> pd.DataFrame:
+def table(traces: Iterable[Trace]) -> pd.DataFrame:
     """Features of many wraps, indexed by trial, with the true diameter [m] as last column.
 
     The truth is read from the scene in `meta`.  Raises DataError where a trial has no cylinder
@@ -212,7 +210,7 @@ def table(
     for trace in traces:
         if trace.name in rows:
             raise DataError(f"two wraps have the name '{trace.name}'")
-        rows[trace.name] = {**extract(trace, motor, names), "diameter": true_diameter(trace)}
+        rows[trace.name] = {**extract(trace), "diameter": true_diameter(trace)}
     out = pd.DataFrame.from_dict(rows, orient="index")
     out.index.name = "trial"
     return out

@@ -113,9 +113,9 @@ def calibrated(model: SizeModel, table: pd.DataFrame, threads: int = 1) -> SizeM
     return replace(model, errors=np.sort(np.abs(found - true)[between]))
 
 
-def supported(model: SizeModel, confidence: float = CONFIDENCE) -> bool:
-    """Whether enough wraps were held out for intervals of this confidence."""
-    return _rank(model, confidence) <= len(model.errors)
+def supported(model: SizeModel) -> bool:
+    """Whether enough wraps were held out for intervals of the usual confidence."""
+    return _rank(model, CONFIDENCE) <= len(model.errors)
 
 
 def half_width(model: SizeModel, confidence: float = CONFIDENCE) -> float:

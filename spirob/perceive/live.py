@@ -30,9 +30,9 @@ from spirob.can_protocol import FEEDBACK_ID, CanFrame
 from spirob.errors import DataError
 from spirob.logs.cycles import Transmission
 from spirob.logs.trace import Trace
-from spirob.perceive.contact import ContactDetector, ContactSettings
+from spirob.perceive.contact import ContactDetector
 from spirob.perceive.features import SECONDS, extract
-from spirob.perceive.interval import CONFIDENCE, Estimate, estimate
+from spirob.perceive.interval import Estimate, estimate
 from spirob.perceive.passive import PassiveDetector, Response, features
 from spirob.perceive.size import SizeModel
 from spirob.perceive.wrap import LEAST_STROKE, STILL_MOVING
@@ -244,7 +244,7 @@ class Watch:
     A detector listens to a motor that winds in, or stands after it did, or has not moved yet; not
     to one that pays out, whose current rises by itself when it stops.
 
-    transmission  nominal gear and winch of both motors;  rules  of the contact detectors
+    transmission  nominal gear and winch of both motors
     model         of sizes; None where only contacts are wanted;  wraps  the motor that wraps
     push          tells pushes of motors that hold their currents; None where it is not wanted
     """
@@ -252,10 +252,8 @@ class Watch:
     def __init__(
         self,
         transmission: Transmission | None = None,
-        rules: ContactSettings | None = None,
         model: SizeModel | None = None,
         wraps: str = "left",
-        confidence: float = CONFIDENCE,
         push: LivePush | None = None,
     ):
         self.states = [MotorState() for _ in MOTORS]
@@ -266,9 +264,9 @@ class Watch:
         self._scale = gear.metre_per_count, gear.metre_per_second_per_rpm
         self._grids = [Grid() for _ in MOTORS]
         self._motions = [Motion() for _ in MOTORS]
-        self._detectors = [ContactDetector(rules, CYCLE_NS / 1e9) for _ in MOTORS]
+        self._detectors = [ContactDetector(period=CYCLE_NS / 1e9) for _ in MOTORS]
         self._deaf = [0 for _ in MOTORS]
-        self._model, self._confidence = model, confidence
+        self._model = model
         self._wraps = MOTORS.index(wraps)
         self._wrap = LiveWrap(wraps)
         self._first_ns: int | None = None
@@ -340,4 +338,4 @@ class Watch:
     def _estimate(self, model: SizeModel, ended: Trace) -> Estimate:
         features = extract(ended, MOTORS[self._wraps], model.features)
         row = pd.DataFrame([features], index=[ended.name])
-        return estimate(model, row, self._confidence)[0]
+        return estimate(model, row)[0]

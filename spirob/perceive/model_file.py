@@ -51,9 +51,9 @@ def load_model(path: Path | str, expected: str | None = None) -> SizeModel:
     return load(path, SizeModel, "a size model", expected)
 
 
-def load_regions(path: Path | str, expected: str | None = None) -> Pipeline:
+def load_regions(path: Path | str) -> Pipeline:
     """A classifier of where an arm was pushed; see `load`."""
-    return load(path, Pipeline, "a classifier of regions", expected)
+    return load(path, Pipeline, "a classifier of regions")
 
 
 def load(path: Path | str, kind: type[Kind], name: str, expected: str | None = None) -> Kind:

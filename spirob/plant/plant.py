@@ -194,16 +194,14 @@ class Motion:
     angles: np.ndarray
 
 
-def single_dynamics(
-    rig: Rig, force: np.ndarray, scene: Scene | None = None, substeps: int = SUBSTEPS
-) -> Motion:
+def single_dynamics(rig: Rig, force: np.ndarray, scene: Scene | None = None) -> Motion:
     """Pull the arm with commanded tendon forces, from rest.
 
     force  (T, 2) [N] of the left and right tendon, one row for each 1 kHz cycle; a negative one
            counts as zero, because a tendon does not push
     Raises SimulationError naming the time at which a state becomes non-finite.
     """
-    step = CYCLE / substeps
+    step = CYCLE / SUBSTEPS
     spec = build_spec(rig.arm, scene or Scene(), rig.lengths(), step, True, holes=rig.holes)
     model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
@@ -218,7 +216,7 @@ def single_dynamics(
         shortening[k], rate[k] = rest - data.ten_length, -data.ten_velocity
         angles[k] = data.qpos[: rig.units]
         data.ctrl[:] = np.maximum(force[k], 0.0)
-        mujoco.mj_step(model, data, nstep=substeps)
+        mujoco.mj_step(model, data, nstep=SUBSTEPS)
         # lengths belong to the step's beginning; bring them to its end
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)

@@ -81,9 +81,9 @@ def test_more_friction_in_the_motor_is_no_other_size(plant, known):
         assert abs(heavy[name] - light[name]) < 0.06 * ranges(known)[name], name
 
 
-def test_the_table_holds_the_truth_and_only_the_chosen_features(wraps):
-    found = table(wraps[:2], names=["end_stroke", "onset_time"])
-    assert list(found.columns) == ["end_stroke", "onset_time", "diameter"]
+def test_the_table_holds_the_features_and_the_truth(wraps):
+    found = table(wraps[:2])
+    assert list(found.columns) == [*FEATURES, "diameter"]
     assert found["diameter"].tolist() == [0.01, 0.01]
     assert found.index.tolist() == [w.name for w in wraps[:2]]
 
