@@ -24,12 +24,10 @@ import numpy as np
 from spirob.campaign.case import Case, drawn
 from spirob.campaign.scoring import OUTSIDE
 from spirob.campaign.simulators import SIMULATORS
-from spirob.machine.axis import base_model
+from spirob.campaign.true_law import based
 from spirob.machine.composed import composed, ground
 from spirob.machine.composed.draft import Drafts
 from spirob.machine.composed.track import Ranges
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
 
 THRESHOLDS = (0.003, 0.01, 0.03, 0.1, 0.3)  # of the target's size, with columns of one size
 DEGREE, WAVES = 3, 12  # of polynomials; periods of the way
@@ -131,14 +129,11 @@ def by_symbols(train: Samples, held: Samples, seed: int) -> tuple[float, int]:
 def compared(case: Case) -> dict[str, Any]:
     """Held-out errors over the effort's RMS, and terms: of our law, PySINDy's and the formula."""
     made = drawn(case)
-    known = {**made.rig.get("known", {}), "delay": made.about["delay"]}
-    rig = RigFile.model_validate({**made.rig, "known": known})
     with tempfile.TemporaryDirectory(prefix="spirob-laws-") as name:
         folder = Path(name)
         for file, text in made.files.items():
             (folder / file).write_text(text)
-        read = [prepare(f"log_{k}", c, rig) for k, c in enumerate([*made.train, made.test])]
-        search, bare = base_model(rig, folder, read[:-1], read[-1:])
+        search, bare = based(made, [*made.train, made.test], folder)
         found = search.run()
         law = composed(search, found, found.rungs[0])
         drafts = Drafts(ground.ground_of(search, list(bare.fit.estimates), bare.fit.changes))

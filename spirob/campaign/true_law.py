@@ -23,6 +23,7 @@ from spirob.identify.scaling import Scaling
 from spirob.machine.axis import base_model
 from spirob.machine.composed.track import along
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.models import RigSearch
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 
@@ -41,19 +42,17 @@ def least(made: Drawn, folder: Path) -> float | None:
     try:
         if of_the_moment:
             return _with_law(made, folder)
-        return float(np.sqrt(_base(made, made.bare, folder)[2].heldout_square))
+        return float(np.sqrt(based(made, made.bare, folder)[1].heldout_square))
     except SpirobError:
         return None
 
 
-def _base(
-    made: Drawn, logs: list[dict[str, np.ndarray]], folder: Path
-) -> tuple[InverseProblem, InverseProblem, Model]:
+def based(made: Drawn, logs: list[dict[str, np.ndarray]], folder: Path) -> tuple[RigSearch, Model]:
+    """The search on logs of a case, whose delay is told, and its model without effects."""
     known = {**made.rig.get("known", {}), "delay": made.about["delay"]}
     rig = RigFile.model_validate({**made.rig, "known": known})
     read = [prepare(f"log_{k}", columns, rig) for k, columns in enumerate(logs)]
-    search, model = base_model(rig, folder, read[:-1], read[-1:])
-    return search.models.train, search.models.heldout, model
+    return base_model(rig, folder, read[:-1], read[-1:])
 
 
 Turn = tuple[str, float]  # how friction turns round: kind, and way or speed of it
@@ -61,7 +60,8 @@ Turn = tuple[str, float]  # how friction turns round: kind, and way or speed of 
 
 def _with_law(made: Drawn, folder: Path) -> float:
     """With friction that turns round as fits the training logs best."""
-    train, heldout, model = _base(made, [*made.train, made.test], folder)
+    search, model = based(made, [*made.train, made.test], folder)
+    train, heldout = search.models.train, search.models.heldout
     fits = [_fitted(made, train, model, turn) for turn in _turns(made, train)]
     _, turn, changes, factor = min(fits, key=lambda one: one[0])
     after = heldout(changes) + factor * _shown(made, heldout, changes, turn)

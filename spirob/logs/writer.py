@@ -10,7 +10,7 @@ import platform
 import queue
 import subprocess
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -50,7 +50,13 @@ PACKAGES = ("numpy", "mujoco")
 def versions() -> dict[str, str]:
     """Versions of Python, spirob and of the packages that decide the numbers."""
     found = {"python": platform.python_version(), "spirob": spirob.__version__}
-    for package in PACKAGES:
+    return found | installed(PACKAGES)
+
+
+def installed(packages: Iterable[str]) -> dict[str, str]:
+    """Versions of packages, "absent" where one is not there."""
+    found = {}
+    for package in packages:
         try:
             found[package] = version(package)
         except PackageNotFoundError:

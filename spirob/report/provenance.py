@@ -6,14 +6,13 @@ import shlex
 import subprocess
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from spirob import plain_yaml
-from spirob.logs.writer import git_commit, versions
+from spirob.logs.writer import git_commit, installed, versions
 
 PACKAGES = (
     "scipy",
@@ -58,6 +57,7 @@ def collect(root: Path, files: Iterable[str], config: str) -> Provenance:
     commit = git_commit(root)
     changed = _changed(root)
     overrides = _overrides(root)
+    here = {"platform": f"{platform.system()} {platform.machine()}"}
     return Provenance(
         commit=commit,
         dirty=None if commit == "unknown" else bool(changed),
@@ -65,7 +65,7 @@ def collect(root: Path, files: Iterable[str], config: str) -> Provenance:
         command=_command(overrides),
         seed=_seed(plain_yaml.read(config, "configuration")),
         overrides=overrides,
-        versions=versions() | _more_versions(),
+        versions=versions() | here | installed(PACKAGES),
         hashes=_recorded_hashes(root) | {file: _hash(root / file) for file in files},
     )
 
@@ -128,13 +128,3 @@ def _walk(node: Any, path: str = "") -> Iterable[tuple[str, Any]]:
             yield from _walk(value, f"{path}.{key}" if path else str(key))
     else:
         yield path, node
-
-
-def _more_versions() -> dict[str, str]:
-    found = {"platform": f"{platform.system()} {platform.machine()}"}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "absent"
-    return found

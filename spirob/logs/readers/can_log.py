@@ -61,10 +61,7 @@ def read(asked: Asked) -> Table:
         ids = ", ".join(f"{number:X}" for number, _ in sorted(met)[:20]) or "none"
         raise DataError(f"{asked.name}: the DBC file knows none of its frames; identifiers: {ids}")
     series = [_decoded(messages[key], kept[key]) for key in chosen if key in kept]
-    if not asked.wanted:
-        series.sort(key=lambda one: -len(one.stamps))
-    if series:
-        put_together(table, series, bool(asked.wanted))
+    put_together(table, series, bool(asked.wanted))
     _short(table)
     listed = [name for key in known for name in names[key]]
     table.others = [name for name in listed if name not in table.columns]

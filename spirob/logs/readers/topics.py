@@ -168,8 +168,13 @@ def put_together(table: Table, series: Sequence[Series], wanted: bool) -> None:
     """Columns of all series at the stamps of the first, the others at their latest; and `time`.
 
     `time` is in seconds since the first row.  Where all of it is `wanted`, rows before every series
-    has begun are left out, else they are not a number.  Raises DataError where none is left.
+    has begun are left out; else they are not a number, and the longest series is the first.  Raises
+    DataError where none is left.
     """
+    if not wanted:
+        series = sorted(series, key=lambda one: -len(one.stamps))
+    if not series:
+        return
     base, *others = [one.ordered() for one in series]
     begin = max((one.stamps[0] for one in others if wanted), default=base.stamps[0])
     start = int(np.searchsorted(base.stamps, begin))
@@ -223,10 +228,7 @@ def read_topics(log: Log, asked: Asked, table: Table) -> Table:
             for topic, names in offered.items()
         }
     series = [s for s in _series(log, decoders, fields, table) if len(s.stamps)]
-    if not asked.wanted:
-        series.sort(key=lambda one: -len(one.stamps))
-    if series:
-        put_together(table, series, bool(asked.wanted))
+    put_together(table, series, bool(asked.wanted))
     for places in fields.values():
         table.units |= {n: "s" for n, f in places.items() if f.is_time and n in table.columns}
     if any(name not in table.columns for name in asked.wanted):
