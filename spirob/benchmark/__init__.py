@@ -3,11 +3,11 @@
 Each file measures one thing: `measure(size)` returns figures by key.  What is compared is run in
 turns, so that whatever else the machine does falls on both sides alike, and medians are reported.
 
-timing.py                     what is timed and how: cycles, threads, decoding
-identification.py             the fit, against `mujoco.sysid`
-diagnosis.py                  the screening of the library, and a whole diagnosis of a rig
-feedforward.py                the exported feed-forward in C
-coverage.py, known_weight.py  how honest the intervals of a fit are, and what a weight adds
+timing.py          what is timed and how: cycles, threads, decoding
+identification.py  the fit, against `mujoco.sysid`
+diagnosis.py       the screening of the library, and a whole diagnosis of a rig
+feedforward.py     the exported feed-forward in C
+intervals.py       how honest the intervals of a fit are, and what a known weight adds
 """
 
 from collections.abc import Callable

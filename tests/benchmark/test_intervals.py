@@ -2,7 +2,7 @@
 
 import pytest
 
-from spirob.benchmark.coverage import coverage, one
+from spirob.benchmark.intervals import coverage, draws
 
 NAMES = ("winch.efficiency", "motor.rotor_damping", "arm.base_stiffness")
 
@@ -18,13 +18,13 @@ def test_shares_are_counted_by_number_and_over_all():
 
 
 def test_a_few_draws_of_the_model_are_covered():
-    draws = one(3, NAMES, repeats=6, seconds=2.0)
-    assert len(draws) == 6
-    hits = [d[n]["low"] <= d[n]["true"] <= d[n]["high"] for d in draws for n in NAMES]
+    found = draws(3, NAMES, repeats=6, seconds=2.0)
+    assert len(found) == 6
+    hits = [d[n]["low"] <= d[n]["true"] <= d[n]["high"] for d in found for n in NAMES]
     # of 18 at 95 %: fewer than 14 once in two thousand, were they independent
     assert sum(hits) >= 14
-    for draw in draws:
+    for draw in found:
         for name in NAMES:
             number = draw[name]
             assert 0.0 < number["high"] - number["low"] < 0.2 * number["true"]
-    assert len({draw[NAMES[0]]["value"] for draw in draws}) == 6
+    assert len({draw[NAMES[0]]["value"] for draw in found}) == 6
