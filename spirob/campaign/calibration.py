@@ -3,9 +3,9 @@
     python -m spirob.campaign.calibration name cases.jsonl fresh.jsonl [--out certainty.json]
     python -m spirob.campaign.calibration arm arms.jsonl typical.jsonl [--out certainty.json]
 
-A logistic regression on the figures of `certainty`, over all chosen effects of all cases, whatever
-their verdict: of "the name is right", or of "it says at least a part of what is right", which is
-what its "kin" is judged by.  It is judged on each simulator by a fit to the others; of arms, which
+A logistic regression on the figures of `certainty` and on which name it is, over all chosen effects
+of all cases, whatever their verdict: of "the name is right", or of "it says at least a part of what
+is right", which is what its "kin" is judged by.  It is judged on each simulator by a fit to the others; of arms, which
 one emulator plays, on each robot by a fit to the others.
 """
 
@@ -13,6 +13,7 @@ import argparse
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,20 +25,35 @@ from spirob.campaign.arm.rates import answers
 from spirob.diagnosis.certainty import FIGURES
 from spirob.files import write_text
 
-STRENGTH = 0.3  # of the weights' prior, inverse: 0.1 to 1 give the same within the cases' noise
+STRENGTH = 0.3  # variance of the weights' prior: 0.1 to 1 give the same within the cases' noise
 BINS = 5  # of the stated probability, in which the calibration error is taken
 Line = Mapping[str, Any]
-Chosen = tuple[Mapping[str, float], str, str]  # figures; right, near or wrong; whose
-Cases = tuple[np.ndarray, np.ndarray, np.ndarray]
+Chosen = tuple[Mapping[str, float], str, str, str]  # figures; name; right, near, wrong; whose
 
 
-def effects(lines: Sequence[Line], of: str = "name") -> Cases:
-    """Figures (n, 6), whether it is right (n,) and whose (n,) of all chosen effects.
+@dataclass(frozen=True)
+class Names:
+    """Chosen effects whose truth is known.
+
+    rows  figures, (n, 6);  names  of the effects, (n,);  right  whether they are, (n,)
+    whose  (n,), the simulator of a rig, or "emulated arm/" and the number of one robot
+    """
+
+    rows: np.ndarray
+    names: np.ndarray
+    right: np.ndarray
+    whose: np.ndarray
+
+    def of(self, kept: np.ndarray) -> "Names":
+        """Some of them."""
+        return Names(self.rows[kept], self.names[kept], self.right[kept], self.whose[kept])
+
+
+def effects(lines: Sequence[Line], of: str = "name") -> Names:
+    """All chosen effects.
 
     lines  of the campaign of rigs, or results of the trial of arms
     of     "name", "arm" or "kin"
-
-    Whose is the simulator of a rig, or "emulated arm/" and the number of one robot.
 
     A name that says a part of what is hidden is neither right nor wrong, and left out; of its kin
     it is right.  What is withheld whatever its figures are is left out of both.
@@ -45,10 +61,10 @@ def effects(lines: Sequence[Line], of: str = "name") -> Cases:
     found = [chosen for line in lines for chosen in (_arm if "evidence" in line else _rig)(line)]
     counted = ("right", "near", "wrong") if of == "kin" else ("right", "wrong")
     names = FIGURES[of]
-    kept = [one for one in found if one[1] in counted and set(names) <= set(one[0])]
-    figures, said, whose = zip(*kept, strict=True)
+    kept = [one for one in found if one[2] in counted and set(names) <= set(one[0])]
+    figures, called, said, whose = zip(*kept, strict=True)
     rows = np.array([[one[name] for name in names] for one in figures])
-    return rows, np.array(said) != "wrong", np.array(whose)
+    return Names(rows, np.array(called), np.array(said) != "wrong", np.array(whose))
 
 
 def _rig(line: Line) -> Iterator[Chosen]:
@@ -59,7 +75,7 @@ def _rig(line: Line) -> Iterator[Chosen]:
         names = {chosen["name"], *chosen["equivalents"]}
         if chosen.get("probability") != 0.0:
             said = "right" if names & right else "near" if names & set(truth["near"]) else "wrong"
-            yield chosen["figures"], said, line["simulator"]
+            yield chosen["figures"], chosen["name"], said, line["simulator"]
 
 
 def _arm(line: Line) -> Iterator[Chosen]:
@@ -68,6 +84,7 @@ def _arm(line: Line) -> Iterator[Chosen]:
         if one["probability"] > 0.0:
             yield (
                 one["figures"],
+                name,
                 "right" if name in right else "wrong",
                 f"emulated arm/{line['robot']}",
             )
@@ -83,30 +100,41 @@ def digest(paths: Sequence[Path]) -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
-def learned(rows: np.ndarray, right: np.ndarray, whose: np.ndarray) -> dict[str, Any]:
-    """Means, scales, weights and bias of the regression.
+def learned(cases: Names) -> dict[str, Any]:
+    """Means, scales, weights, bias and what is added for each name, of the regression.
 
     Each simulator weighs alike: how many cases of it were played says nothing of other machines.
+    A name's own number is drawn to zero as the weights are, so that a few cases of it say little.
     """
-    simulators = [one.split("/")[0] for one in whose]
+    simulators = [one.split("/")[0] for one in cases.whose]
     kinds, number, counts = np.unique(simulators, return_inverse=True, return_counts=True)
-    weights = len(right) / (len(kinds) * counts[number])
-    scaler = StandardScaler().fit(rows)
+    weights = len(number) / (len(kinds) * counts[number])
+    scaler, called = StandardScaler().fit(cases.rows), sorted(set(cases.names.tolist()))
     model = LogisticRegression(C=STRENGTH, max_iter=10_000, tol=1e-10)
-    model.fit(scaler.transform(rows), right, sample_weight=weights)
-    numbers = {"mean": scaler.mean_, "scale": scaler.scale_, "weights": model.coef_[0]}
-    told = {name: [float(f"{x:.9g}") for x in values] for name, values in numbers.items()}
-    return told | {"bias": float(f"{model.intercept_[0]:.9g}")}
+    columns = np.hstack([scaler.transform(cases.rows), cases.names[:, None] == np.array(called)])
+    model.fit(columns, cases.right, sample_weight=weights)
+    slopes, own = np.split(model.coef_[0], [cases.rows.shape[1]])
+    numbers = {"mean": scaler.mean_, "scale": scaler.scale_, "weights": slopes}
+    told = {name: [_rounded(x) for x in values] for name, values in numbers.items()}
+    return told | {
+        "bias": _rounded(model.intercept_[0]),
+        "names": {name: _rounded(x) for name, x in zip(called, own, strict=True)},
+    }
 
 
-def left_out(rows: np.ndarray, right: np.ndarray, whose: np.ndarray) -> np.ndarray:
+def _rounded(number: float) -> float:
+    return float(f"{number:.9g}")
+
+
+def left_out(cases: Names) -> np.ndarray:
     """Probability of each name by a fit to the other simulators, or robots, (n,)."""
-    found = np.empty(len(right))
-    for one in np.unique(whose):
-        own = whose == one
-        fit = learned(rows[~own], right[~own], whose[~own])
-        scaled = (rows[own] - fit["mean"]) / fit["scale"]
-        found[own] = 1.0 / (1.0 + np.exp(-(scaled @ fit["weights"] + fit["bias"])))
+    found = np.empty(len(cases.right))
+    for one in np.unique(cases.whose):
+        own = cases.whose == one
+        fit = learned(cases.of(~own))
+        scaled = (cases.rows[own] - fit["mean"]) / fit["scale"]
+        added = [fit["names"].get(name, 0.0) for name in cases.names[own]]
+        found[own] = 1.0 / (1.0 + np.exp(-(scaled @ fit["weights"] + fit["bias"] + added)))
     return found
 
 
@@ -126,8 +154,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="where its numbers are put")
     given = parser.parse_args()
     lines = read(given.cases)
-    rows, right, whose = effects(lines, given.of)
-    stated = left_out(rows, right, whose)
+    cases = effects(lines, given.of)
+    stated, right = left_out(cases), cases.right
     sure = stated >= 0.9
     print(
         f"{len(lines)} cases, {len(right)} names, {right.mean():.0%} right; calibration error "
@@ -142,7 +170,7 @@ def main() -> None:
             "figures": list(FIGURES[given.of]),
         }
         whole = json.loads(given.out.read_text()) if given.out.exists() else {}
-        whole[given.of] = about | learned(rows, right, whose)
+        whole[given.of] = about | learned(cases)
         write_text(given.out, json.dumps(whole, indent=1) + "\n")
 
 

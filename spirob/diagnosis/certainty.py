@@ -1,12 +1,14 @@
 """How sure is a name?  As often as names with such figures were right in the campaign.
 
-    p = 1/(1 + exp(-(w₀ + Σ w_k (x_k - m_k)/s_k)))
+    p = 1/(1 + exp(-(w₀ + w_name + Σ w_k (x_k - m_k)/s_k)))
 
 x are figures of what a search shows of one chosen effect (`figures`), seven in all and six in each
 of three regressions: of the name itself, on rigs and on a simulated "arm", whose few trials and
 many numbers give intervals of another width; and of its kin, which is right where the name or one
-that says a part of the same is.  w, m, s stand in `certainty.json` beside this file, with the cases
-that they were learned from (`spirob.campaign.calibration`).  Logarithms are natural, errors
+that says a part of the same is.  w_name is how much surer, or less sure, an effect is than others
+with the same figures: a flip at each reversal is hardly imitated, a wave over the place is.  All
+numbers stand in `certainty.json` beside this file, with the cases that they were learned from
+(`spirob.campaign.calibration`).  Logarithms are natural, errors
 squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
@@ -48,14 +50,16 @@ MOST = 10.0  # of a logarithm: what is larger says no more
 MOSTLY = 0.5  # of the squared error that an effect takes: what differs by less makes most of it
 
 
-def probability(figures: Mapping[str, float], of: str = "name") -> float:
-    """How likely a name with these figures is right, as it was in the campaign.
+def probability(figures: Mapping[str, float], effect: str, of: str = "name") -> float:
+    """How likely the name of an effect with these figures is right, as it was in the campaign.
 
-    of  "name", on an "arm", or its "kin"
+    effect  its name; one's own that was never played has no number of its own
+    of      "name", on an "arm", or its "kin"
     """
     x, learned = np.array([figures[name] for name in FIGURES[of]]), LEARNED[of]
     mean, scale, weights = (np.array(learned[key]) for key in ("mean", "scale", "weights"))
-    return float(1.0 / (1.0 + np.exp(-(learned["bias"] + weights @ ((x - mean) / scale)))))
+    score = learned["bias"] + learned["names"].get(effect, 0.0) + weights @ ((x - mean) / scale)
+    return float(1.0 / (1.0 + np.exp(-score)))
 
 
 def ratio(one: float, two: float) -> float:

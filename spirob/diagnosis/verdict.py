@@ -141,16 +141,17 @@ def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:
     for effect in found.chosen.effects:
         name, shown = effect.name(), figures(ended, effect)
         denied = shown["fall_heldout"] <= -np.log1p(-veto) or (off and is_dry(effect))
-        own = 0.0 if denied else probability(shown, ended.search.models.certainty)
+        own = 0.0 if denied else probability(shown, name, ended.search.models.certainty)
         one = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
         unsure = 0.0 < own < LIKELY
-        weighed[name] = _with_kin(one, kin(ended.search, found.chosen, effect)) if unsure else one
+        others = kin(ended.search, found.chosen, effect) if unsure else []
+        weighed[name] = _with_kin(one, name, others)
     return weighed
 
 
-def _with_kin(one: Weighed, others: Sequence[str]) -> Weighed:
+def _with_kin(one: Weighed, name: str, others: Sequence[str]) -> Weighed:
     """An effect that is too unlikely alone, and its kin beside it if one of them is likely."""
-    together = probability(one.figures, "kin") if others else 0.0
+    together = probability(one.figures, name, "kin") if others else 0.0
     if together < LIKELY:
         return one
     rivals = [*others, *(name for name in one.rivals if name not in others)]

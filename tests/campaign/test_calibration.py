@@ -5,7 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spirob.campaign.calibration import calibration_error, digest, effects, learned, left_out, read
+from spirob.campaign.calibration import (
+    Names,
+    calibration_error,
+    digest,
+    effects,
+    learned,
+    left_out,
+    read,
+)
 from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
 
 FOLDER = Path(__file__).parents[2] / "reports"
@@ -26,21 +34,22 @@ def cases(of):
 
 
 def test_what_ships_is_what_the_cases_say(cases, of):
-    rows, right, whose = cases
-    fit = learned(rows, right, whose)
+    fit = learned(cases)
     assert digest(paths(of)) == LEARNED[of]["sha256"]
     assert LEARNED[of]["figures"] == list(FIGURES[of])
+    assert LEARNED[of]["names"] == pytest.approx(fit.pop("names"), rel=1e-5, abs=1e-7)
     for name, value in fit.items():
         np.testing.assert_allclose(LEARNED[of][name], value, rtol=1e-5, atol=1e-7)
 
 
 def test_the_probability_is_that_of_the_regression(cases, of):
-    rows, right, whose = cases
-    fit = learned(rows, right, whose)
-    for row in rows[:20]:
-        told = probability(dict(zip(FIGURES[of], row, strict=True)), of)
+    fit = learned(cases)
+    for row, name in zip(cases.rows[:20], cases.names[:20], strict=True):
+        figures = dict(zip(FIGURES[of], row, strict=True))
         score = fit["bias"] + np.dot(fit["weights"], (row - fit["mean"]) / fit["scale"])
-        assert told == pytest.approx(1 / (1 + np.exp(-score)), rel=1e-6)
+        for called, own in ((name, fit["names"][name]), ("my_own_effect", 0.0)):
+            told = probability(figures, called, of)
+            assert told == pytest.approx(1 / (1 + np.exp(-score - own)), rel=1e-6)
 
 
 SQUARE = {
@@ -52,8 +61,7 @@ SQUARE = {
 
 def test_it_holds_on_simulators_or_robots_that_it_was_not_fitted_to(cases, of):
     """Names that are told with 90 % and more are seldom wrong; the mean rate is far worse."""
-    rows, right, whose = cases
-    stated = left_out(rows, right, whose)
+    stated, right = left_out(cases), cases.right
     sure = stated >= 0.9
     assert sure.sum() > 0.2 * len(right)
     assert np.mean(~right[sure]) < 0.1
@@ -71,8 +79,22 @@ def test_a_simulator_that_was_played_more_often_weighs_no_more():
     rng = np.random.default_rng(3)
     rows, simulators = rng.standard_normal((300, 6)), np.repeat(["one", "two"], [100, 200])
     right = rng.uniform(size=300) < 1 / (1 + np.exp(-rows[:, 0]))
+    drawn = Names(rows, np.repeat("friction", 300), right, simulators)
     more = np.concatenate([np.arange(300), np.arange(100)])  # all of `one` twice
-    few, many = (learned(rows[k], right[k], simulators[k]) for k in (np.arange(300), more))
+    few, many = (learned(drawn.of(k)) for k in (np.arange(300), more))
     for fit in (few, many):  # numbers of the raw figures, whatever they were scaled by
         fit["slopes"] = np.array(fit["weights"]) / fit["scale"]
     assert few["slopes"] == pytest.approx(many["slopes"], abs=0.02)
+
+
+def test_a_name_that_is_oftener_right_than_others_like_it_is_surer_and_a_rare_one_is_not():
+    """Of three alike in their figures one is right in 90 % of many cases, one in three of three."""
+    rng = np.random.default_rng(4)
+    names = np.array(["often"] * 400 + ["seldom"] * 400 + ["rare"] * 3)
+    rate = np.array([0.9] * 400 + [0.3] * 400 + [1.0] * 3)
+    right = rng.uniform(size=len(names)) < rate
+    fit = learned(Names(rng.standard_normal((803, 6)), names, right, np.repeat("one", 803)))
+    told = {n: 1 / (1 + np.exp(-fit["bias"] - own)) for n, own in fit["names"].items()}
+    assert told["often"] == pytest.approx(0.9, abs=0.05)
+    assert told["seldom"] == pytest.approx(0.3, abs=0.05)
+    assert told["seldom"] < told["rare"] < told["often"]

@@ -74,7 +74,7 @@ def test_an_effect_is_weighed_against_the_chosen_model_without_it():
 
 
 def test_the_sharper_its_number_the_surer_a_name():
-    vague, clear = (probability(shown(0.003, half=half)) for half in (0.8, 0.02))
+    vague, clear = (probability(shown(0.003, half=half), "creep") for half in (0.8, 0.02))
     assert vague < clear
 
 
@@ -102,9 +102,9 @@ def test_more_of_what_speaks_for_a_name_makes_it_likelier():
         middle = dict(zip(names, LEARNED[of]["mean"], strict=True))
         for figure in (*names[:2], "sharp"):
             more = middle | {figure: middle[figure] + 1.0}
-            assert probability(more, of) > probability(middle, of)
+            assert probability(more, "creep", of) > probability(middle, "creep", of)
         more = middle | {"left": middle["left"] + 1.0}
-        assert probability(more, of) < probability(middle, of)
+        assert probability(more, "creep", of) < probability(middle, "creep", of)
 
 
 @pytest.mark.parametrize(
