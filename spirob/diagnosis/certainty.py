@@ -71,14 +71,17 @@ def sharp(models: Predictor, found: Fit, effect: type[Effect]) -> float:
     """How far an amplitude is from what makes it neutral, in half widths of its interval: ln.
 
     Numbers of a rig of which the trials tell nothing within their bounds are held: they cannot
-    move as far as their own intervals to first order, and those of the amplitude, have it.  The
-    arm's regression knows whole intervals.
+    move as far as their own intervals to first order, and those of the amplitude, have it.  So are
+    amplitudes that ended at a bound where they are neutral: without them the law is a plainer one.
+    The arm's regression knows whole intervals.
     """
     amplitudes = {f"{effect.name()}.{field}": zero for field, zero in effect.neutral.items()}
-    estimates = found.estimates
-    fitted = [n for n in models.names if n in estimates and models.certainty != "arm"]
-    if untold := [name for name in fitted if is_untold(models.train, found, name)]:
-        estimates = with_held(models.train, found, untold, models.robust)
+    estimates, train = found.estimates, models.train
+    if models.certainty != "arm":
+        held = [n for n in models.names if n in estimates and is_untold(train, found, n)]
+        absent = [n for n, zero in amplitudes.items() if is_absent(train, found, n, zero)]
+        held += absent if len(absent) < len(amplitudes) else []
+        estimates = with_held(train, found, held, models.robust) if held else estimates
     told = []
     for name, zero in amplitudes.items():
         if estimate := estimates.get(name):
@@ -90,6 +93,16 @@ def is_untold(problem: Problem, found: Fit, name: str) -> bool:
     """Whether a number ended at a bound, or its interval reaches from bound to bound."""
     estimate, about = found.estimates[name], problem.table.about[name]
     return estimate.at_bound or (estimate.low <= about.low and estimate.high >= about.high)
+
+
+def is_absent(problem: Problem, found: Fit, name: str, neutral: float) -> bool:
+    """Whether an amplitude ended at that bound of its own where it is neutral."""
+    estimate = found.estimates.get(name)
+    if estimate is None or not estimate.at_bound:
+        return False
+    about = problem.table.about[name]
+    off, far = abs(estimate.value - neutral), 0.5 * (about.high - about.low)
+    return neutral in (about.low, about.high) and off < far
 
 
 def rounded(figures: Mapping[str, float]) -> dict[str, float]:
