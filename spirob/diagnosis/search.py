@@ -152,10 +152,15 @@ class Search(Generic[M]):
         chosen = found.chosen
         if len(chosen.effects) < 2:
             return None
-        lesser = min((self.without(chosen, e) for e in chosen.effects), key=lambda m: m.mean_square)
-        fall = lesser.mean_square - chosen.mean_square
+        least = min(chosen.effects, key=lambda e: self.without(chosen, e).mean_square)
+        fall = self.without(chosen, least).mean_square - chosen.mean_square
         if share * chosen.mean_square < max(IMITATED * fall, self.worth.least**2):
             return None
+        return self.less(found, least)
+
+    def less(self, found: Found, effect: type[Effect]) -> Found:
+        """The same without one of the chosen effects, and without what counts only beside it."""
+        lesser = self.without(found.chosen, effect)
         return self._found(self._pruned(lesser, whole=True), found.offers)
 
     def narrowed(self, found: Found, names: Sequence[str]) -> Found:

@@ -124,11 +124,34 @@ def concluded(
     left = search.models.left(found.chosen)
     while (lesser := search.without_imitations(found, left.share)) is not None:
         found, left = lesser, search.models.left(lesser.chosen)
-    weighed = weigh(Ended(search, found, left), bent)
+    ended = Ended(search, found, left)
+    weighed = weigh(ended, bent)
+    ended, weighed = _told_apart(ended, weighed, bent)
     if 0 < len(kept := likely(weighed)) < len(weighed):
-        found = search.narrowed(found, kept)
-        left = search.models.left(found.chosen)
-    return Ended(search, found, left), weighed
+        found = search.narrowed(ended.found, kept)
+        ended = Ended(search, found, search.models.left(found.chosen))
+    return ended, weighed
+
+
+def _told_apart(
+    ended: Ended, weighed: dict[str, Weighed], bent: Bent
+) -> tuple[Ended, dict[str, Weighed]]:
+    """A search, without effects that cannot be told from the others, if one is likely then.
+
+    Effects that make the same together are as vague as one another, and none of them is likely.
+    Vague is an effect none of whose amplitudes is told: their intervals reach what is neutral.
+    """
+    search, found, told = ended.search, ended.found, weighed
+    while len(told) > 1 and not likely(told):
+        vaguest = min(found.chosen.effects, key=lambda e: told[e.name()].figures["sharp"])
+        if told[vaguest.name()].figures["sharp"] >= 0.0:
+            break
+        found = search.less(found, vaguest)
+        lesser = Ended(search, found, search.models.left(found.chosen))
+        told = weigh(lesser, bent)
+        if likely(told):
+            return lesser, told
+    return ended, weighed
 
 
 def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:

@@ -164,6 +164,21 @@ def test_what_is_unlikely_beside_what_is_likely_goes_and_is_said(second, names):
     assert verdict.probability == min(verdict.weighed[n].probability for n in names)
 
 
+@pytest.mark.parametrize(("half", "names"), [(4.0, [NAME]), (0.9, [NAME, OTHER.name()])])
+def test_of_effects_that_hide_each_other_one_is_named(half, names):
+    """Half intervals of 4 for amplitudes of 1 tell none of two; alone the first is known to 5 %.
+
+    What is known to 90 % though it is as unlikely stays.
+    """
+    last = model([OTHER, EFFECT], 0.0016, 0.0018, half=half)
+    first = model([EFFECT], 0.0017, 0.0018)
+    one = ended(BARE, first, model([OTHER], 0.0090, 0.0090), last, least=0.0001)
+    assert not likely(weigh(one))
+    weighed = concluded(one.search, one.found)[1]
+    assert set(weighed) == set(names)
+    assert likely(weighed) == (names if len(names) == 1 else [])
+
+
 def test_a_sentence_names_what_the_verdict_names_and_no_more():
     one = both(0.0039)
     verdict = judge(*concluded(one.search, one.found))
