@@ -288,7 +288,9 @@ class Words:
     def _unknown(self) -> tuple[str, str]:
         if not self._chosen.effects:
             return self.ended.left.unknown
-        partly = " and ".join(e.title for e in self._chosen.effects)
+        partly = " and ".join(
+            f"{e.title} with {self.weighed[e.name()].probability:.0%}" for e in self._chosen.effects
+        )
         return (
             f"Something is missing, and no name for it is likely enough; nearest: {partly}.",
             self._fall_and_left(),

@@ -57,7 +57,7 @@ def test_a_name_that_holds_on_held_out_trials_is_named():
 def test_a_name_that_does_not_is_unknown(heldout):
     verdict = judged(found(heldout))
     assert (verdict.kind, verdict.probability, verdict.named) == ("unknown", 0.0, [])
-    assert EFFECT.title in verdict.sentence
+    assert verdict.sentence.endswith(f"nearest: {EFFECT.title} with {sure(heldout):.0%}.")
     assert f"coulomb friction ({sure(heldout):.0%})" in verdict.explanation  # how unlikely, is said
     assert verdict.next_experiment == AGAIN
 
