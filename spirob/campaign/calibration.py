@@ -5,8 +5,8 @@
 
 A logistic regression on the figures of `certainty` and on which name it is, over all chosen effects
 of all cases, whatever their verdict: of "the name is right", or of "it says at least a part of what
-is right", which is what its "kin" is judged by.  It is judged on each simulator by a fit to the others; of arms, which
-one emulator plays, on each robot by a fit to the others.
+is right", which is what its "kin" is judged by.  It is judged on each simulator by a fit to the
+others; of arms, which one emulator plays, on each robot by a fit to the others.
 """
 
 import argparse

@@ -8,8 +8,7 @@ many numbers give intervals of another width; and of its kin, which is right whe
 that says a part of the same is.  w_name is how much surer, or less sure, an effect is than others
 with the same figures: a flip at each reversal is hardly imitated, a wave over the place is.  All
 numbers stand in `certainty.json` beside this file, with the cases that they were learned from
-(`spirob.campaign.calibration`).  Logarithms are natural, errors
-squared:
+(`spirob.campaign.calibration`).  Logarithms are natural, errors squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the

@@ -99,7 +99,7 @@ def test_a_name_that_is_unlikely_alone_may_be_likely_with_its_kin(
     """It is then one of several, between which nothing is decided; one that is denied is none."""
     told = {"fall_heldout": 1.0 if alone else -1.0}
     monkeypatch.setattr(module, "figures", lambda *given: told)
-    monkeypatch.setattr(module, "probability", lambda f, name, of="name": whole if of == "kin" else alone)
+    monkeypatch.setattr(module, "probability", lambda f, name, of: whole if of == "kin" else alone)
     one = ended(BARE, model([KIN], 0.003), model([EFFECT], 0.002))
     verdict = judged(one)
     assert verdict.weighed[NAME].probability == alone
@@ -110,7 +110,7 @@ def test_a_name_that_is_unlikely_alone_may_be_likely_with_its_kin(
 
 def test_no_name_is_said_both_to_be_the_same_and_to_be_another(monkeypatch):
     monkeypatch.setattr(module, "figures", lambda *given: {"fall_heldout": 1.0})
-    monkeypatch.setattr(module, "probability", lambda f, name, of="name": 0.8 if of == "kin" else 0.3)
+    monkeypatch.setattr(module, "probability", lambda f, name, of: 0.8 if of == "kin" else 0.3)
     one = ended(BARE, model([KIN], 0.003), model([EFFECT], 0.002))
     one.found.equivalents[NAME] = [KIN.name(), FAR.name()]
     told = weigh(one)[NAME]
@@ -122,7 +122,7 @@ def test_beside_a_sure_name_another_may_be_one_of_its_kin(monkeypatch):
     shares = {EFFECT.name(): 0.9, OTHER.name(): 0.3}
     monkeypatch.setattr(module, "figures", lambda one, e: {"fall_heldout": 1.0, "of": e.name()})
     monkeypatch.setattr(
-        module, "probability", lambda f, name, of="name": 0.8 if of == "kin" else shares[f["of"]]
+        module, "probability", lambda f, name, of: 0.8 if of == "kin" else shares[f["of"]]
     )
     first, last = model([EFFECT], 0.004), model([EFFECT, OTHER], 0.002)
     verdict = judged(ended(BARE, first, model([EFFECT, FAR], 0.0025), last))
