@@ -22,6 +22,7 @@ class Measurement:
     temperature  of the windings [°C], (T, 2), where the log tells
     use          cycles that are compared, (T,); None: all.  All are played
     every        cycles from one logged sample to the next; those between are interpolated
+    unsure       deviation of what the schedule says the arm is held by, (2,) [A]; None: none
     weight       of what is compared in each cycle, over that of others, (T,); None: all alike
     """
 
@@ -37,6 +38,7 @@ class Measurement:
     use: np.ndarray | None = None
     weight: np.ndarray | None = None
     every: int = 1
+    unsure: np.ndarray | None = None
 
     @property
     def seconds(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What the search on an arm's logs stands on: the arm's shape, and the rows that count.
+"""What the search on an arm's logs stands on: where they begin, its shape, the rows that count.
 
 The usual numbers are fitted first.  Where they leave no more than a complete model does, or explain
 next to nothing, nothing else is asked.  Otherwise the arm may be of another design, or buckle, and
@@ -25,11 +25,13 @@ from spirob.identify.builds import (
 from spirob.identify.descent import robust_cost
 from spirob.identify.fit import STEPS, Fit, fit
 from spirob.identify.residual import SENSE, Residual, explained, near
+from spirob.machine.arm.rest import is_unsure, rested
 from spirob.machine.arm.rows import determined
 from spirob.machine.arm.shape import FREED, gate, searched_shape
 
 NEARLY = 3.0  # times the error of a complete model: who leaves more than that misses something
 PAYS = 0.8  # of the cost without: another shape is believed below that
+ROUNDS = 3  # of a fit to where logs begin, and of where they begin to the fit
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,24 @@ class Ground:
             near(of, start), names, start, rules.scale, rules.patience, steps=steps, exact=False
         )
 
+    def begun(self, changes: Mapping[str, float], read: "Ground") -> "Ground":
+        """The same with logs that begin where the arm rests with these numbers.
+
+        read  with the currents at their beginnings as they were read
+        """
+        roles = self.residuals.items()
+        kept = {role: rested(of, changes, read.residuals[role]) for role, of in roles}
+        return replace(self, residuals=kept)
+
+    def rested(self, found: Fit) -> tuple["Ground", Fit]:
+        """The same with logs that begin where the arm rests, and the fit to them, from this one."""
+        ground, names = self, list(found.estimates)
+        if any(map(is_unsure, self.residuals.values())):
+            for _ in range(ROUNDS):
+                ground = ground.begun(found.changes, self)
+                found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
+        return ground, found
+
     def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
         """What builds differ by on the rows that count; where the holes lie is a part of the shape.
 
@@ -143,12 +163,12 @@ def settled(
     names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
     """
     ground = Ground(residuals, names, free, settings, progress)
-    found = ground.fitted(ground.train, names, start, STEPS[:1])
+    ground, found = ground.rested(ground.fitted(ground.train, names, start, STEPS[:1]))
     shares = list(explained(ground.train, found.residual).values())
     senseless = bool(shares) and median(shares) < SENSE  # no shape makes up for a wrong column
     if senseless or _left(ground.train, found.residual) <= NEARLY * ground.limit:
         found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
-        whole = Arm(found.changes, list(names), dict(residuals), {})
+        whole = Arm(found.changes, list(names), dict(ground.residuals), {})
         floor = ground.floor(whole, {})
         nearly = _left(ground.train, found.residual) <= complete(ground.train, floor.share)
         if senseless or nearly:
@@ -174,7 +194,8 @@ def settled_with(
     there may be too few to decide.
     """
     names = list(contender.estimates)
-    ground = Ground(residuals, names, free, settings, progress)
+    read = Ground(residuals, names, free, settings, progress)
+    ground = read.begun(contender.changes, read)
     first = ground.weighed(contender.changes, names)
     here = replace(ground, residuals=first.residuals)
     found = here.fitted(here.train, names, contender.changes, STEPS[-1:])

@@ -22,6 +22,7 @@ from spirob.errors import DataError, MissingChannel
 from spirob.identify.measurement import MEASURED, Measurement
 from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile
+from spirob.machine.arm.rest import BEGUN, held, rests
 from spirob.machine.arm.rows import usable
 from spirob.machine.filtering import derivative, smooth
 from spirob.machine.grids import Logged, even_grids
@@ -30,19 +31,10 @@ from spirob.plant.tendon import stroke
 from spirob.robot import MOTORS, Scene
 
 MOVING = 0.2  # of the fast part of the motion: so fast an arm does not stand
-SURE = 3.0  # deviations of a mean, beyond which it is another
 LITTLE = 0.01  # of the stroke, within which tendons and gears yield as much as an arm bends
-BEGUN, RESTED = (
-    50,
-    1000,
-)  # cycles of 1 ms at the beginning: the arm has to stand, and is asked how long
-STILL = 0.02  # of the fast part of the motion: so slow it stands yet
-STEADY = 1e-3  # of a current, by which it may drift without noise
-FIRST = 3  # samples at least that say whether there is a current before any change of it
 SPARE = 1.25  # of the stroke: holes, drums and where the arm begins are known less well than that
 PLAYED = ("reference", "reference_rate")
 NAMES = {number: name for name, number in MODES.items()}
-APART = 5  # samples, between which noise has nothing in common at 200 Hz and more
 
 
 def at_rest(name: str, first: np.ndarray, velocity: np.ndarray) -> None:
@@ -64,7 +56,7 @@ def within_stroke(
     """Raise DataError, with the time and the column, where an arm cannot be wound in so far.
 
     length   that both motors have wound in since the log began, at 1 kHz, (T, 2) [m]
-    current  of both motors, which stretches tendons [A];  begun  as `held`
+    current  of both motors, which stretches tendons [A];  begun  as in `rest`
     """
     machine, motors = rig.machine(), rig.motors().values()
     winch, motor = machine.winch, machine.motor
@@ -93,40 +85,6 @@ def barely_moves(trials: Sequence[Measurement], rig: ArmFile) -> list[str]:
         f"The motors wind in {1e3 * most:.2g} mm at most, of a stroke of {1e3 * whole:.0f} mm: is "
         "the unit or the factor of a position another? So little shows them, and hardly the arm."
     ]
-
-
-def rests(velocity: np.ndarray) -> int:
-    """Cycles for which the arm stands as the log begins, of `RESTED`; velocity (T, 2)."""
-    slow = STILL * np.quantile(np.abs(velocity), 0.95)
-    moves = np.any(np.abs(velocity[:RESTED]) > slow, axis=1)
-    stood = int(np.argmax(moves)) if moves.any() else len(moves)
-    return max(BEGUN, stood)
-
-
-def held(first: np.ndarray) -> np.ndarray | None:
-    """Currents under which the arm rests as a log begins (2,) [A]; None where there are none.
-
-    first  samples of both currents while the arm stands, (n, 2)
-    """
-    levels = np.array([first_level(current) for current in first.T])
-    return levels if levels.any() else None
-
-
-def first_level(current: np.ndarray) -> float:
-    """Where a current, (n,), begins: 0 where its first samples cannot be told from their noise.
-
-    It may be asked to change at once.  So the mean reaches only as far as it agrees, within what
-    the noise allows, with the means of fewer samples.
-    """
-    bend = current[2 * APART :] - 2.0 * current[APART:-APART] + current[: -2 * APART]  # no ramp
-    noise = 1.4826 * np.median(np.abs(bend - np.median(bend))) / np.sqrt(6)
-    counts = np.arange(1, len(current) + 1)
-    means = np.cumsum(current) / counts
-    widths = np.maximum(SURE * noise / np.sqrt(counts), STEADY * np.abs(means))
-    agree = np.maximum.accumulate(means - widths) <= np.minimum.accumulate(means + widths)
-    last = len(agree) - 1 if agree.all() else int(np.argmin(agree)) - 1
-    sure = last >= FIRST - 1 and all(abs(means[k]) > widths[k] for k in (FIRST - 1, last))
-    return float(means[last]) if sure else 0.0
 
 
 def first_angles(length: np.ndarray, rig: ArmFile) -> tuple[float, ...]:
@@ -161,7 +119,7 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
     zero = np.median(length[begin], axis=0)
     at_rest(name, velocity[begin], velocity)
     _currents(name, current, rig, said)
-    begun = held(current[: rests(velocity) : every])
+    begun, unsure = held(current[: rests(velocity) : every])
     within_stroke(name, length - zero, current, begun, rig)
     moves = int(np.argmax(np.std(current, axis=0)))
     said.append(f"{name}: the {MOTORS[moves]} motor does the work; it follows its measured motion.")
@@ -184,6 +142,7 @@ def arm_trial(table: Table, rig: ArmFile, role: str) -> tuple[Measurement, list[
         first_angle=first_angles(zero, rig),
         use=usable(name, current, velocity, moves, rig, said),
         every=every,
+        unsure=unsure,
     )
     return trial, said
 

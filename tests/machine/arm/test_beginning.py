@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.machine.arm.replay import BEGUN, RESTED, first_level, held, rests
+from spirob.machine.arm.rest import BEGUN, RESTED, first_level, held, rests
 
 NOISE = 5e-3  # A
 
@@ -16,26 +16,26 @@ def measured(true, seed=0):
 def test_where_a_current_begins_is_told_from_where_it_goes(seed):
     t = 1e-3 * np.arange(50)
     for rest, change in ((0.08, 0.12 * (t > 0.005)), (0.3, 0.0 * t), (0.3, 8.0 * t**2 / 0.05)):
-        assert first_level(measured(rest + change, seed)) == pytest.approx(rest, abs=4.0 * NOISE)
-    assert first_level(measured(8.0 * t**2 / 0.05, seed)) == 0.0
-    assert first_level(0.25 + 0.0 * t) == pytest.approx(0.25)
-    assert first_level(0.0 * t) == 0.0
+        assert first_level(measured(rest + change, seed))[0] == pytest.approx(rest, abs=4.0 * NOISE)
+    assert first_level(measured(8.0 * t**2 / 0.05, seed)) == (0.0, 0.0)
+    assert first_level(0.25 + 0.0 * t)[0] == pytest.approx(0.25)
+    assert first_level(0.0 * t) == (0.0, 0.0)
 
 
 def test_an_arm_without_currents_is_not_held():
     quiet = np.column_stack([measured(np.zeros(50), seed) for seed in (0, 1)])
-    assert held(quiet) is None
-    assert held(quiet + np.array([0.1, 0.0])) == pytest.approx([0.1, 0.0], abs=NOISE)
+    assert held(quiet) == (None, None)
+    assert held(quiet + np.array([0.1, 0.0]))[0] == pytest.approx([0.1, 0.0], abs=NOISE)
 
 
 def test_one_sample_says_nothing():
-    assert first_level(np.array([0.05] + [0.0] * 49)) == 0.0
+    assert first_level(np.array([0.05] + [0.0] * 49)) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("drift", [0.0, 1e-5, 1e-4])
 def test_a_current_without_noise_begins_where_it_does(drift):
     """It drifts by some A in each ms."""
-    level = first_level(0.22 + drift * np.arange(50))
+    level, _ = first_level(0.22 + drift * np.arange(50))
     assert level == pytest.approx(0.22, abs=max(2e-3 * 0.22, 3 * drift))
 
 
@@ -45,9 +45,20 @@ def test_the_longer_an_arm_stands_the_better_its_currents_are_known():
     stood = rests(np.column_stack([speed, 0.0 * t]))
     assert 400 <= stood < 420
     missed = [
-        [first_level(measured(np.full(n, 0.2), seed)) - 0.2 for seed in range(40)]
+        [first_level(measured(np.full(n, 0.2), seed))[0] - 0.2 for seed in range(40)]
         for n in (BEGUN, stood)
     ]
     assert np.std(missed[1]) < 0.6 * np.std(missed[0])
     assert rests(np.column_stack([0.05 + 0.0 * t, 0.0 * t])) == BEGUN
     assert rests(np.zeros((4000, 2))) == RESTED
+
+
+@pytest.mark.parametrize("slope", [0.1, 0.3, 1.0])
+def test_a_change_while_the_arm_still_stands_moves_no_level(slope):
+    """A current may rise from 0.1 s on, in A/s, against an arm that hardly moves yet."""
+    t = 2e-3 * np.arange(225)
+    rising = 0.2 + slope * np.clip(t - 0.1, 0.0, None)
+    found = np.array([first_level(measured(rising, seed)) for seed in range(40)])
+    missed, widths = np.abs(found[:, 0] - 0.2), found[:, 1]
+    assert np.mean(missed) < 1e-3
+    assert np.mean(missed < widths) > 0.9

@@ -1,0 +1,128 @@
+"""Under which currents the arm rests as a log begins: read from its first samples, then fitted.
+
+Lengths count from where a log begins.  Two currents hold the arm there; where they are wrong by a
+milliampere, the arm stands elsewhere for the whole log, and all that the working motor is asked for
+is off by about as much.  The first samples tell them to their noise over the root of their number,
+and the whole log tells them better.  So they are fitted, log by log, held-out ones too, as numbers
+that are known to what the first samples leave open.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from spirob.identify.measurement import Measurement
+from spirob.identify.residual import Residual
+from spirob.robot import MOTORS
+
+BEGUN, RESTED = (
+    50,
+    1000,
+)  # cycles of 1 ms at the beginning: the arm has to stand, and is asked how long
+STILL = 0.02  # of the fast part of the motion: so slow it stands yet
+STEADY = 1e-3  # of a current, by which it may drift without noise
+FIRST = 3  # samples at least that say whether there is a current before any change of it
+SURE = 3.0  # deviations of a mean, beyond which it is another
+APART = 5  # samples, between which noise has nothing in common at 200 Hz and more
+
+
+def rests(velocity: np.ndarray) -> int:
+    """Cycles for which the arm stands as the log begins, of `RESTED`; velocity (T, 2)."""
+    slow = STILL * np.quantile(np.abs(velocity), 0.95)
+    moves = np.any(np.abs(velocity[:RESTED]) > slow, axis=1)
+    stood = int(np.argmax(moves)) if moves.any() else len(moves)
+    return max(BEGUN, stood)
+
+
+def held(first: np.ndarray) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
+    """Currents under which the arm rests as a log begins, and what each may be off by, (2,) [A].
+
+    None where there are none.
+
+    first  samples of both currents while the arm stands, (n, 2)
+    """
+    levels, widths = np.array([first_level(current) for current in first.T]).T
+    return (levels, widths) if levels.any() else (None, None)
+
+
+def first_level(current: np.ndarray) -> tuple[float, float]:
+    """Where a current, (n,), begins, and how far that may be off.
+
+    0 where its first samples cannot be told from their noise.  It may be asked to change at once.
+    So the mean reaches only as far as it agrees, within what the noise allows, with the means of
+    fewer samples; a change begins before it shows, so where one does, over half of these.  What
+    the noise allows is what may be missed.
+    """
+    bend = current[2 * APART :] - 2.0 * current[APART:-APART] + current[: -2 * APART]  # no ramp
+    noise = 1.4826 * np.median(np.abs(bend - np.median(bend))) / np.sqrt(6)
+    counts = np.arange(1, len(current) + 1)
+    means = np.cumsum(current) / counts
+    widths = np.maximum(SURE * noise / np.sqrt(counts), STEADY * np.abs(means))
+    agree = np.maximum.accumulate(means - widths) <= np.minimum.accumulate(means + widths)
+    count = len(agree) if agree.all() else int(np.argmin(agree))
+    if count < FIRST or any(abs(means[n - 1]) <= widths[n - 1] for n in (FIRST, count)):
+        return 0.0, 0.0
+    if count < len(agree):
+        count = max(FIRST, count // 2)
+    return float(means[count - 1]), float(widths[count - 1])
+
+
+def is_unsure(of: Residual) -> bool:
+    """Whether one of the logs begins under currents that are not known exactly."""
+    return any(trial.unsure is not None for trial in of.trials)
+
+
+def rested(of: Residual, changes: Mapping[str, float], read: Residual) -> Residual:
+    """The same trials from where the arm rests under the currents that suit these numbers best.
+
+    What those that were `read` may be off by is one deviation.  A log weighs against it by what it
+    misses, and by no more samples than it has half seconds, over which that is correlated: a log
+    that misses much moves them little.
+    """
+    if not is_unsure(of):
+        return of
+    missed = of(changes)
+    slopes = np.column_stack([_moved(of, m)(changes) - missed for m in range(len(MOTORS))])
+    trials = []
+    for k, (trial, first) in enumerate(zip(of.trials, read.trials, strict=True)):
+        own = np.arange(of.edges[k], of.edges[k + 1])
+        own = own[of.rows[own]]
+        trials.append(_stepped(trial, first, missed[own], slopes[own], of.block))
+    return replace(of, trials=trials)
+
+
+def _moved(of: Residual, motor: int) -> Residual:
+    """With the current of one motor at the beginning off by a deviation."""
+    step = np.eye(len(MOTORS))[motor]
+    return replace(of, trials=[_held_by(trial, step) for trial in of.trials])
+
+
+def _stepped(
+    trial: Measurement, read: Measurement, missed: np.ndarray, slopes: np.ndarray, block: int
+) -> Measurement:
+    """The trial from the best beginning.
+
+    missed  (n,), and its slopes by deviations, (n, 2);  block  samples in half a second
+    """
+    weight, size = max(block, 1) ** -0.5, float(np.sqrt(np.mean(missed**2)))
+    known = np.vstack([weight * slopes, size * np.eye(slopes.shape[1])])
+    asked = np.concatenate([weight * missed, size * _off(trial, read)])
+    return _held_by(trial, -np.linalg.lstsq(known, asked)[0])
+
+
+def _off(trial: Measurement, read: Measurement) -> np.ndarray:
+    """By how many deviations the currents at the beginning are off what was read, (2,)."""
+    now, before = trial.schedule.held, read.schedule.held
+    off = np.zeros(len(MOTORS))
+    if now is not None and before is not None and trial.unsure is not None:
+        np.divide(now - before, trial.unsure, out=off, where=trial.unsure > 0.0)
+    return off
+
+
+def _held_by(trial: Measurement, deviations: np.ndarray) -> Measurement:
+    """The trial with its currents at the beginning moved by so many deviations."""
+    if trial.schedule.held is None or trial.unsure is None:
+        return trial
+    moved = trial.schedule.held + deviations * trial.unsure
+    return replace(trial, schedule=replace(trial.schedule, held=moved))
