@@ -73,7 +73,8 @@ def bridged(
     for k, step in enumerate(steps):
         begin, end = starts[k], starts[k + 1]
         if follows[k]:
-            gap = float(seconds[begin] - seconds[begin - 1])
+            # pieces that adjoin after a cut may overlap by part of a row, each on a grid of its own
+            gap = max(float(seconds[begin] - seconds[begin - 1]), float(step))
             count = int(np.clip(round(gap / step) - 1, 1, IN_GAP))
             rows = np.full(count, begin)
             part(rows - 1, rows, np.arange(1, count + 1) / (count + 1), gap / (count + 1))

@@ -160,6 +160,13 @@ def test_a_night_between_two_pieces_takes_few_steps():
     assert np.sum(way.steps * np.diff(way.starts)) == pytest.approx(3e4, rel=1e-3)
 
 
+def test_pieces_that_overlap_by_part_of_a_row_are_a_row_apart():
+    seconds = np.array([0.0, 0.1, 0.2, 0.15, 0.25])
+    way = bridged(np.array([0, 3, 5]), np.array([0.1, 0.1]), seconds, (False, True))
+    assert way.steps[1] == pytest.approx(0.05)
+    assert way.rows.tolist() == [0, 1, 2, 4, 5]
+
+
 def test_a_memory_that_begins_anew_goes_through_the_rows_of_the_motion():
     way = apart(np.array([0, 2, 5]), np.array([0.1, 0.2]))
     assert way.over(np.arange(5.0)[None])[0].tolist() == [0, 1, 2, 3, 4]
