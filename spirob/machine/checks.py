@@ -148,7 +148,10 @@ def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> No
 
 
 FULL = 0.98  # of the drive's limit counts as saturated
-RELAY = 0.5  # of the rows at the ends: that is the excitation, not what cuts it off
+# Of the rows at the ends, or of the others in runs of one value: that is the excitation, not what
+# cuts it off
+RELAY = 0.5
+TWO_STEPS = 2.0  # of a staircase may go to one value in a row, at its turn
 STUCK = 5  # equal extreme values in a row are a limit that nobody declared
 # Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
 EDGE, SETTLED = 2.5, 6.0
@@ -205,7 +208,8 @@ def saturated(
 ) -> list[np.ndarray]:
     """Rows of each piece of a log in which the drive saturates, by its limit or the log's ends.
 
-    Where most rows lie at the ends, they are what moves the axis: a relay, or steps of a command.
+    Where most rows lie at the ends, they are what moves the axis: a relay.  Where most of the
+    others stay at one value as well, the ends are the outermost steps of a staircase.
     """
     if rig.effort.limit is not None:
         limit = rig.effort.limit * rig.effort.scale
@@ -213,13 +217,34 @@ def saturated(
     ends = max(e.max() for e in efforts), min(e.min() for e in efforts)
     full = [_stuck(effort, ends) for effort in efforts]
     share = float(np.mean(np.concatenate(full)))
-    if share <= RELAY:
+    if share <= RELAY and not _is_staircase(efforts, full):
         return full
     said.append(
         f"{where}: {share:.0%} of the efforts are the largest or smallest of the log: taken as "
         "steps of the command, not as a drive that saturates; give `effort.limit` where it does."
     )
     return [np.zeros_like(rows) for rows in full]
+
+
+def _is_staircase(efforts: Sequence[np.ndarray], full: Sequence[np.ndarray]) -> bool:
+    """Whether the rows that are not full lie in runs of one value, about as long as those that are.
+
+    A coarse effort, or one of a slow controller, stays at its limit for longer than at any value.
+    """
+    runs = [_runs(effort) for effort in efforts]
+    lengths = np.concatenate([length for _, length in runs])
+    ends = np.concatenate([f[start] for f, (start, _) in zip(full, runs, strict=True)])
+    ending, inner = lengths[ends], lengths[~ends]
+    steady = inner[inner >= STUCK]
+    if not len(ending) or steady.sum() <= RELAY * inner.sum():
+        return False
+    return bool(np.median(ending) <= TWO_STEPS * np.median(steady))
+
+
+def _runs(effort: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First row and length of each run of one value, (k,) each."""
+    starts = np.flatnonzero(np.append(True, np.diff(effort) != 0))
+    return starts, np.diff(np.append(starts, len(effort)))
 
 
 def _stuck(effort: np.ndarray, ends: Sequence[float]) -> np.ndarray:

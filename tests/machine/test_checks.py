@@ -203,6 +203,38 @@ def test_a_drive_that_clips_loses_those_rows(share):
     assert not any("steps of the command" in said for said in made.said)
 
 
+def held_for(u, rows):
+    """An effort that its controller gives anew only once in so many rows."""
+    return u[np.arange(len(u)) // rows * rows]
+
+
+def random_steps(t):
+    """Levels that are held for 0.1 s to 0.4 s each."""
+    rng = np.random.default_rng(0)
+    ends = np.cumsum(rng.uniform(0.1, 0.4, 100))
+    return rng.choice(np.linspace(-0.4, 0.4, 7), 100)[np.searchsorted(ends, t)]
+
+
+def up_and_down(t):
+    return 0.1 * np.abs((t // 0.25) % 12 - 6)
+
+
+@pytest.mark.parametrize("steps", [random_steps, up_and_down])
+def test_the_outermost_steps_of_a_staircase_are_no_saturation(steps):
+    log = good(12.0)
+    made = prepare("log", {**log, "u": steps(log["t"])}, RIG)
+    assert any("steps of the command" in said for said in made.said)
+    assert not any("where the drive" in said for said in made.said)
+
+
+@pytest.mark.parametrize("pace", [lambda u: held_for(u, 8), lambda u: 0.05 * np.round(u / 0.05)])
+def test_a_drive_that_clips_a_slow_or_coarse_effort_loses_those_rows(pace):
+    log = good(12.0)
+    made = prepare("log", {**log, "u": np.clip(pace(log["u"]), -0.35, 0.35)}, RIG)
+    assert any("where the drive saturates" in said for said in made.said)
+    assert not any("steps of the command" in said for said in made.said)
+
+
 def test_a_step_of_the_motor_is_no_jump():
     """Standing most of the time, then there within 20 ms, as in a step test."""
     log = good(12.0)
