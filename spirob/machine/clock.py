@@ -221,7 +221,7 @@ def _roughness(seconds: np.ndarray, values: np.ndarray) -> float:
 
 CAUGHT = 0.4  # of the way at the speed beside, to be moved over a held frame; from rest a quarter
 BESIDE = 2  # fresh rows on either side that tell that speed
-COUNT = 1.5  # times the smallest step: it moved by more than one count
+COUNT = 1.5  # times the smallest step: it moved, or was held, by more than one count
 MOST = 0.5  # of the runs that end in motion are held frames; of the moving rows, or of all
 
 
@@ -242,13 +242,17 @@ def _held(values: np.ndarray, fresh: np.ndarray) -> np.ndarray:
     """The same as one position tells it; fresh are the rows with a frame of their own.
 
     Where most rows of the motion are held, the log is that of a slower clock: repeats go, and of a
-    stand, which is longer than any hold, as many rows stay as that clock has.
+    stand, which is longer than any hold, as many rows stay as that clock has.  A repeat over which
+    the axis, at its speed beside, moves by no more than a count says nothing: a coarse encoder does
+    the same.
     """
     many = np.diff(np.append(fresh, len(values)))
     steps = np.append(np.diff(values[fresh]), 0.0)
-    moves = np.abs(steps) > COUNT * _count(steps)
+    count, usual = _count(steps), _beside(steps / many)
+    moves = np.abs(steps) > COUNT * count
     ends = moves & (many > 1)
-    caught = ends & _goes_on(steps / many)
+    missed = np.abs(usual) * (many - 1) > COUNT * count
+    caught = ends & missed & _goes_on(steps / many, usual)
     repeats = np.arange(len(values)) - np.repeat(fresh, many)
     if not caught.any() or caught.sum() <= MOST * ends.sum():
         return np.zeros(len(values), bool)
@@ -265,11 +269,15 @@ def _count(steps: np.ndarray) -> float:
     return float(sizes.min()) if len(sizes) else np.inf
 
 
-def _goes_on(rates: np.ndarray) -> np.ndarray:
-    """Whether each rate is that of the fresh rows beside it, neither a rest nor a jump, (n,)."""
+def _beside(rates: np.ndarray) -> np.ndarray:
+    """What is usual for the fresh rows beside each, (n,)."""
     count = len(rates)
     padded = np.pad(rates, BESIDE, mode="edge")
     places = [k for k in range(2 * BESIDE + 1) if k != BESIDE]
-    usual = np.median([padded[k : k + count] for k in places], axis=0)
-    ratio = np.divide(rates, usual, out=np.zeros(count), where=usual != 0)
+    return np.asarray(np.median([padded[k : k + count] for k in places], axis=0))
+
+
+def _goes_on(rates: np.ndarray, usual: np.ndarray) -> np.ndarray:
+    """Whether each rate is the usual one, neither a rest nor a jump, (n,)."""
+    ratio = np.divide(rates, usual, out=np.zeros(len(rates)), where=usual != 0)
     return np.asarray((ratio >= CAUGHT) & (ratio <= 1.0 / CAUGHT))

@@ -84,6 +84,18 @@ def test_coarse_channels_that_are_the_same_by_chance_keep_their_rows(speed):
     assert not held(still, [q]).any()
 
 
+@pytest.mark.parametrize("count", [0.01, 0.02])
+@pytest.mark.parametrize("seed", range(3))
+def test_repeats_of_a_coarse_encoder_under_a_stepped_effort_are_no_held_frames(count, seed):
+    """Sampled at uneven times, as a read over USB is: one and two counts follow one another."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(4000) / RATE
+    q = count * np.floor(motion(t + rng.uniform(-0.3, 0.3, len(t)) / RATE) / count)
+    still = (np.diff(q) == 0) & (np.diff(t // 0.5) == 0)
+    assert still.sum() > 50
+    assert not held(still, [q]).any()
+
+
 def test_a_stand_in_a_log_of_held_frames_keeps_rows_at_their_rate():
     columns = log(seldom)
     rest = np.full(1000, columns["q"][-1])
