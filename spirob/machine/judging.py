@@ -21,6 +21,7 @@ from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, 
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
+from spirob.machine.foretold import misleading
 from spirob.machine.leftovers import RigCeiling, noisy, structured, unexplained
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
@@ -30,6 +31,10 @@ from spirob.machine.scaling import ways
 from spirob.machine.shapes import shaping
 
 ALL_FIT = "A law composed without any name fits all logs, which no model of the library does."
+DENIED = (
+    "Not named: {}. The effort would follow from the motion by it, but run forward by the effort "
+    "the model moves far worse with it than without."
+)
 TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
     "A law composed without any name is plainer and leaves less than half the squared error, or "
@@ -100,6 +105,8 @@ def judged_of(done: Searched) -> Judged:
     """The verdict on a search, and the law that it asks for."""
     search = done.search
     ended, weighed = confirmed(*concluded(search, done.found, lambda m: is_bent(search, m)))
+    ended, weighed, denied = foretelling(ended, weighed)
+    done = done.noted(denied) if denied else done
     weighed, said = with_instant(search, ended.found.chosen, weighed)
     rest = search.models.ceiling(ended.found.chosen)
     verdict = judge(ended, weighed, doubts(search, ended.found, rest))
@@ -164,6 +171,21 @@ def confirmed(ended: Ended, weighed: Mapping[str, Weighed]) -> tuple[Ended, Mapp
     if not likely(weighed) or not ended.search.worth.denied(bare, chosen):
         return ended, weighed
     return _nameless(ended.search, ended.found, weighed)
+
+
+def foretelling(
+    ended: Ended, weighed: Mapping[str, Weighed]
+) -> tuple[Ended, Mapping[str, Weighed], str]:
+    """What stands of a search, without names that mislead where motion is foretold; what is said.
+
+    The search went on beside such a name: none of the others is likely, either.
+    """
+    chosen = ended.found.chosen
+    names = misleading(ended.search, chosen, likely(weighed))
+    if not names:
+        return ended, weighed, ""
+    told = " and ".join(e.title for e in chosen.effects if e.name() in names)
+    return *_nameless(ended.search, ended.found, weighed), DENIED.format(told)
 
 
 def with_instant(

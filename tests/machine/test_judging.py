@@ -15,6 +15,7 @@ from spirob.machine import judging, leftovers
 from spirob.machine.judging import (
     confirmed,
     explains_all,
+    foretelling,
     may_outdo,
     numbers,
     outdone,
@@ -180,6 +181,22 @@ def test_names_that_the_held_out_logs_deny_as_a_whole_do_not_stand(heldout, stan
     ended, weighed = confirmed(Ended(search, Found([bare, chosen]), None), told)
     assert ended.found.chosen is (chosen if stands else bare)
     assert weighed["cogging"].probability == (0.8 if stands else 0.0)
+
+
+@pytest.mark.parametrize("misleads", [True, False])
+def test_no_name_stands_where_one_of_them_misleads(misleads, monkeypatch):
+    chosen, bare = model("gear_compliance", "cogging"), model()
+    found = ["gear_compliance"] if misleads else []
+    monkeypatch.setattr(judging, "misleading", lambda search, chosen, names: found)
+    search = SimpleNamespace(
+        models=SimpleNamespace(left=lambda model: None),
+        narrowed=lambda found, names: Found([found.rungs[0]]),
+    )
+    told = {"gear_compliance": Weighed(0.9, 0.9), "cogging": Weighed(0.8, 0.9)}
+    ended, weighed, said = foretelling(Ended(search, Found([bare, chosen]), None), told)
+    assert ended.found.chosen is (bare if misleads else chosen)
+    assert all((one.probability == 0.0) is misleads for one in weighed.values())
+    assert ("torsional compliance of the gear" in said) is misleads
 
 
 def test_what_is_unlikely_anyway_stays_the_nearest():
