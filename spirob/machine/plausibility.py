@@ -82,16 +82,7 @@ def oddities(
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
     said += [*set_free(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
-    about = search.models.train.table.about
-    for name in search.models.names:
-        found, nominal = chosen.fit.estimates[name], about[name].nominal
-        if name in ("rig.inertia", "rig.scale") and nominal > 0 and found.low > 0:
-            ratio = found.value / nominal
-            if not 1 / FAR < ratio < FAR:
-                said.append(
-                    f"{name.removeprefix('rig.')} comes out {ratio:.3g} times its nominal value: "
-                    "is a unit or a factor wrong?"
-                )
+    said += _of_another_size(search, chosen)
     said += one_way(search.models.train, search.models.heldout)
     said += drifting(search.models.train, search.models.heldout, chosen, search.worth.least)
     said += far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
@@ -123,6 +114,19 @@ def _without_zeros(chosen: Model) -> list[str]:
     if not own or np.any(chosen.fit.jacobian[:, own]):
         return []
     return ["per_log: nothing in the model depends on the position, so no zero of a log is told."]
+
+
+def _of_another_size(search: RigSearch, chosen: Model) -> list[str]:
+    """That an inertia or a scale is far from its nominal value, by its whole interval."""
+    said = []
+    for name in (n for n in ("rig.inertia", "rig.scale") if n in search.models.names):
+        found, nominal = chosen.fit.estimates[name], search.models.train.table.about[name].nominal
+        if nominal > 0 and (found.high < nominal / FAR or found.low > nominal * FAR):
+            said.append(
+                f"{name.removeprefix('rig.')} comes out {found.value / nominal:.3g} times its "
+                "nominal value: is a unit or a factor wrong?"
+            )
+    return said
 
 
 def _heavy(search: RigSearch, chosen: Model) -> list[str]:

@@ -8,11 +8,12 @@ import pytest
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
+from spirob.identify.intervals import Estimate
 from spirob.machine import plausibility
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.leftovers import drifting
 from spirob.machine.models import Models
-from spirob.machine.plausibility import _turned, untaught
+from spirob.machine.plausibility import _of_another_size, _turned, untaught
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -45,6 +46,26 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
     assert "100%" in said(lambda *motion: -resisting(*motion))
     noise = np.random.default_rng(0).normal(size=5000)
     assert said(lambda q, v, a: noise) == ""
+
+
+@pytest.mark.parametrize(
+    ("low", "value", "high", "said"),
+    [
+        (0.01, 0.01, 0.7, []),  # at its bound, and not told
+        (0.03, 0.035, 0.04, ["inertia comes out 0.035 times"]),
+        (0.01, 0.01, 0.02, ["inertia comes out 0.01 times"]),
+        (0.5, 30.0, 60.0, []),
+        (25.0, 30.0, 35.0, ["inertia comes out 30 times"]),
+        (0.9, 1.0, 1.1, []),
+    ],
+)
+def test_a_number_is_of_another_size_where_its_whole_interval_is(low, value, high, said):
+    estimates = {"rig.inertia": Estimate(value, low, high, "kg·m²", False)}
+    table = SimpleNamespace(about={"rig.inertia": SimpleNamespace(nominal=1.0)})
+    models = SimpleNamespace(names=["rig.inertia"], train=SimpleNamespace(table=table))
+    model = SimpleNamespace(fit=SimpleNamespace(estimates=estimates))
+    found = _of_another_size(SimpleNamespace(models=models), model)
+    assert [text.partition(" its")[0] for text in found] == said
 
 
 def test_no_sign_is_blamed_where_what_was_found_explains_the_effort_as_logged():
