@@ -11,7 +11,7 @@ from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
 from spirob.report.sections.ladder import ladder
 from spirob.report.sections.object_size import mae_interval
-from spirob.report.sections.verdict import explained_sentence, kind, share
+from spirob.report.sections.verdict import explained_sentence, gain_sentence, kind, share
 from tests.report.synthetic import TRIALS
 
 SECTIONS = {section.name: section for section in discover()}
@@ -167,6 +167,14 @@ def test_the_verdict_says_by_how_much_the_error_falls(data):
     assert context["gain"] == (
         "On held-out trials the RMSE of current falls from 0.183 to 0.051 A, by 72 %; "
         "sensor noise alone is 0.012 A."
+    )
+
+
+def test_noise_far_below_the_errors_is_told_with_its_own_digits():
+    errors = {(): 0.0282, ("stribeck_friction",): 0.0116}
+    rungs = [{"effects": list(names), "heldout": {"rmse": e}} for names, e in errors.items()]
+    assert gain_sentence(rungs, 0.000221, "A").endswith(
+        "falls from 0.028 to 0.012 A, by 59 %; sensor noise alone is 0.00022 A."
     )
 
 

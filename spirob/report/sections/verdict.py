@@ -121,8 +121,8 @@ def gain_sentence(rungs: list[dict[str, Any]], noise_floor: float | None, unit: 
     # the first with most effects: a flexible residual on top of them is a ceiling, not a model
     grown = max(rungs, key=lambda rung: len(rung.get("effects") or ()))
     after = heldout(grown) if grown.get("effects") else None
-    numbers = column([before, after, noise_floor], 2)
-    floor = f"; sensor noise alone is {numbers[2]} {unit}" if is_number(noise_floor) else ""
+    numbers, (noise,) = column([before, after, noise_floor], 2), column([noise_floor], 2)
+    floor = f"; sensor noise alone is {noise} {unit}" if is_number(noise_floor) else ""
     if after is None or not is_number(after) or before <= 0:
         return f"On held-out trials the base model's {effort} is off by {numbers[0]} {unit}{floor}."
     if after < before:
