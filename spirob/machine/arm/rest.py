@@ -16,10 +16,8 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Residual
 from spirob.robot import MOTORS
 
-BEGUN, RESTED = (
-    50,
-    1000,
-)  # cycles of 1 ms at the beginning: the arm has to stand, and is asked how long
+BEGUN = 50  # cycles of 1 ms at the beginning, for which the arm has to stand
+RESTED = 1000  # for how many it is asked how long it stands
 STILL = 0.02  # of the fast part of the motion: so slow it stands yet
 STEADY = 1e-3  # of a current, by which it may drift without noise
 FIRST = 3  # samples at least that say whether there is a current before any change of it
@@ -88,7 +86,8 @@ def rested(of: Residual, changes: Mapping[str, float], read: Residual) -> Residu
     for k, (trial, first) in enumerate(zip(of.trials, read.trials, strict=True)):
         own = np.arange(of.edges[k], of.edges[k + 1])
         own = own[of.rows[own]]
-        trials.append(_stepped(trial, first, missed[own], slopes[own], of.block))
+        told = len(own) > 0
+        trials.append(_stepped(trial, first, missed[own], slopes[own], of.block) if told else trial)
     return replace(of, trials=trials)
 
 
