@@ -17,7 +17,7 @@ from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Model, is_dry, richness
 from spirob.diagnosis.search import Found
-from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain
+from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain, weigh
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
@@ -178,14 +178,19 @@ def foretelling(
 ) -> tuple[Ended, Mapping[str, Weighed], str]:
     """What stands of a search, without names that mislead where motion is foretold; what is said.
 
-    The search went on beside such a name: none of the others is likely, either.
+    Those beside them are weighed again.
     """
-    chosen = ended.found.chosen
-    names = misleading(ended.search, chosen, likely(weighed))
+    search, found = ended.search, ended.found
+    names = misleading(search, found.chosen, likely(weighed))
     if not names:
         return ended, weighed, ""
-    told = " and ".join(e.title for e in chosen.effects if e.name() in names)
-    return *_nameless(ended.search, ended.found, weighed), DENIED.format(told)
+    titles = " and ".join(e.title for e in found.chosen.effects if e.name() in names)
+    off = {n: replace(weighed[n], probability=0.0, together=0.0) for n in names}
+    others = [e.name() for e in found.chosen.effects if e.name() not in names]
+    kept = search.narrowed(found, others)
+    without = Ended(search, kept, search.models.left(kept.chosen))
+    again = weigh(without, lambda m: is_bent(search, m))
+    return *confirmed(without, {**off, **again}), DENIED.format(titles)
 
 
 def with_instant(

@@ -183,19 +183,25 @@ def test_names_that_the_held_out_logs_deny_as_a_whole_do_not_stand(heldout, stan
     assert weighed["cogging"].probability == (0.8 if stands else 0.0)
 
 
+@pytest.mark.parametrize("others", [("cogging",), ()])
 @pytest.mark.parametrize("misleads", [True, False])
-def test_no_name_stands_where_one_of_them_misleads(misleads, monkeypatch):
-    chosen, bare = model("gear_compliance", "cogging"), model()
+def test_a_name_that_misleads_falls_and_others_are_weighed_again(misleads, others, monkeypatch):
+    chosen, lesser = model("gear_compliance", *others), model(*others)
     found = ["gear_compliance"] if misleads else []
+    again = {name: Weighed(0.7, 0.7) for name in others}
     monkeypatch.setattr(judging, "misleading", lambda search, chosen, names: found)
+    monkeypatch.setattr(judging, "weigh", lambda ended, bent: again)
     search = SimpleNamespace(
+        worth=SimpleNamespace(denied=lambda before, after: False),
         models=SimpleNamespace(left=lambda model: None),
-        narrowed=lambda found, names: Found([found.rungs[0]]),
+        narrowed=lambda found, names: Found([lesser] * (names == [*others])),
     )
-    told = {"gear_compliance": Weighed(0.9, 0.9), "cogging": Weighed(0.8, 0.9)}
-    ended, weighed, said = foretelling(Ended(search, Found([bare, chosen]), None), told)
-    assert ended.found.chosen is (bare if misleads else chosen)
-    assert all((one.probability == 0.0) is misleads for one in weighed.values())
+    told = {name: Weighed(0.9, 0.9) for name in ("gear_compliance", *others)}
+    ended, weighed, said = foretelling(Ended(search, Found([model(), chosen]), None), told)
+    assert ended.found.chosen is (lesser if misleads else chosen)
+    shaft = weighed.pop("gear_compliance")
+    assert shaft.probability == (0.0 if misleads else 0.9)
+    assert {one.probability for one in weighed.values()} <= {0.7 if misleads else 0.9}
     assert ("torsional compliance of the gear" in said) is misleads
 
 
