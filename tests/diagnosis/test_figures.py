@@ -97,6 +97,24 @@ def test_a_number_that_ended_at_a_bound_makes_no_amplitude_of_a_rig_unsure(certa
     assert sharp(models, both, effect) == pytest.approx(expected, abs=1e-3)
 
 
+@pytest.mark.parametrize("absent", [True, False])
+def test_an_amplitude_at_its_neutral_bound_makes_the_other_of_its_law_no_less_sure(absent):
+    problem = Nearly([0.1, 0.1], [1.0, 1.0], 1e-3)
+    problem.slopes[:, 1] = 0.95 * problem.slopes[:, 0] + 0.05 * problem.slopes[:, 1]
+    own, other = problem.names
+    both = fit(problem, problem.names, {}, 0.05)
+    bound = problem.table.about[other].low
+    there = replace(both.estimates[other], value=bound, at_bound=True)
+    both = replace(both, estimates={**both.estimates, other: there})
+    neutral = {own.split(".")[1]: 0.0, other.split(".")[1]: bound if absent else bound - 1e-6}
+    effect = SimpleNamespace(name=lambda: own.split(".")[0], neutral=neutral)
+    models = SimpleNamespace(train=problem, names=[], certainty="name", robust=0.05)
+    alone = fit(problem, [own], {other: both.changes[other]}, 0.05).estimates[own]
+    wanted = alone if absent else both.estimates[own]
+    expected = np.log(wanted.value / (0.5 * (wanted.high - wanted.low)))
+    assert sharp(models, both, effect) == pytest.approx(expected, abs=1e-3)
+
+
 def test_more_of_what_speaks_for_a_name_makes_it_likelier():
     for of, names in FIGURES.items():
         middle = dict(zip(names, LEARNED[of]["mean"], strict=True))
