@@ -22,6 +22,7 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import StandardScaler
 
 from spirob.campaign.arm.rates import answers
+from spirob.campaign.scoring import near_names
 from spirob.diagnosis.certainty import FIGURES
 from spirob.files import write_text
 
@@ -70,11 +71,11 @@ def effects(lines: Sequence[Line], of: str = "name") -> Names:
 def _rig(line: Line) -> Iterator[Chosen]:
     truth = line["truth"]
     must = set().union(*truth["must"]) if truth["inside"] else set()
-    right = must | set(truth["besides"])
+    right, near = must | set(truth["besides"]), near_names(truth)
     for chosen in line["features"]["evidence"] if line["features"] else ():
         names = {chosen["name"], *chosen["equivalents"]}
         if chosen.get("probability") != 0.0:
-            said = "right" if names & right else "near" if names & set(truth["near"]) else "wrong"
+            said = "right" if names & right else "near" if names & near else "wrong"
             yield chosen["figures"], chosen["name"], said, line["simulator"]
 
 

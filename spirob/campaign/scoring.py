@@ -63,7 +63,8 @@ KINDS: dict[str, Kind] = {
     "hysteretic_spring": _kind("weight", near="presliding_friction"),
     "chirped_magnets": _kind("wave"),
     "speed_efficiency": _kind("iron"),
-    "stick_one_way": _kind("dry", near=DRY),
+    # F where it moves forward is F/2 both ways and the constant force F/2
+    "stick_one_way": _kind("dry", near=f"{DRY} {CONSTANT}"),
     "loose_screw": _kind("shaft"),
 }
 LIBRARY = tuple(name for name, kind in KINDS.items() if kind.names)
@@ -73,6 +74,11 @@ NONE, TWO, THREE, BESIDE = "none", "two", "three", "beside"
 DRAWN = {TWO: 2, THREE: 3, BESIDE: 1}  # how many of the library
 # sizes of a current's reading, which no description tells from its scale
 NO_PARTNER = frozenset({"current_gain", "current_lag", "feedback_latency"})
+
+
+def near_names(truth: Mapping[str, Any]) -> set[str]:
+    """Names that say a part of what is hidden, by the key as it is and by that of the case's day."""
+    return set(truth["near"]).union(*(KINDS[kind].near for kind in truth["hidden"]))
 
 
 def answers(kind: str, bristles: bool, one_way: bool) -> Kind:
@@ -136,7 +142,8 @@ def outcome(result: Mapping[str, Any]) -> dict[str, Any]:
     right = set().union(*must) | set(truth["besides"])
     every = all(any(names & wanted for names in named) for wanted in must)
     strange = [not names & right for names in named]
-    wrong = [s and e["name"] not in truth["near"] for s, e in zip(strange, effects, strict=True)]
+    near = near_names(truth)
+    wrong = [s and e["name"] not in near for s, e in zip(strange, effects, strict=True)]
     sure = [e["probability"] >= SURE for e in effects]
     if verdict == "undecided":
         asked = [n | set(e["rivals"]) for n, e in zip(named, effects, strict=True)]

@@ -29,6 +29,7 @@ def result(must, verdict, *effects, near=(), inside=True, shown=True, hidden=Non
 
 ONE, TWO = [["cogging"]], [["cogging"], ["coulomb_friction", "presliding_friction"]]
 OUTSIDE = {"inside": False, "hidden": ["tight_spot"]}
+ONE_WAY = {"inside": False, "hidden": ["stick_one_way"]}
 
 
 @pytest.mark.parametrize(
@@ -53,6 +54,8 @@ OUTSIDE = {"inside": False, "hidden": ["tight_spot"]}
         (result([], "undecided", "cogging", **OUTSIDE), "exactly", False, False),
         (result([], "named", "cogging", **OUTSIDE), "wrong", False, True),
         (result([], "named", "dry", near=["dry"], **OUTSIDE), "partly", False, False),
+        (result([], "named", "constant_force", **OUTSIDE), "wrong", False, True),
+        (result([], "named", "constant_force", **ONE_WAY), "partly", False, False),
         (result([], "nothing_missing", **OUTSIDE), "missed", False, False),
         (result(ONE, "nothing_missing", shown=False), "exactly", False, False),
         (result(ONE, "named", "cogging", shown=False), "exactly", True, False),
