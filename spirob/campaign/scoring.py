@@ -77,7 +77,7 @@ NO_PARTNER = frozenset({"current_gain", "current_lag", "feedback_latency"})
 
 
 def near_names(truth: Mapping[str, Any]) -> set[str]:
-    """Names that say a part of what is hidden, by the key as it is and by that of the case's day."""
+    """Names that say a part of what is hidden, by the key and by that of the case's day."""
     return set(truth["near"]).union(*(KINDS[kind].near for kind in truth["hidden"]))
 
 

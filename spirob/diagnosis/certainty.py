@@ -72,15 +72,18 @@ def sharp(models: Predictor, found: Fit, effect: type[Effect]) -> float:
     Numbers of a rig of which the trials tell nothing within their bounds are held: they cannot
     move as far as their own intervals to first order, and those of the amplitude, have it.  So are
     amplitudes that ended at a bound where they are neutral: without them the law is a plainer one.
-    The arm's regression knows whole intervals.
+    What ended at another bound is as large as it may be, which the bound tells and not the trials:
+    it makes nothing sharp.  The arm's regression knows whole intervals.
     """
     amplitudes = {f"{effect.name()}.{field}": zero for field, zero in effect.neutral.items()}
     estimates, train = found.estimates, models.train
     if models.certainty != "arm":
         held = [n for n in models.names if n in estimates and is_untold(train, found, n)]
         absent = [n for n, zero in amplitudes.items() if is_absent(train, found, n, zero)]
+        capped = {n for n in amplitudes if n in estimates and estimates[n].at_bound} - {*absent}
         held += absent if len(absent) < len(amplitudes) else []
         estimates = with_held(train, found, held, models.robust) if held else estimates
+        estimates = {n: e for n, e in estimates.items() if n not in capped}
     told = []
     for name, zero in amplitudes.items():
         if estimate := estimates.get(name):

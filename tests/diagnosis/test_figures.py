@@ -115,6 +115,19 @@ def test_an_amplitude_at_its_neutral_bound_makes_the_other_of_its_law_no_less_su
     assert sharp(models, both, effect) == pytest.approx(expected, abs=1e-3)
 
 
+@pytest.mark.parametrize(("certainty", "sure"), [("name", False), ("arm", True)])
+def test_an_amplitude_that_ended_at_a_cap_of_its_own_makes_no_name_of_a_rig_sure(certainty, sure):
+    problem = Nearly([0.1, 0.1], [1.0, 1.0], 1e-3)
+    own = problem.names[0]
+    found = fit(problem, problem.names, {}, 0.05)
+    cap = problem.table.about[own].high
+    there = replace(found.estimates[own], value=cap, low=0.99 * cap, high=cap, at_bound=True)
+    found = replace(found, estimates={**found.estimates, own: there})
+    effect = SimpleNamespace(name=lambda: own.split(".")[0], neutral={own.split(".")[1]: 0.0})
+    models = SimpleNamespace(train=problem, names=[], certainty=certainty, robust=0.05)
+    assert sharp(models, found, effect) == pytest.approx(np.log(200.0) if sure else 0.0)
+
+
 def test_more_of_what_speaks_for_a_name_makes_it_likelier():
     for of, names in FIGURES.items():
         middle = dict(zip(names, LEARNED[of]["mean"], strict=True))
