@@ -166,6 +166,7 @@ ENOUGH = 12.5  # Hz; a log is slow where its usual cutoff lies below
 CLEAN = 0.01  # noise over RMS acceleration at which a cutoff is low enough
 SLOWEST = 4.0  # times the frequency below which most of the effort lies
 MOST = 0.9  # of its variance
+MOSTLY = 0.75  # of an acceleration's variance that may count as noise
 STEPS = 8  # from the fastest cutoff to the slowest
 
 
@@ -246,10 +247,21 @@ def thinned(
     return asked if asked <= most else usual
 
 
-def noise_in_effort(noise: float, effort: np.ndarray, a: np.ndarray) -> float:
-    """What noise of the acceleration is in a modelled effort; effort and acceleration are (N,)."""
-    columns = np.column_stack([a, np.ones_like(a)])
-    return noise * abs(float(np.linalg.lstsq(columns, effort, rcond=None)[0][0]))
+def noise_in_effort(noise: float, effort: np.ndarray, motion: np.ndarray) -> tuple[float, float]:
+    """RMS of what noise of the acceleration leaves of an effort, and by what share inertia is low.
+
+    Of an effort J·a, where a has the variance A² with noise s² in it, least squares find the
+    inertia J·(1 - s²/A²), and leave J·s·√(1 - s²/A²).  What speed tells of a is not counted.
+
+    effort  as it is modelled, (N,)
+    motion  position, speed and acceleration, filtered alike, (N, 3)
+    """
+    columns = np.column_stack([np.ones(len(motion)), motion])
+    found = abs(float(np.linalg.lstsq(columns, effort, rcond=None)[0][-1]))
+    speed, a = motion[:, 1], motion[:, 2]
+    own = a - speed * (speed @ a) / max(float(speed @ speed), 1e-300)
+    share = min(noise**2 / max(float(np.mean(own**2)), 1e-300), MOSTLY)
+    return found * noise / float(np.sqrt(1.0 - share)), share
 
 
 def _derived(values: np.ndarray, order: int, period: float) -> np.ndarray:

@@ -243,6 +243,12 @@ class InverseProblem:
         found |= {"time": motion.seconds, "angle": motion.q / self.sizes.angle}
         return {name: values[self._kept] for name, values in found.items()}
 
+    def compared_motion(self) -> np.ndarray:
+        """Position, speed and acceleration, filtered as the effort is compared, (N, 3)."""
+        motion = self.asked.motion
+        signals = (motion.q, motion.v, motion.a)
+        return np.column_stack([self._thin(self._smooth(signal)) for signal in signals])
+
     def read(self, changes: Mapping[str, float]) -> dict[str, np.ndarray]:
         """What kernels read at every sample of every piece, (n,), the measured effort among it."""
         asked, vector = self.asked, self.table.vector(self.completed(changes))

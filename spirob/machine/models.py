@@ -131,12 +131,15 @@ class Models(Predictor):
     @cached_property
     def least(self) -> float:
         """The least size of an effect: a share of the effort, or the noise of the motion in it."""
-        bare = self.fitted((), {})
-        modelled = self.train.measured() + bare.fit.residual
+        return max(self._floor * self.size, self.noise[0])
+
+    @cached_property
+    def noise(self) -> tuple[float, float]:
+        """What noise of the motion leaves of the effort, and by what share inertia is too low."""
+        modelled = self.train.measured() + self.fitted((), {}).fit.residual
         squares = [p.noise**2 for r in self.train.recordings for p in r.pieces]
         noise = float(np.sqrt(np.mean(squares)))
-        passed = noise_in_effort(noise, modelled, self.train.signals()["acceleration"])
-        return max(self._floor * self.size, passed)
+        return noise_in_effort(noise, modelled, self.train.compared_motion())
 
     def grown(
         self, current: Model, sets: Sequence[tuple[Offer, ...]], counts: Counts

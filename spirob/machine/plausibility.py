@@ -82,7 +82,7 @@ def oddities(
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
     said += [*set_free(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
-    said += _of_another_size(search, chosen)
+    said += [*_of_another_size(search, chosen), *_by_noise(search, chosen)]
     said += one_way(search.models.train, search.models.heldout)
     said += drifting(search.models.train, search.models.heldout, chosen, search.worth.least)
     said += far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
@@ -127,6 +127,17 @@ def _of_another_size(search: RigSearch, chosen: Model) -> list[str]:
                 "nominal value: is a unit or a factor wrong?"
             )
     return said
+
+
+def _by_noise(search: RigSearch, chosen: Model) -> list[str]:
+    """That the noise of the motion makes the inertia too small, by more than its interval says."""
+    found, share = chosen.fit.estimates.get("rig.inertia"), search.models.noise[1]
+    if found is None or found.value * share / (1.0 - share) <= found.high - found.value:
+        return []
+    return [
+        f"Noise of the sensor is {share:.0%} of what the acceleration varies by, so the inertia is "
+        f"about {share:.0%} too small; a lower filter.cutoff or a finer sensor mends it."
+    ]
 
 
 def _heavy(search: RigSearch, chosen: Model) -> list[str]:

@@ -22,13 +22,14 @@ from tests.machine.rigs import description
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 
 
-def search_of(effort):
-    """A search over one log of an axis with inertia, friction and a weight."""
+def search_of(effort, noise=0.0):
+    """A search over one log of an axis with inertia, friction and a weight; noise [rad]."""
     rig = RigFile.model_validate(description())
     t = np.arange(0, 10, 2e-3)
     q, v = np.sin(3 * t) + 0.3 * np.sin(7.1 * t), 3 * np.cos(3 * t) + 2.13 * np.cos(7.1 * t)
     a = -9 * np.sin(3 * t) - 15.1 * np.sin(7.1 * t)
-    made = [prepare("log", {"t": t, "q": q, "u": effort(q, v, a)}, rig)]
+    read = q + noise * np.random.default_rng(1).normal(size=len(q))
+    made = [prepare("log", {"t": t, "q": read, "u": effort(q, v, a)}, rig)]
     problem = InverseProblem(rig, None, made, [], SIZES, 0.02)
     return Search(Models(problem, problem, ["rig.inertia", "rig.viscous"]), [], Criteria())
 
@@ -46,6 +47,22 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
     assert "100%" in said(lambda *motion: -resisting(*motion))
     noise = np.random.default_rng(0).normal(size=5000)
     assert said(lambda q, v, a: noise) == ""
+
+
+def test_no_effect_is_smaller_than_what_a_noisy_sensor_leaves_and_makes_of_the_inertia():
+    def asked(q, v, a):
+        return 0.1 * a + 0.05 * v
+
+    search = search_of(asked, noise=0.005)
+    bare = search.models.fitted((), {})
+    left, share = search.models.noise
+    inertia = bare.fit.estimates["rig.inertia"].value
+    assert 0.05 < share < 0.5
+    assert inertia == pytest.approx(0.1 * (1.0 - share), rel=0.05)
+    assert search.models.least == left == pytest.approx(np.std(bare.fit.residual), rel=0.2)
+    assert "too small" in plausibility._by_noise(search, bare)[0]
+    clean = search_of(asked)
+    assert plausibility._by_noise(clean, clean.models.fitted((), {})) == []
 
 
 @pytest.mark.parametrize(
