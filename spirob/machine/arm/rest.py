@@ -20,9 +20,10 @@ BEGUN = 50  # cycles of 1 ms at the beginning, for which the arm has to stand
 RESTED = 1000  # for how many it is asked how long it stands
 STILL = 0.02  # of the fast part of the motion: so slow it stands yet
 STEADY = 1e-3  # of a current, by which it may drift without noise
-FIRST = 3  # samples at least that say whether there is a current before any change of it
+FIRST = 3  # samples, of which fewer may hold any part of a change
 SURE = 3.0  # deviations of a mean, beyond which it is another
 APART = 5  # samples, between which noise has nothing in common at 200 Hz and more
+FOLLOWING = 2 * APART  # samples that say where a current goes
 
 
 def rests(velocity: np.ndarray) -> int:
@@ -50,20 +51,51 @@ def first_level(current: np.ndarray) -> tuple[float, float]:
     0 where its first samples cannot be told from their noise.  It may be asked to change at once.
     So the mean reaches only as far as it agrees, within what the noise allows, with the means of
     fewer samples; a change begins before it shows, so where one does, over half of these.  What
-    the noise allows is what may be missed.
+    the noise allows is what may be missed.  Samples too few for that may hold any part of the
+    change, and say nothing where it goes to 0.
     """
     bend = current[2 * APART :] - 2.0 * current[APART:-APART] + current[: -2 * APART]  # no ramp
     noise = 1.4826 * np.median(np.abs(bend - np.median(bend))) / np.sqrt(6)
+    count = _unchanged(current, noise)
+    if any(_is_zero(current[:n], noise) for n in (min(FIRST, count), count)):
+        return 0.0, 0.0
+    if count >= FIRST:
+        return _mean(current[: count if count == len(current) else max(FIRST, count // 2)], noise)
+    first, after = current[:count], current[count : count + FOLLOWING]
+    if _is_zero(after, noise):
+        return 0.0, 0.0
+    level, width = _mean(first, noise)
+    return level, max(width, abs(float(np.mean(after)) - level))
+
+
+def _unchanged(current: np.ndarray, noise: float) -> int:
+    """Samples before a current is seen to change; all where it is not.
+
+    The mean over a change hides it for a while; so the very first ones are compared with what
+    follows them.
+    """
+    for count in range(1, FIRST):
+        (before, one), (after, other) = (
+            _mean(part, noise) for part in (current[:count], current[count : count + FOLLOWING])
+        )
+        if abs(after - before) > one + other:
+            return count
     counts = np.arange(1, len(current) + 1)
     means = np.cumsum(current) / counts
     widths = np.maximum(SURE * noise / np.sqrt(counts), STEADY * np.abs(means))
     agree = np.maximum.accumulate(means - widths) <= np.minimum.accumulate(means + widths)
-    count = len(agree) if agree.all() else int(np.argmin(agree))
-    if count < FIRST or any(abs(means[n - 1]) <= widths[n - 1] for n in (FIRST, count)):
-        return 0.0, 0.0
-    if count < len(agree):
-        count = max(FIRST, count // 2)
-    return float(means[count - 1]), float(widths[count - 1])
+    return len(agree) if agree.all() else int(np.argmin(agree))
+
+
+def _mean(samples: np.ndarray, noise: float) -> tuple[float, float]:
+    """Their mean, and what it may be off by."""
+    mean = float(np.mean(samples))
+    return mean, max(SURE * noise / len(samples) ** 0.5, STEADY * abs(mean))
+
+
+def _is_zero(samples: np.ndarray, noise: float) -> bool:
+    mean, width = _mean(samples, noise)
+    return abs(mean) <= width
 
 
 def is_unsure(of: Residual) -> bool:

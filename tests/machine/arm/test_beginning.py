@@ -28,8 +28,34 @@ def test_an_arm_without_currents_is_not_held():
     assert held(quiet + np.array([0.1, 0.0]))[0] == pytest.approx([0.1, 0.0], abs=NOISE)
 
 
-def test_one_sample_says_nothing():
+def test_one_sample_says_nothing_of_a_current_that_goes_to_zero():
     assert first_level(np.array([0.05] + [0.0] * 49)) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("lag", [0.0, 3e-3])
+@pytest.mark.parametrize("to", [0.02, 0.16, 0.25])
+def test_a_current_that_changes_at_once_begins_at_its_first_sample(to, lag):
+    """Within its noise; how much of the change that sample holds is open."""
+    t = 1e-3 * np.arange(50)
+    share = 1.0 - np.exp(-t / lag) if lag else np.sign(t)
+    true = 0.08 + (to - 0.08) * share
+    found = np.array([first_level(measured(true, seed)) for seed in range(40)])
+    missed, widths = np.abs(found[:, 0] - 0.08), found[:, 1]
+    assert np.all(missed < np.minimum(4.0 * NOISE, widths))
+    assert np.all(widths < 2.0 * abs(to - 0.08))
+
+
+def test_a_current_that_comes_at_once_held_nothing_before():
+    t = 1e-3 * np.arange(50)
+    true = 0.2 * np.sign(t)
+    found = np.array([first_level(measured(true, seed)) for seed in range(40)])
+    assert np.mean(found[:, 0] == 0.0) > 0.9
+
+
+def test_an_arm_is_held_by_both_where_one_changes_at_once():
+    t = 1e-3 * np.arange(50)
+    both = np.column_stack([measured(0.08 + 0.14 * np.sign(t)), measured(0.08 + 0.0 * t, 1)])
+    assert held(both)[0] == pytest.approx([0.08, 0.08], abs=4.0 * NOISE)
 
 
 @pytest.mark.parametrize("drift", [0.0, 1e-5, 1e-4])

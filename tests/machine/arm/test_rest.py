@@ -20,6 +20,7 @@ NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness"]
 TRUE = {"winch.efficiency": 0.7, "motor.rotor_damping": 1.3e-4, "arm.bends_per_hinge": 2.0}
 OFF = 4e-3  # A
 WAIT = 1.5  # s, in which the arm comes to rest between both tendons
+SLIGHT = 0.08  # A
 
 
 def begun_under_tension(motor, k):
@@ -27,6 +28,18 @@ def begun_under_tension(motor, k):
     bend = moves(motor, [[WAIT + 0.2, 0.0], [0.9, 0.04], [0.9, 0.02]], 0.15)
     columns = played({"name": motor, "role": "train", **bend, "duration": 4.0}, TRUE, k=k)
     late = columns["ms"] > columns["ms"][0] + 1e3 * WAIT
+    return arm_trial(Table(motor, {n: x[late] for n, x in columns.items()}), rig(), "train")[0]
+
+
+def asked_to_change_at_once(motor, k):
+    """The same, where the other motor pulls harder from the log's second sample on."""
+    plain = moves(motor, [[WAIT + 0.2, 0.0], [0.9, 0.04], [0.9, 0.02]], 0.0)
+    other = "right" if motor == "left" else "left"
+    steps = {"kind": "steps", "plateaus": [[WAIT, SLIGHT], [9.0, 0.2]], "blend": 0.0}
+    plain["motors"][other]["profile"] = steps
+    trial = {"name": motor, "role": "train", **plain, "duration": 4.0}
+    columns = played(trial, TRUE, k=k, every=1)
+    late = np.arange(len(columns["ms"])) >= 1e3 * WAIT
     return arm_trial(Table(motor, {n: x[late] for n, x in columns.items()}), rig(), "train")[0]
 
 
@@ -62,6 +75,21 @@ def test_what_holds_the_arm_as_a_log_begins_is_told_by_the_whole_log(tense):
     assert max(map(abs, bias(found))) < 0.15 * OFF
     for own, far in zip(found.trials, off.trials, strict=True):
         assert np.all(np.abs(own.schedule.held - far.schedule.held) < 2.0 * OFF)
+
+
+@pytest.mark.parametrize("motor", ["left", "right"])
+def test_a_log_that_begins_with_a_step_begins_before_it(motor):
+    trial = asked_to_change_at_once(motor, 0)
+    other = 1 if motor == "left" else 0
+    current = trial.current[:, other]
+    assert abs(current[0] - SLIGHT) < 0.02
+    assert abs(np.mean(current[2:12]) - 0.2) < 0.02
+    read = Residual(Plant(rig().machine()), [trial])
+    found = read
+    for _ in range(ROUNDS):
+        found = rested(found, TRUE, read)
+    assert found.trials[0].schedule.held == pytest.approx([SLIGHT, SLIGHT], abs=5e-3)
+    assert abs(bias(found)[0]) < 1e-3
 
 
 def test_a_log_that_misses_much_moves_it_little(tense):
