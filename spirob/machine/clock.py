@@ -21,7 +21,7 @@ SHORTEST = 1.0  # s
 FEWEST = 40  # samples
 SLOWEST, FASTEST = 10.0, 1e6  # Hz, of a usable log
 REPEATED = 0.9  # of the rows that share their stamp say nothing new: the log repeats itself
-TIMES, HALF = 10, 0.5  # or so often at most is a row repeated, in such a share of all rows
+HALF = 0.5  # or such a share of the frames, more than `FEWEST`, last as many rows as one another
 AGAIN = 1.0  # s put between two stretches of a clock that starts again
 SMOOTHER = 0.1  # by which the signals are where it decides
 SHARED = 1.1  # rows to a stamp: more is a coarse clock, fewer are slips
@@ -152,11 +152,14 @@ def _kept(found: Ordered, keep: np.ndarray) -> Ordered:
 
 
 def _regular(still: np.ndarray) -> bool:
-    """Whether rows repeat the one before as many times each as no axis that stands would."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
-    counts = np.bincount(edges[1::2] - edges[::2])[: TIMES + 1]
-    usual = int(np.argmax(counts))
-    return bool(counts[usual] * (usual + 1) > HALF * len(still))
+    """Whether most frames hold for as many rows, two or more, as no axis that stands would.
+
+    Frames whose rate is no whole number of rows hold for one of two numbers, one apart.
+    """
+    rows = np.diff(np.flatnonzero(np.concatenate([[True], ~still, [True]])))
+    counts = np.bincount(rows, minlength=4)
+    alike = int(np.max(counts[2:-1] + counts[3:]))
+    return alike > max(HALF * len(rows), FEWEST)
 
 
 def _chosen(

@@ -37,6 +37,11 @@ def seldom(rows):
     return rows // 10 * 10
 
 
+def slow(rows):
+    """A register of 30 Hz: it holds for 16 rows or for 17."""
+    return np.ceil(np.floor(rows * 30 / RATE) * RATE / 30).astype(int)
+
+
 def polled(rows):
     """Frames a tenth slower than the rows: one of eleven finds no new one, and none is lost."""
     return rows * 10 // 11
@@ -47,7 +52,7 @@ def of(columns):
     return still, held(still, [columns["q"]])
 
 
-@pytest.mark.parametrize("frames", [some, seldom, polled])
+@pytest.mark.parametrize("frames", [some, seldom, slow, polled])
 @pytest.mark.parametrize("count", [1e-12, 1e-4])
 def test_held_frames_are_lost_samples_and_no_jumps(frames, count):
     columns = log(frames, count=count)
@@ -103,6 +108,15 @@ def test_a_stand_in_a_log_of_held_frames_keeps_rows_at_their_rate():
     dropped = held(np.diff(q) == 0, [q])
     assert 80 <= np.count_nonzero(~dropped[3000:4000]) <= 120
     assert np.count_nonzero(~dropped[:3000]) == 300
+
+
+def test_a_register_holds_beside_a_stand_that_is_longer_than_all_motion():
+    columns = log(slow)
+    columns = {k: np.concatenate([v, np.full(5000, v[-1])]) for k, v in columns.items()}
+    columns["t"] = np.arange(len(columns["q"])) / RATE
+    made = prepare("log", columns, RIG)
+    assert any("hold the frame before" in text for text in made.said)
+    assert made.period == pytest.approx(1 / 30, rel=0.02)
 
 
 def test_a_jump_behind_a_stand_is_no_held_frame():
