@@ -8,42 +8,96 @@ from typing import TypeVar
 import numpy as np
 
 from spirob.errors import ConfigError, DataError, NothingLeft
-from spirob.machine.recording import LEAST, Piece, Recording
+from spirob.machine.checks import EDGE
+from spirob.machine.recording import CLOSE, FEWEST, LEAST, Piece, Recording
 
 Log = TypeVar("Log")
+ROOM = 2.0 * EDGE + (FEWEST + 2) / (2.0 * CLOSE)  # periods of a cutoff: both ends, and what counts
 
 
 def filtered_alike(
     read: Callable[[Log, float | None], Recording], train: Sequence[Log], test: Sequence[Log]
 ) -> tuple[list[Recording], list[Recording]]:
-    """The trials for training and those held out, by the lowest cutoff of the training trials.
+    """The trials for training and those held out, by one cutoff (`_common`).
 
     read  makes a recording of a log, with the cutoff [Hz] that is given
 
     Raises DataError where no training log is left, and what `read` raises but NothingLeft.
     """
-    trials, said = _left(read, train, None)
-    if not trials:
+    own, said, _ = _left(read, train, None)
+    if not own:
         raise DataError("; ".join(said) or "a diagnosis needs at least one training log")
-    cutoff = min(trial.cutoff for trial in trials)
-    if any(trial.cutoff != cutoff for trial in trials):
-        trials, said = _left(read, train, cutoff)
-    held, more = _left(read, test, cutoff)
-    trials[0].said.extend(f"{text}; the log is left out." for text in [*said, *more])
+    cutoff = _common(own)
+    held, more, short = _left(read, test, cutoff)
+    if short and _common(own, short) > cutoff:
+        cutoff = _common(own, short)
+        held, more, short = _left(read, test, cutoff)
+    trials = own
+    if any(trial.cutoff != cutoff for trial in own):
+        trials, said, shorter = _left(read, train, cutoff)
+        short = [*shorter, *short]
+    said = [*said, *more, *(_too_short(trial, cutoff) for trial in short)]
+    trials[0].said.extend(f"{text}; the log is left out." for text in said)
     return trials, held
+
+
+def _common(trials: Sequence[Recording], held: Sequence[Recording] = ()) -> float:
+    """The lowest cutoff of the trials, or what leaves the shortest log room; at most the highest.
+
+    Room for the longest trial it leaves in any case.
+
+    held  further ones that need room
+    """
+    every = [*trials, *held]
+    highest = max([*(trial.cutoff for trial in every), min(_least(trial) for trial in trials)])
+    lowest = min(trial.cutoff for trial in trials)
+    return min(max(lowest, *(_least(trial) for trial in every)), highest)
+
+
+def _least(trial: Recording) -> float:
+    """The cutoff [Hz] that leaves just enough of the longest piece of a trial."""
+    return ROOM / (trial.period * max(len(piece.q) for piece in trial.pieces))
+
+
+def _too_short(trial: Recording, cutoff: float) -> str:
+    return (
+        f"{trial.name}: too short for the filter of the other logs, of {cutoff:.3g} Hz; "
+        f"{ROOM:.2g} periods of it are {ROOM / cutoff:.3g} s"
+    )
 
 
 def _left(
     read: Callable[[Log, float | None], Recording], logs: Sequence[Log], cutoff: float | None
-) -> tuple[list[Recording], list[str]]:
-    """The recordings of which something is left, and what is said of the others."""
-    found, said = [], []
+) -> tuple[list[Recording], list[str], list[Recording]]:
+    """The recordings of which something is left, and what is said of the others.
+
+    Also, by their own cutoffs, those that are too short for this one.
+    """
+    found: list[Recording] = []
+    said: list[str] = []
+    short: list[Recording] = []
     for log in logs:
         try:
-            found.append(read(log, cutoff))
+            trial, fits = _with_room(read, log, cutoff)
+            (found if fits else short).append(trial)
         except NothingLeft as error:
             said.append(str(error))
-    return found, said
+    return found, said, short
+
+
+def _with_room(
+    read: Callable[[Log, float | None], Recording], log: Log, cutoff: float | None
+) -> tuple[Recording, bool]:
+    """A recording, and whether by this cutoff; else by its own, where it is too short for this."""
+    try:
+        return read(log, cutoff), True
+    except DataError:
+        if cutoff is None:
+            raise
+        trial = read(log, None)
+        if cutoff >= _least(trial):
+            raise
+        return trial, False
 
 
 def each_once(

@@ -1,14 +1,25 @@
 """One log under several names is found by its rows, and of a very long one a part is used."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from spirob.errors import ConfigError, DataError
 from spirob.logs.readers.columns import from_frame
-from spirob.machine.recording import of_table, prepare
+from spirob.machine.filtering import possible_cutoff
+from spirob.machine.recording import Recording, of_table, prepare
 from spirob.machine.rig import RigFile
-from spirob.machine.selection import MOST_ROWS, STRETCH, each_once, ends_aside, in_stretches
+from spirob.machine.selection import (
+    MOST_ROWS,
+    ROOM,
+    STRETCH,
+    each_once,
+    ends_aside,
+    filtered_alike,
+    in_stretches,
+)
 from tests.machine.rigs import description
 
 COLUMNS = ["q", "u"]
@@ -101,3 +112,62 @@ def test_a_time_without_a_unit_needs_dates():
         dated = from_frame(pd.DataFrame({**columns, "t": times, "u": objects}), "dated")
         np.testing.assert_allclose(dated.column("t"), t, atol=1e-6)
         assert of_table(dated, rig).period == pytest.approx(0.01)
+
+
+OPEN = RigFile.model_validate(description(filter={}))
+
+
+def swinging(name, seconds, tone):
+    """A swing with the noise of an encoder, whose usual cutoff is that of its tone."""
+    t = np.arange(0, seconds, 5e-3)
+    q = np.sin(2 * np.pi * tone * t) + 0.003 * np.random.default_rng(0).normal(size=len(t))
+    return {"t": t, "q": q, "u": np.cos(2 * np.pi * tone * t), "name": name}
+
+
+def read(log, cutoff):
+    return prepare(log["name"], {k: v for k, v in log.items() if k != "name"}, OPEN, None, cutoff)
+
+
+SLOW = [swinging("a", 40.0, 0.1), swinging("b", 30.0, 0.1)]
+
+
+def test_a_cutoff_that_nobody_gave_leaves_a_short_log_room():
+    fast = swinging("fast", 4.0, 0.5)
+    own = [read(log, None).cutoff for log in (*SLOW, fast)]
+    assert max(own[:2]) < ROOM / 4.0 < own[2]
+    for train, test in (([*SLOW, fast], SLOW[:1]), (SLOW, [fast])):
+        logs, held = filtered_alike(read, train, test)
+        assert {r.name for r in (*logs, *held)} == {"a", "b", "fast"}
+        assert {round(r.cutoff, 6) for r in (*logs, *held)} == {round(ROOM / 4.0, 6)}
+        assert not any("left out" in text for text in logs[0].said)
+
+
+def stood_in(log, cutoff):
+    """As a log of so many seconds with a usual cutoff of its own is read."""
+    name, seconds, own = log
+    cutoff = possible_cutoff(name, cutoff, own, seconds, 0.01, [])
+    return Recording(name, 0.01, cutoff, 1, [SimpleNamespace(q=np.zeros(round(100 * seconds)))], [])
+
+
+@pytest.mark.parametrize(("train", "test"), [([2, 0, 1], [1]), ([0, 1], [2, 1])])
+def test_a_log_that_no_cutoff_of_a_log_leaves_room_is_left_out_in_a_true_sentence(train, test):
+    logs = [("a", 40.0, 0.5), ("b", 40.0, 0.7), ("brief", 4.0, 0.6)]
+    fitted, held = filtered_alike(stood_in, [logs[k] for k in train], [logs[k] for k in test])
+    assert [r.name for r in fitted] == ["a", "b"]
+    assert [r.name for r in held] == ["b"]
+    assert {r.cutoff for r in (*fitted, *held)} == {0.7}
+    assert fitted[0].said == [
+        "brief: too short for the filter of the other logs, of 0.7 Hz; "
+        "9.4 periods of it are 13.4 s; the log is left out."
+    ]
+
+
+def test_a_cutoff_that_was_given_stays():
+    given = OPEN.model_copy(update={"filter": OPEN.filter.model_copy(update={"cutoff": 1.0})})
+
+    def by(log, cutoff):
+        columns = {k: v for k, v in log.items() if k != "name"}
+        return prepare(log["name"], columns, given, None, cutoff)
+
+    with pytest.raises(DataError, match=r"fast: filter.cutoff of 1 Hz leaves nothing of 4 s"):
+        filtered_alike(by, SLOW, [swinging("fast", 4.0, 0.5)])
