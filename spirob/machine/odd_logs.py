@@ -33,6 +33,7 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
     residuals  of one model on the trials of each problem
     """
     logs: dict[str, tuple[float, str, int]] = {}
+    shared = _shared([problem.measured() for problem in problems])
     for problem, residual in zip(problems, residuals, strict=True):
         effort, speeds = problem.measured(), problem.signals()["speed"]
         edges = pairwise(problem.edges)
@@ -40,7 +41,8 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
             measured = effort[start:stop]
             own = measured + residual[start:stop]
             way = way_of(speeds[start:stop], problem.rest_speed)
-            logs[recording.name] = explained(measured, own), _mended(measured, own), way
+            share = _fitting(measured, own, shared)
+            logs[recording.name] = share, _mended(measured, own), way
     strange = {name: log for name, log in logs.items() if log[0] < STRANGE}
     if not strange or max(share for share, _, _ in logs.values()) < FAMILIAR:
         return ""
@@ -102,13 +104,13 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
 
 
 def poorest(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> float:
-    """R² of the log that a model fits least; `residuals` of the model on each problem."""
-    found = 1.0
+    """Share of the log that a model fits least; `residuals` of the model on each problem."""
+    found, shared = 1.0, _shared([problem.measured() for problem in problems])
     for problem, residual in zip(problems, residuals, strict=True):
         measured = problem.measured()
         for start, stop in pairwise(problem.edges):
             own = measured[start:stop]
-            found = min(found, explained(own, own + residual[start:stop]))
+            found = min(found, _fitting(own, own + residual[start:stop], shared))
     return found
 
 
@@ -128,7 +130,8 @@ Log = tuple[np.ndarray, Callable[[float], np.ndarray]]  # its effort, and column
 class _Odd:
     """The log without which the plain columns fit the others best, all of them well.
 
-    found  numbers of the plain columns fitted to the others;  logs  how many there are
+    found   numbers of the plain columns fitted to the others;  logs  how many there are
+    shared  mean of all efforts
     """
 
     name: str
@@ -136,11 +139,12 @@ class _Odd:
     design: Callable[[float], np.ndarray]
     found: np.ndarray
     logs: int
+    shared: float
 
     @property
     def share(self) -> float:
         """Of its variance that these numbers explain."""
-        return explained(self.measured, self.design(1.0) @ self.found)
+        return _fitting(self.measured, self.design(1.0) @ self.found, self.shared)
 
     def of_another_unit(self) -> str:
         """That its position or effort has another unit or sign; empty where neither has."""
@@ -171,7 +175,8 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
     name = max(fits, key=lambda one: fits[one][1])
     found, poorest_other = fits[name]
-    return None if poorest_other < FAMILIAR else _Odd(name, *logs[name], found, len(logs))
+    shared = _shared([effort for effort, _ in logs.values()])
+    return None if poorest_other < FAMILIAR else _Odd(name, *logs[name], found, len(logs), shared)
 
 
 def _joined(parts: Sequence[Log]) -> Log:
@@ -242,10 +247,30 @@ def _carried(measured: np.ndarray, own: np.ndarray, found: np.ndarray) -> float:
     return explained(measured, resists + carried)
 
 
-def explained(measured: np.ndarray, modelled: np.ndarray) -> float:
-    """Share of the variance that a model explains; below 0 where it misses more than the mean."""
-    spread = max(float(np.var(measured)), 1e-300)
+def explained(measured: np.ndarray, modelled: np.ndarray, constant: float | None = None) -> float:
+    """Share of the variance that a model explains; below 0 where it misses more than the mean.
+
+    constant  that takes the place of the mean
+    """
+    about = np.mean(measured) if constant is None else constant
+    spread = max(float(np.mean((measured - about) ** 2)), 1e-300)
     return 1.0 - float(np.mean((modelled - measured) ** 2)) / spread
+
+
+def _fitting(measured: np.ndarray, modelled: np.ndarray, shared: float) -> float:
+    """Share of one log's variance that a model explains.
+
+    A log at one effort has none of its own: it counts about the mean of all logs where the model
+    fits it so.
+
+    shared  that mean
+    """
+    share, beside = explained(measured, modelled), explained(measured, modelled, shared)
+    return beside if beside >= FAMILIAR else share
+
+
+def _shared(efforts: Sequence[np.ndarray]) -> float:
+    return float(np.mean(np.concatenate(efforts)))
 
 
 def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:

@@ -204,3 +204,40 @@ def test_a_strange_log_that_alone_goes_its_way_is_told_so():
     assert "a way that no other log does" in strangers([fitted, back], residuals)
     mixed = turning(1, 0)
     assert "a way" not in strangers([mixed, back], [0.1 * mixed.measured(), residuals[1]])
+
+
+def stepping(*levels, scale=1.0, more=0.0):
+    """Ramps of effort both ways, and then steps to these efforts; the last is so many times more.
+
+    The axis turns as fast as its friction lets it.
+    """
+    rig, logs = RigFile.model_validate(description()), []
+    for k, level in enumerate((-1.0, 1.0, *levels)):
+        t = np.arange(0, 8, 2e-3)
+        u = 6.0 * level * t / 8.0 if k < 2 else level * (1.0 - np.exp(-20.0 * t)) ** 40
+        v = (u - 0.4 * np.sign(u)) / 0.5 + 0.1 * np.sin(5.0 * t)
+        last = k == len(levels) + 1
+        made = {"t": t, "q": np.cumsum(v) * 2e-3, "u": (scale * u + more) if last else u}
+        logs.append(prepare(f"log{k}", made, rig))
+    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+
+
+BY_ITS_FRICTION = {"rig.inertia": 0.0, "rig.viscous": 0.55}
+
+
+@pytest.mark.parametrize("levels", [(7.0, -7.0), (7.0, 7.0), (7.0, 7.0, 7.0, 7.0)])
+def test_a_step_at_one_effort_that_the_model_foretells_is_no_other_machine(levels):
+    made = stepping(*levels)
+    residuals = [made(BY_ITS_FRICTION)]
+    measured = made.measured()[made.edges[-2] :]
+    assert np.sqrt(np.mean(residuals[0][made.edges[-2] :] ** 2)) < 0.15 * np.abs(measured).max()
+    assert strangers([made], residuals) == ""
+    assert odd_one_out([made], residuals) == ""
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"scale": -1.0}, {"scale": 3.0}, {"scale": 0.3}, {"more": 7.0}, {"more": -4.0}]
+)
+def test_a_step_that_the_model_does_not_foretell_is_named(wrong):
+    made = stepping(7.0, -7.0, 7.0, **wrong)
+    assert strangers([made], [made(BY_ITS_FRICTION)]).startswith("log4: ")
