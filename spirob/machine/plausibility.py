@@ -31,7 +31,7 @@ from spirob.machine.odd_logs import (
     ways_apart,
 )
 from spirob.machine.rig import RigFile
-from spirob.machine.wrong_numbers import out_of_scale, set_free
+from spirob.machine.wrong_numbers import out_of_scale, set_free, without_sign
 
 FAR = 20.0  # between a number and its nominal one
 SENSE = 0.3  # R² below which the effort does not follow from this motion
@@ -51,7 +51,7 @@ AT_LOAD = (
 
 def doubts(search: RigSearch, found: Found, rest: RigCeiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    causes = [_turned(search, found.chosen), out_of_scale(search, found.chosen)]
+    causes = [told(search, found.chosen) for told in (_turned, without_sign, out_of_scale)]
     mended = [text for text in causes if text]
     other = _odd_logs(search, found) or ("" if mended else _senseless(search, found, rest))
     return [text for text in (other, *mended) if text]

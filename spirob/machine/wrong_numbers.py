@@ -19,7 +19,14 @@ from spirob.machine.body import RigidBody
 from spirob.machine.checks import TENFOLD
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import FAMILIAR, HALF, RESISTING, beside_plain, plain_columns
+from spirob.machine.odd_logs import (
+    FAMILIAR,
+    HALF,
+    RARE,
+    RESISTING,
+    beside_plain,
+    plain_columns,
+)
 from spirob.machine.preparation import Ready
 from spirob.machine.rig import Bounded, RigFile
 from spirob.units import PREFIX
@@ -208,3 +215,30 @@ def _weighed(
         column = -problem.shown(doubled - problem.asked.motion.body["load"], changes)
         if np.any(column):
             yield name, column
+
+
+def without_sign(search: RigSearch, chosen: Model) -> str:
+    """That the size of the effort may have been logged, its direction elsewhere; or empty.
+
+    It has one sign though the axis moves both ways by similar amounts, and inertia, friction and
+    weight leave less than half the squared error where it has the sign of the speed.  A weight that
+    holds its sign fits as logged.  Not where what was found halves what is left with it.
+    """
+    problem = search.models.train
+    effort, speed = problem.measured(), problem.signals()["speed"]
+    sums = [float(np.sum(np.maximum(way * s, 0.0))) for s in (effort, speed) for way in (1, -1)]
+    one_sign = min(sums[:2]) <= RARE * max(sums[:2])
+    if not one_sign or min(sums[2:]) < HALF * max(sums[2:]):
+        return ""
+    plain, none = plain_columns(problem), np.zeros((len(effort), 0))
+    directed = np.abs(effort) * np.tanh(speed / problem.rest_speed)
+    logged, signed = (beside_plain(e, plain, RESISTING, none)[1] for e in (effort, directed))
+    size = float(np.mean(effort**2))
+    fits = signed <= (1.0 - FAMILIAR) * size and signed <= HALF * logged
+    if not fits or chosen.mean_square < HALF * signed:
+        return ""
+    return (
+        "The effort has one sign while the axis moves both ways. With the sign of the speed "
+        f"inertia, friction and weight leave {np.sqrt(signed / size):.0%} of it, as logged "
+        f"{np.sqrt(logged / size):.0%}: was it logged without its sign?"
+    )

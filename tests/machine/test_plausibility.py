@@ -17,18 +17,22 @@ from spirob.machine.plausibility import _of_another_size, _turned, untaught
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
+from spirob.machine.wrong_numbers import without_sign
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 
 
-def search_of(effort, noise=0.0):
-    """A search over one log of an axis with inertia, friction and a weight; noise [rad]."""
+def search_of(effort, noise=0.0, onward=0.0):
+    """A search over one log of an axis with inertia, friction and a weight.
+
+    noise  of its position [rad];  onward  speed at which it goes on besides [rad/s]
+    """
     rig = RigFile.model_validate(description())
     t = np.arange(0, 10, 2e-3)
     q, v = np.sin(3 * t) + 0.3 * np.sin(7.1 * t), 3 * np.cos(3 * t) + 2.13 * np.cos(7.1 * t)
     a = -9 * np.sin(3 * t) - 15.1 * np.sin(7.1 * t)
-    read = q + noise * np.random.default_rng(1).normal(size=len(q))
+    read = q + onward * t + noise * np.random.default_rng(1).normal(size=len(q))
     made = [prepare("log", {"t": t, "q": read, "u": effort(q, v, a)}, rig)]
     problem = InverseProblem(rig, None, made, [], SIZES, 0.02)
     return Search(Models(problem, problem, ["rig.inertia", "rig.viscous"]), [], Criteria())
@@ -63,6 +67,42 @@ def test_no_effect_is_smaller_than_what_a_noisy_sensor_leaves_and_makes_of_the_i
     assert "too small" in plausibility._by_noise(search, bare)[0]
     clean = search_of(asked)
     assert plausibility._by_noise(clean, clean.models.fitted((), {})) == []
+
+
+def dragged(q, v, a):
+    return 0.01 * a + 0.05 * v + 0.1 * np.tanh(v / 0.02)
+
+
+@pytest.mark.parametrize(
+    ("effort", "said"),
+    [
+        (lambda *m: np.abs(dragged(*m)), True),
+        (lambda *m: -np.abs(dragged(*m)), True),
+        (lambda *m: np.abs(dragged(*m) + 0.05), True),
+        (dragged, False),
+        (lambda *m: dragged(*m) + 1.0, False),  # a weight that holds its sign
+        (lambda q, v, a: dragged(q, v, a) + 2.0 * np.cos(q), False),
+        (lambda q, v, a: dragged(q, v, a) + 1.0 + 0.05 * v * (v > 0), False),
+        (lambda q, v, a: dragged(q, v, a) + 1.0 + 0.1 * v * np.abs(v), False),
+        (lambda q, v, a: 1.0 + 0.3 * np.sin(9 * q), False),
+        (lambda q, v, a: 0.2 + np.exp(2 * q) + 0.05 * v, False),  # a spring that stiffens
+        (lambda q, v, a: np.abs(np.random.default_rng(0).normal(size=len(q))), False),
+    ],
+)
+def test_an_effort_without_its_sign_is_told_only_where_that_of_the_speed_makes_it_fit(effort, said):
+    search = search_of(effort)
+    found = without_sign(search, search.models.fitted((), {}))
+    assert found.endswith("was it logged without its sign?") == said
+    assert bool(found) == said
+
+
+def test_no_sign_is_missed_where_the_axis_moves_one_way_or_what_was_found_fits():
+    search = search_of(lambda *motion: np.abs(dragged(*motion)))
+    bare = search.models.fitted((), {})
+    little = replace(bare, left=np.full_like(bare.left, 1e-6))
+    assert without_sign(search, little) == ""
+    onward = search_of(lambda q, v, a: dragged(q, v + 6.0, a), onward=6.0)
+    assert without_sign(onward, onward.models.fitted((), {})) == ""
 
 
 @pytest.mark.parametrize(
