@@ -34,6 +34,7 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
+from spirob.machine.springs import with_spring
 from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
 
 SHORTER = "fewer or slower rows make it shorter."
@@ -73,7 +74,7 @@ def diagnose_recordings(
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, [*train, *test], said)
             judged = again if again and _says_more(again, judged) else judged.noted(said)
-        return _written(judged)
+        return _written(with_spring(judged))
 
 
 def _says_more(again: Judged, judged: Judged) -> bool:
