@@ -219,10 +219,12 @@ def saturated(
     share = float(np.mean(np.concatenate(full)))
     if share <= RELAY and not _is_staircase(efforts, full):
         return full
-    said.append(
-        f"{where}: {share:.0%} of the efforts are the largest or smallest of the log: taken as "
-        "steps of the command, not as a drive that saturates; give `effort.limit` where it does."
-    )
+    if (shown := f"{share:.0%}") != "0%":
+        said.append(
+            f"{where}: {shown} of the efforts are the largest or smallest of the log: taken as "
+            "steps of the command, not as a drive that saturates; give `effort.limit` where it "
+            "does."
+        )
     return [np.zeros_like(rows) for rows in full]
 
 

@@ -159,8 +159,10 @@ class EffortColumn(Column):
             raise ValueError(f"unit '{self.unit}' is no {self.kind}; known: {', '.join(units)}")
         if (self.source == "column") != bool(self.column):
             raise ValueError("give either its column, or from: control")
-        if (self.kind == "duty") != (self.supply is not None):
-            raise ValueError("a duty needs its supply [V], and nothing else has one")
+        if self.kind == "duty" and self.supply is None:
+            raise ValueError("a duty needs effort.supply: its voltage at a duty of 1 [V]")
+        if self.kind != "duty" and self.supply is not None:
+            raise ValueError(f"effort.supply is that of a duty; a {self.kind} has none")
         if isinstance(self.supply, float) and self.supply <= 0:
             raise ValueError("supply: more than 0 V")
         if isinstance(self.supply, Column) and self.supply.unit not in EFFORTS["voltage"]:

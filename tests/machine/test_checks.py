@@ -227,6 +227,16 @@ def test_the_outermost_steps_of_a_staircase_are_no_saturation(steps):
     assert not any("where the drive" in said for said in made.said)
 
 
+def test_a_share_that_rounds_to_nothing_is_not_told():
+    log = good(30.0)
+    steps = held_for(np.random.default_rng(0).normal(size=len(log["t"])), 8)
+    full = np.mean((steps == steps.max()) | (steps == steps.min()))
+    assert 0.0 < full < 0.005
+    made = prepare("log", {**log, "u": steps}, RIG)
+    assert not any("the largest or smallest of the log" in said for said in made.said)
+    assert not any("where the drive" in said for said in made.said)
+
+
 @pytest.mark.parametrize("pace", [lambda u: held_for(u, 8), lambda u: 0.05 * np.round(u / 0.05)])
 def test_a_drive_that_clips_a_slow_or_coarse_effort_loses_those_rows(pace):
     log = good(12.0)

@@ -41,7 +41,11 @@ def test_a_description_is_read(tmp_path):
         ({"velocity": {"column": "v", "unit": "rpx"}}, "velocity.unit 'rpx'"),
         ({"velocity": {"column": "v", "unit": "mm/s"}}, "does not go with an axis in rad"),
         ({"position": {"column": "q", "unit": "tick"}}, "ticks need per_turn"),
-        ({"effort": {"column": "u", "unit": "%", "kind": "duty"}}, "a duty needs its supply"),
+        ({"effort": {"column": "u", "unit": "%", "kind": "duty"}}, "a duty needs effort.supply: "),
+        (
+            {"effort": {"column": "u", "unit": "A", "kind": "current", "supply": 12.0}},
+            "effort.supply is that of a duty; a current has none",
+        ),
         ({"effort": {"unit": "A", "kind": "current"}}, "give either its column, or from: control"),
         ({"known": {"back_emf": 0.1}}, "only where the effort is a voltage"),
         ({"control": {"kp": 1.0, "position": 2.0, "velocity": 1.0}}, "cascade, or kp"),
