@@ -40,6 +40,7 @@ What is left, doubted and shown:
     leftovers.py                   what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
+    springs.py                     would a spring explain it
     differing.py                   do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward
     result.py, document.py, page_tables.py
