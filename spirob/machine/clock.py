@@ -151,15 +151,16 @@ def _kept(found: Ordered, keep: np.ndarray) -> Ordered:
     return Ordered(found.rows[keep], found.stamps[keep], begins)
 
 
-def _regular(still: np.ndarray) -> bool:
-    """Whether most frames hold for as many rows, two or more, as no axis that stands would.
+def _regular(still: np.ndarray) -> int:
+    """For how many rows at most, two or more, most frames hold, as no axis that stands; else 0.
 
     Frames whose rate is no whole number of rows hold for one of two numbers, one apart.
     """
     rows = np.diff(np.flatnonzero(np.concatenate([[True], ~still, [True]])))
     counts = np.bincount(rows, minlength=4)
-    alike = int(np.max(counts[2:-1] + counts[3:]))
-    return alike > max(HALF * len(rows), FEWEST)
+    alike = counts[2:-1] + counts[3:]
+    usual = int(np.argmax(alike))
+    return usual + 3 if alike[usual] > max(HALF * len(rows), FEWEST) else 0
 
 
 def _chosen(
@@ -236,13 +237,17 @@ def held(still: np.ndarray, positions: Iterable[np.ndarray]) -> np.ndarray:
     dropped = np.zeros(len(still) + 1, bool)
     fresh = np.flatnonzero(np.append(True, ~still))
     if still.any() and len(fresh) > 2 * BESIDE:
+        alike = _regular(still)
         for values in positions:
-            dropped |= _held(values, fresh)
+            dropped |= _held(values, fresh, alike)
     return dropped
 
 
-def _held(values: np.ndarray, fresh: np.ndarray) -> np.ndarray:
+def _held(values: np.ndarray, fresh: np.ndarray, alike: int) -> np.ndarray:
     """The same as one position tells it; fresh are the rows with a frame of their own.
+
+    Over frames of up to so many rows that are alike, the motion may turn round: no axis stands for
+    as long again and again, and is elsewhere a row later.
 
     Where most rows of the motion are held, the log is that of a slower clock: repeats go, and of a
     stand, which is longer than any hold, as many rows stay as that clock has.  A repeat over which
@@ -255,7 +260,7 @@ def _held(values: np.ndarray, fresh: np.ndarray) -> np.ndarray:
     moves = np.abs(steps) > COUNT * count
     ends = moves & (many > 1)
     missed = np.abs(usual) * (many - 1) > COUNT * count
-    caught = ends & missed & _goes_on(steps / many, usual)
+    caught = ends & missed & ((many <= alike) | _goes_on(steps / many, usual))
     repeats = np.arange(len(values)) - np.repeat(fresh, many)
     if not caught.any() or caught.sum() <= MOST * ends.sum():
         return np.zeros(len(values), bool)

@@ -110,6 +110,14 @@ def test_a_stand_in_a_log_of_held_frames_keeps_rows_at_their_rate():
     assert np.count_nonzero(~dropped[:3000]) == 300
 
 
+def test_a_register_holds_a_motion_that_turns_round_from_frame_to_frame():
+    t = np.arange(3000) / RATE
+    at = t[slow(np.arange(len(t)))]
+    q = np.sin(2 * np.pi * 1.3 * at) + np.sin(2 * np.pi * 11.3 * at)
+    still = np.diff(q) == 0
+    assert held(still, [q]).sum() >= 0.95 * still.sum()
+
+
 def test_a_register_holds_beside_a_stand_that_is_longer_than_all_motion():
     columns = log(slow)
     columns = {k: np.concatenate([v, np.full(5000, v[-1])]) for k, v in columns.items()}
