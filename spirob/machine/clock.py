@@ -243,6 +243,20 @@ def held(still: np.ndarray, positions: Iterable[np.ndarray]) -> np.ndarray:
     return dropped
 
 
+def of_a_register(values: np.ndarray) -> np.ndarray:
+    """Rows (n,) in which a position repeats that of a register slower than the log, while it moves.
+
+    What else the log holds may be faster.  None where the frames are not alike, as no register's,
+    or most move by a count, as those of a coarse encoder.
+    """
+    steps, none = np.diff(values), np.zeros(len(values), bool)
+    sizes = np.abs(steps[np.isfinite(steps) & (steps != 0)])
+    if not len(sizes) or np.median(sizes) <= COUNT * sizes.min() or not _regular(steps == 0):
+        return none
+    dropped = held(steps == 0, [values])
+    return dropped if np.mean(dropped) > HALF else none
+
+
 def _held(values: np.ndarray, fresh: np.ndarray, alike: int) -> np.ndarray:
     """The same as one position tells it; fresh are the rows with a frame of their own.
 

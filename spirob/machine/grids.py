@@ -8,7 +8,7 @@ import scipy
 
 from spirob.errors import DataError, NothingLeft
 from spirob.machine import checks
-from spirob.machine.clock import SHORTEST, Clock, bridged, clock_of
+from spirob.machine.clock import SHORTEST, Clock, bridged, clock_of, of_a_register
 from spirob.machine.columns import ANGLES, TICK, TIME_UNITS, Column, PositionColumn
 from spirob.machine.positions import Repaired, repaired
 from spirob.machine.unwrapping import Track
@@ -178,6 +178,7 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
         checks.moving(log.where, log.columns[key].column, values[key])
     broken = np.zeros(len(clock.rows) - 1, bool)
     for key in [key for key in values if key.endswith("position") or key.startswith("joint ")]:
+        values[key] = _once(log.where, log.columns[key].column, values[key], said)
         found, known = _moved(log, key, values, clock, said)
         checks.moving(log.where, log.columns[key].column, found.values)  # without its spikes
         if key == "position" and "reference" in values:
@@ -197,6 +198,17 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
             said.append(f"{log.where}: '{log.columns[key].column}' is mostly empty and left out.")
             del values[key]
     return period, grids_of(log.where, clock, values, broken, period, said)
+
+
+def _once(where: str, name: str, values: np.ndarray, said: list[str]) -> np.ndarray:
+    """A position (n,) by the row in which each frame of a slower register came, NaN elsewhere."""
+    repeats = of_a_register(values)
+    if repeats.any():
+        said.append(
+            f"{where}: '{name}' is of a register slower than the log; what it holds of it in "
+            f"{int(repeats.sum())} rows was left out."
+        )
+    return np.where(repeats, np.nan, values)
 
 
 def _followed(
@@ -235,11 +247,14 @@ def _moved(
     turn = 2 * np.pi / ANGLES[column.unit] if column.unit in ANGLES else None
     modulus = column.modulus if isinstance(column, PositionColumn) else None
     speed = values.get("velocity") if key == "position" else None
+    seconds = clock.seconds[known]
+    own = float(np.median(np.diff(seconds))) if len(known) > 1 else 0.0
+    slower = own > SLOWER * clock.period
     track = Track(
         values[key][known],
-        clock.seconds[known],
-        clock.period,
-        clock.longest,
+        seconds,
+        own if slower else clock.period,
+        max(clock.longest, bridged(own)) if slower else clock.longest,
         [*(turn * k for k in TURNS if turn), *(size * 2.0**bits for bits in BITS)],
         modulus,
         None if speed is None else speed[known],

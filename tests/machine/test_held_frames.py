@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spirob.machine.clock import held
+from spirob.machine.clock import held, of_a_register
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
@@ -132,3 +132,38 @@ def test_a_jump_behind_a_stand_is_no_held_frame():
     columns["q"][1700:] += 0.5
     assert not of(columns)[1].any()
     assert any("jumps by 0.5" in text for text in prepare("log", columns, RIG).said)
+
+
+def beside_a_faster_effort(q):
+    t = np.arange(len(q)) / RATE
+    u = np.cos(4 * t) + 0.01 * np.random.default_rng(0).normal(size=len(t))
+    return prepare("log", {"t": t, "q": q, "u": u}, RIG)
+
+
+@pytest.mark.parametrize("frames", [seldom, slow])
+def test_a_position_of_a_slower_register_beside_a_faster_effort_is_read_once(frames):
+    made = beside_a_faster_effort(log(frames)["q"])
+    assert any("'q' is of a register slower than the log" in text for text in made.said)
+    assert made.period > 8.0 / RATE
+    piece = made.pieces[0]
+    true = np.gradient(motion(piece.seconds), piece.seconds)
+    late = np.gradient(motion(piece.seconds - 0.5 * made.period), piece.seconds)
+    off = min(np.std((piece.v - v)[piece.use]) for v in (true, late))
+    assert off < 0.1 * true.std()
+
+
+@pytest.mark.parametrize("count", [0.003, 0.01, 0.05, 0.2])
+@pytest.mark.parametrize("rows", [some, polled, lambda rows: rows])
+def test_a_coarse_encoder_beside_a_faster_effort_is_no_register(count, rows):
+    t = np.arange(6000) / RATE
+    for q in (motion(t), 0.7 * t, 0.1 * t + 0.02 * np.sin(3 * t)):
+        seen = count * np.floor(q[rows(np.arange(len(t)))] / count)
+        assert not of_a_register(seen).any()
+
+
+def test_a_position_in_every_twentieth_row_is_read():
+    columns = log(lambda rows: rows)
+    columns["q"] = np.where(np.arange(len(columns["q"])) % 20 == 0, columns["q"], np.nan)
+    made = prepare("log", columns, RIG)
+    assert made.period == pytest.approx(20 / RATE)
+    assert len(made.pieces) == 1
