@@ -263,7 +263,8 @@ def _stuck(effort: np.ndarray, ends: Sequence[float]) -> np.ndarray:
 
 def widened(mask: np.ndarray, reach: int) -> np.ndarray:
     """The rows of a mask (n,) and those within `reach` of them."""
-    return np.asarray(np.convolve(mask, np.ones(2 * reach + 1), "same") > 0.5)
+    reached = np.convolve(mask, np.ones(2 * reach + 1))
+    return np.asarray(reached[reach : reach + len(mask)] > 0.5)
 
 
 @dataclass(frozen=True)

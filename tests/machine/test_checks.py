@@ -18,6 +18,16 @@ def good(seconds=4.0, rate=500):
     return {"t": t, "q": q, "u": 0.4 * np.cos(2 * np.pi * 0.7 * t) + 0.01 * np.sin(40 * t)}
 
 
+@pytest.mark.parametrize("reach", [0, 1, 3, 9])
+@pytest.mark.parametrize("count", [1, 4, 30])
+def test_a_mask_is_widened_within_its_own_rows(count, reach):
+    for row in range(count):
+        mask = np.arange(count) == row
+        np.testing.assert_array_equal(
+            checks.widened(mask, reach), np.abs(np.arange(count) - row) <= reach
+        )
+
+
 def test_a_good_log_is_left_alone():
     assert prepare("log", good(), RIG).said == []
 
