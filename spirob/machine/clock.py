@@ -209,18 +209,25 @@ def _rising(seconds: np.ndarray, period: float) -> np.ndarray:
 
 
 def _roughness(seconds: np.ndarray, values: np.ndarray) -> float:
-    """By how much a row is off the cubic through the two rows before and the two behind it."""
+    """By how much a row is off the cubic through the two rows before and the two behind it.
+
+    Counted is what noise makes as large on any clock, where the signal is not at rest: the weights
+    of the four rows grow the more uneven they are, and five rows alike say nothing of time.
+    """
     good = np.isfinite(values)
     t, y = seconds[good], values[good]
     if len(t) < 5:
         return 0.0
     n = len(t) - 4
     near = [(t[k : k + n], y[k : k + n]) for k in (0, 1, 3, 4)]
-    at, expected = t[2:-2], np.zeros(n)
+    at, off, squares = t[2:-2], y[2:-2].copy(), np.ones(n)
+    moves = np.zeros(n, bool)
     for k, (time, value) in enumerate(near):
         others = [other for j, (other, _) in enumerate(near) if j != k]
-        expected += value * np.prod([(at - o) / (time - o) for o in others], axis=0)
-    return float(np.median(np.abs(y[2:-2] - expected)))
+        weight = np.prod([(at - o) / (time - o) for o in others], axis=0)
+        off, squares = off - weight * value, squares + weight**2
+        moves |= value != y[2:-2]
+    return float(np.median(np.abs(off[moves]) / np.sqrt(squares[moves]))) if moves.any() else 0.0
 
 
 CAUGHT = 0.4  # of the way at the speed beside, to be moved over a held frame; from rest a quarter

@@ -15,6 +15,18 @@ def moved(seconds):
     return {"q": np.sin(2.0 * seconds) + 0.2 * np.cos(9.0 * seconds)}
 
 
+@pytest.mark.parametrize("scatter", [0.3, 0.6, 0.9])
+def test_uneven_rows_with_rests_and_much_noise_keep_their_stamps(scatter):
+    rng = np.random.default_rng(3)
+    steps = rng.gamma(scatter**-2, scatter**2, 4000) / RATE
+    seconds = np.cumsum(np.maximum(steps, 1e-3 / RATE))
+    rests = np.sin(0.5 * seconds) < 0.4
+    q = np.where(rests, 0.1234567, 0.1234567 + np.sin(0.5 * seconds) - 0.4)
+    said: list[str] = []
+    clock_of("log", seconds, 1.0, {"q": q, "u": q + rng.normal(0.0, 0.3, 4000)}, said)
+    assert "even grid" in said[0]
+
+
 @given(st.floats(0.3, 1.0), st.integers(0, 2**32))
 def test_late_stamps_and_uneven_rows_are_told_apart(size, seed):
     rng = np.random.default_rng(seed)
