@@ -5,6 +5,7 @@ law explains and every smoothing of the model lowers.  So the filter is set by i
 description sets none, and no effect smaller than it is named.
 """
 
+from collections.abc import Sequence
 from functools import cache
 from math import comb
 
@@ -13,6 +14,7 @@ import scipy
 from numba import njit
 
 from spirob.errors import DataError
+from spirob.machine.checks import EDGE, widened
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
@@ -222,6 +224,29 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
         if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:
             return cutoff
     return slowest
+
+
+def roomy_cutoff(cutoff: float, filled: Sequence[np.ndarray], period: float) -> float:
+    """The cutoff [Hz], or the least one above it that leaves most rows of a log to be compared.
+
+    A filter smears what is beside the ends of pieces and beside rows that the log does not hold:
+    where it is set low for the noise, little may be left, which tells less than noise does.
+
+    filled  rows of each piece that the log does not hold
+    """
+    rows = sum(len(piece) for piece in filled)
+    highest = max(cutoff, min(FASTEST, 1.0 / (LEAST * period)))
+    for higher in map(float, np.geomspace(cutoff, highest, STEPS)):
+        if sum(_clear(piece, higher * period) for piece in filled) > 0.5 * rows:
+            return higher
+    return cutoff
+
+
+def _clear(filled: np.ndarray, cutoff: float) -> int:
+    """Rows of a piece that a filter of this cutoff, in periods of the samples, does not smear."""
+    beside = ~widened(filled, max(1, round(0.5 / cutoff)))
+    ends = round(EDGE / cutoff)
+    return int(np.count_nonzero(beside[ends : max(len(beside) - ends, ends)]))
 
 
 def thinned(

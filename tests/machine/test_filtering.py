@@ -13,6 +13,7 @@ from spirob.machine.filtering import (
     before_thinning,
     derivative,
     rates,
+    roomy_cutoff,
     sensor_noise,
     smooth,
     usual_cutoff,
@@ -105,6 +106,22 @@ def test_a_cutoff_beyond_the_samples_is_the_usual_one_and_adds_no_lag():
     assert any("a cutoff of 300 Hz is beyond what 200 samples" in said for said in made.said)
     piece = made.pieces[0]
     np.testing.assert_allclose(3 * piece.effort[piece.use], piece.v[piece.use], atol=1e-3)
+
+
+@pytest.mark.parametrize(("every", "moved"), [(0, False), (800, False), (100, True), (40, True)])
+def test_a_cutoff_leaves_most_rows_beside_lost_ones(every, moved):
+    period, filled = 0.01, np.zeros(4000, bool)
+    filled[:: every or 4000] = bool(every)
+    found = roomy_cutoff(0.5, [filled, filled], period)
+    assert (found > 0.5) == moved
+    reach, ends = round(0.5 / (found * period)), round(EDGE / (found * period))
+    beside = np.convolve(filled, np.ones(2 * reach + 1), "same")[ends:-ends]
+    assert np.count_nonzero(beside < 0.5) > 0.5 * len(filled)
+
+
+def test_a_log_that_no_cutoff_leaves_room_is_filtered_as_usual():
+    assert roomy_cutoff(0.5, [np.ones(400, bool)], 0.01) == 0.5
+    assert roomy_cutoff(60.0, [np.ones(400, bool)], 0.01) == 60.0
 
 
 @pytest.mark.parametrize("asked", [200, 10**9])
