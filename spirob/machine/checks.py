@@ -182,11 +182,10 @@ def usable(
     use[max(len(use) - drop, 0) :] = False
     if rig.filter.drop and not use.any():
         lost[f", by filter.drop of {drop} at either end"] += len(use)
-    reach = max(1, round(0.5 / (cutoff * period)))  # the filter smears what happens beside a row
     unit = rig.speed_scale
     out = {
-        ", where samples are lost or broken": widened(filled, reach),
-        ", where the drive saturates": widened(full, reach),
+        ", where samples are lost or broken": smeared(filled, cutoff * period),
+        ", where the drive saturates": smeared(full, cutoff * period),
     }
     if rig.rows.minimum_speed is not None:
         out[" as too slow"] = np.abs(v) < unit * rig.rows.minimum_speed
@@ -265,6 +264,11 @@ def widened(mask: np.ndarray, reach: int) -> np.ndarray:
     """The rows of a mask (n,) and those within `reach` of them."""
     reached = np.convolve(mask, np.ones(2 * reach + 1))
     return np.asarray(reached[reach : reach + len(mask)] > 0.5)
+
+
+def smeared(mask: np.ndarray, cutoff: float) -> np.ndarray:
+    """The rows of a mask (n,) and those over which a filter smears them; its cutoff per sample."""
+    return widened(mask, max(1, round(0.5 / cutoff)))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import scipy
 from numba import njit
 
 from spirob.errors import DataError
-from spirob.machine.checks import EDGE, widened
+from spirob.machine.checks import EDGE, smeared
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
@@ -244,7 +244,7 @@ def roomy_cutoff(cutoff: float, filled: Sequence[np.ndarray], period: float) -> 
 
 def _clear(filled: np.ndarray, cutoff: float) -> int:
     """Rows of a piece that a filter of this cutoff, in periods of the samples, does not smear."""
-    beside = ~widened(filled, max(1, round(0.5 / cutoff)))
+    beside = ~smeared(filled, cutoff)
     ends = round(EDGE / cutoff)
     return int(np.count_nonzero(beside[ends : max(len(beside) - ends, ends)]))
 

@@ -30,13 +30,9 @@ RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
 def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
     """Logs that the others' model does not fit at all; empty where there are none.
 
-    One of whose effort little is left, and no more than of a log that fits, is none: what varies in
-    it may be noise.
-
     residuals  of one model on the trials of each problem
     """
     logs: dict[str, tuple[float, str, int]] = {}
-    left: dict[str, tuple[float, float]] = {}
     shared = _shared([problem.measured() for problem in problems])
     for problem, residual in zip(problems, residuals, strict=True):
         effort, speeds = problem.measured(), problem.signals()["speed"]
@@ -47,12 +43,8 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
             way = way_of(speeds[start:stop], problem.rest_speed)
             share = _fitting(measured, own, shared)
             logs[recording.name] = share, _mended(measured, own), way
-            left[recording.name] = np.mean((own - measured) ** 2), explained(measured, own, 0.0)
-    familiar = [left[name][0] for name, (share, _, _) in logs.items() if share >= FAMILIAR]
-    off = max(familiar, default=np.inf)
     strange = {name: log for name, log in logs.items() if log[0] < STRANGE}
-    strange = {n: log for n, log in strange.items() if left[n][0] > off or left[n][1] < FAMILIAR}
-    if not strange or not familiar:
+    if not strange or max(share for share, _, _ in logs.values()) < FAMILIAR:
         return ""
     said = [f"{', '.join(strange)}: what fits the other logs does not fit this at all."]
     said += [f"{name}: {text}." for name, (_, text, _) in strange.items() if text]

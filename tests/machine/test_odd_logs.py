@@ -235,19 +235,6 @@ def test_a_step_at_one_effort_that_the_model_foretells_is_no_other_machine(level
     assert odd_one_out([made], residuals) == ""
 
 
-@pytest.mark.parametrize(("noise", "strange"), [(0.02, False), (0.2, True)])
-def test_a_log_that_is_off_by_no_more_than_one_that_fits_is_no_other_machine(noise, strange):
-    """At one speed its effort varies by noise alone, about the mean of all logs."""
-    rig, t = RigFile.model_validate(description()), np.arange(0, 6, 2e-3)
-    effort = 1.1 + noise * np.sin(9.0 * t)
-    made = prepare("steady", {"t": t, "q": 2.0 * t, "u": effort}, rig)
-    steady, others = InverseProblem(rig, None, [made], [], SIZES, 0.02), turning(1, 1)
-    off = others.measured() - np.mean(others.measured())
-    missed = 1.2 * (np.mean(steady.measured()) - steady.measured())
-    said = strangers([others, steady], [0.2 * off, missed])
-    assert said.partition(":")[0] == ("steady" if strange else "")
-
-
 @pytest.mark.parametrize(
     "wrong", [{"scale": -1.0}, {"scale": 3.0}, {"scale": 0.3}, {"more": 7.0}, {"more": -4.0}]
 )

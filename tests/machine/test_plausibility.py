@@ -63,7 +63,7 @@ def test_no_effect_is_smaller_than_what_a_noisy_sensor_leaves_and_makes_of_the_i
     inertia = bare.fit.estimates["rig.inertia"].value
     assert 0.05 < share < 0.5
     assert inertia == pytest.approx(0.1 * (1.0 - share), rel=0.05)
-    assert search.models.least == left == pytest.approx(np.std(bare.fit.residual), rel=0.2)
+    assert search.models.least == left == pytest.approx(np.std(bare.fit.residual), rel=0.1)
     assert "too small" in plausibility._by_noise(search, bare)[0]
     clean = search_of(asked)
     assert plausibility._by_noise(clean, clean.models.fitted((), {})) == []
