@@ -7,7 +7,6 @@ none where NO_COLOR is set.
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from types import TracebackType
 from typing import Any, TextIO
 
 from spirob.progress import Step
@@ -77,12 +76,7 @@ class Progress:
             self._task = self._bar.add_task("", total=len(self._units))
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         if self._bar is not None:
             self._bar.stop()
 

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 import yaml
@@ -196,12 +195,7 @@ class TrialLog:
             raise self._unwritable(error) from error
         self._sequence = sequence + 1
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         try:
             if self.timing:
                 self._writer.add_metadata(LOOP, dict(self.timing))
@@ -289,12 +283,7 @@ class ThreadedLog(TrialLog):
         assert not named  # the loop gives everything by position
         self._background(super().cycle, *about)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         try:
             self._background.close()
         except BaseException as late:
