@@ -2,7 +2,7 @@
 
 case.py, recorder.py      a machine of `simulators/` with something hidden, and what its logs hold
                           and show of that
-running.py                cases diagnosed blind, in parallel
+running.py                cases diagnosed blind;  results.py  in parallel, into one file
 scoring.py                the answer key, what became of each case, rates
 true_law.py               what knowing the hidden law would leave
 tracking.py               what the feed-forward of the found model is worth

@@ -1,22 +1,19 @@
-"""Many cases in parallel into one table, a line a result; what is there already is kept."""
+"""Many cases in parallel into one table, a line a result."""
 
-import json
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed, parallel_config
-from joblib.externals.loky.process_executor import TerminatedWorkerError
+from joblib import delayed, parallel_config
 
+from spirob.campaign import results as table
 from spirob.campaign.arm.case import Case, run
 from spirob.campaign.arm.rates import answers, is_right
 from spirob.campaign.arm.strength import RATIOS
 from spirob.diagnosis.criteria import Settings
 from spirob.emulator.build import AS_DESIGNED, TYPICAL
-from spirob.ending import end_with_parent
-from spirob.errors import ConfigError, DataError
+from spirob.errors import ConfigError
 from spirob.files import write_text
 
 TIMEOUT = 5.0  # s for the scheduler to answer, and then for its first worker
@@ -61,7 +58,6 @@ def _client(scheduler: str) -> Any:
 
 
 Result = dict[str, Any]
-ATTEMPTS = 3  # in a row in which workers were killed and no case was finished
 PAIRS = (
     ("guide_friction", "current_lag"),
     ("rotor_friction", "joint_creep"),
@@ -98,23 +94,8 @@ def cases(
 
 
 def known(path: Path) -> list[Result]:
-    """The results of a table; a last line that was cut off is none.
-
-    Raises DataError where another line is no result.
-    """
-    if not path.exists():
-        return []
-    found: list[Result] = []
-    lines = path.read_text().splitlines()
-    for k, line in enumerate(lines):
-        try:
-            one = json.loads(line)
-            _of(one)
-            found.append(one)
-        except (ValueError, KeyError, TypeError):
-            if k < len(lines) - 1:
-                raise DataError(f"{path}: line {k + 1} is no result of a trial") from None
-    return found
+    """The results of a table; see `results.read`."""
+    return table.read(path, "trial", _of)
 
 
 def left(chosen: Sequence[Case], results: Sequence[Result]) -> list[Case]:
@@ -156,52 +137,29 @@ def play(
 
     workers    processes on this machine
     scheduler  address of a Dask cluster that plays them instead, see `spirob.campaign.arm.running`
-
-    Where a worker is killed (as a machine does that runs out of memory) the cases without a result
-    are run again; raises TerminatedWorkerError where that brings nothing, three times in a row.
     """
     found = known(path)
-    todo, fruitless = left(chosen, found), 0
+    todo = left(chosen, found)
     if todo or not path.exists():
         # a line that is cut off goes, and what is played again is not kept beside it
         again = {_place(case) for case in todo}
         found = [one for one in found if _of(one) not in again]
-        write_text(path, _text(found))
-    while todo:
-        try:
-            with cluster(scheduler):
-                _run(todo, path, workers, settings, found, tell)
-        except TerminatedWorkerError:
-            tell("a worker was killed; the cases without a result are run again")
-            fruitless = fruitless + 1 if len(left(todo, found)) == len(todo) else 0
-            if fruitless == ATTEMPTS:
-                raise
-        todo = left(todo, found)
+        write_text(path, table.text(found))
+
+    def done(case: Case, results: list[Result], which: str) -> None:
+        found.extend(results)
+        tell(f"{which}: {_told(case, results)}")
+
+    table.play(
+        lambda: left(chosen, found),
+        lambda case: delayed(_one)(case, settings),
+        path,
+        workers,
+        done,
+        lambda: tell("a worker was killed; the cases without a result are run again"),
+        lambda: cluster(scheduler),
+    )
     return [one for case in chosen for one in _results(case, found)]
-
-
-def _run(
-    todo: Sequence[Case],
-    path: Path,
-    workers: int,
-    settings: Settings | None,
-    found: list[Result],
-    tell: Callable[[str], None],
-) -> None:
-    """Each case's results go to the end of the table, and of `found`, when it is done."""
-    jobs = (delayed(_one)(case, settings) for case in todo)
-    done = Parallel(n_jobs=workers, return_as="generator_unordered", initializer=end_with_parent)
-    with path.open("a") as file:  # here: workers may share no disk
-        for k, (case, results) in enumerate(done(jobs), 1):
-            file.write(_text(results))
-            file.flush()
-            os.fsync(file.fileno())
-            found.extend(results)
-            tell(f"{k} of {len(todo)}: {_told(case, results)}")
-
-
-def _text(results: Sequence[Result]) -> str:
-    return "".join(json.dumps(one, ensure_ascii=False) + "\n" for one in results)
 
 
 def _one(case: Case, settings: Settings | None) -> tuple[Case, list[Result]]:

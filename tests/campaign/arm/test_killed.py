@@ -10,6 +10,7 @@ from unittest.mock import patch
 import pytest
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
+from spirob.campaign import results
 from spirob.campaign.arm import running
 from spirob.campaign.arm.case import Case
 
@@ -51,8 +52,8 @@ def _wait_for(done) -> None:
 def test_a_killed_worker_loses_no_case(tmp_path, monkeypatch):
     monkeypatch.setattr(running, "_one", partial(killed_at_the_last, tmp_path))
     said = []
-    results = running.play(CASES, tmp_path / TABLE, workers=2, tell=said.append)
-    assert [one["seed"] for one in results] == [0, 1, 2, 3]
+    played = running.play(CASES, tmp_path / TABLE, workers=2, tell=said.append)
+    assert [one["seed"] for one in played] == [0, 1, 2, 3]
     assert sum(text.startswith("a worker was killed") for text in said) == 1
     assert running.left(CASES, running.known(tmp_path / TABLE)) == []
     times = {case.seed: len((tmp_path / f"begun-{case.seed}").read_text()) for case in CASES}
@@ -64,7 +65,7 @@ def test_a_killed_worker_loses_no_case(tmp_path, monkeypatch):
 
 def test_a_case_that_kills_every_worker_ends_the_trial(tmp_path, monkeypatch):
     monkeypatch.setattr(running, "_one", killed_always)
-    monkeypatch.setattr(running, "ATTEMPTS", 2)  # each begins two workers anew
+    monkeypatch.setattr(results, "ATTEMPTS", 2)  # each begins two workers anew
     said = []
     with pytest.raises(TerminatedWorkerError):
         running.play(CASES[:2], tmp_path / TABLE, workers=2, tell=said.append)
