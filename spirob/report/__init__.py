@@ -18,19 +18,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from spirob.effects import Effect
 from spirob.files import write_text
 from spirob.report.data import ReportData, load, with_clip
 from spirob.report.embed import json_script, plotly_script
 from spirob.report.provenance import collect
 from spirob.report.sections import Section, discover
 from spirob.report.words import prose
+
+if TYPE_CHECKING:
+    from spirob.machine.result import Diagnosis
 
 SCRIPTS = (
     "packing.js",
@@ -93,40 +94,9 @@ def _asset(name: str) -> str:
     return resources.files("spirob.report").joinpath("assets", name).read_text(encoding="utf-8")
 
 
-class Shown(Protocol):
-    """What the page needs of a diagnosis; `spirob.machine.result.Diagnosis` is one.
-
-    document    what diagnosis.json holds;  parameters  fitted numbers of the bare model
-    overlay     per sample: trial, role, time, measured, base, named, in the unit of the effort
-    laws        per held-out sample: effect, time, position, velocity, effort, shown, law, in SI
-    motion      per sample: trial, role, time, position and speed as measured and as predicted, SI
-    composed    of a composed law as `laws`, with its `band`; None where there is none
-    library     laws by name, those of its model as it holds them
-    """
-
-    @property
-    def document(self) -> dict[str, Any]: ...
-    @property
-    def overlay(self) -> pd.DataFrame: ...
-    @property
-    def parameters(self) -> dict[str, Any]: ...
-    @property
-    def identifiability(self) -> str: ...
-    @property
-    def laws(self) -> pd.DataFrame: ...
-    @property
-    def motion(self) -> pd.DataFrame | None: ...
-    @property
-    def composed(self) -> pd.DataFrame | None: ...
-    @property
-    def library(self) -> dict[str, type[Effect]]: ...
-    @property
-    def sources(self) -> Any: ...
-
-
-def build_rig_page(found: Shown) -> str:
+def build_rig_page(found: "Diagnosis") -> str:
     """The page as text."""
-    sources = found.sources
+    sources, document = found.sources, found.document
     files = [str(file.resolve()) for file in sources.files]
     about = collect(Path.cwd(), files, sources.config)
     # names, not places: where a log lies on somebody's disk is no provenance
@@ -136,7 +106,7 @@ def build_rig_page(found: Shown) -> str:
         config=sources.config,
         identified={"parameters": found.parameters, "identifiability": found.identifiability},
         compare={},
-        diagnosis=_with_heldout(found.document),
+        diagnosis={**document, "ladder": [_rung(rung) for rung in document["ladder"]]},
         overlay=found.overlay,
         laws=found.laws,
         motion=found.motion,
@@ -148,12 +118,8 @@ def build_rig_page(found: Shown) -> str:
     return render(data, discover("rig"))
 
 
-def _with_heldout(document: dict[str, Any]) -> dict[str, Any]:
-    """The page's sections call the test logs held out."""
-    return {**document, "ladder": [_rung(rung) for rung in document["ladder"]]}
-
-
 def _rung(rung: dict[str, Any]) -> dict[str, Any]:
+    """The page's sections call the test logs held out."""
     intervals = rung["interval"]
     held = {"heldout": rung["test"], "interval": {**intervals, "heldout": intervals["test"]}}
     return {**rung, **held}
