@@ -4,13 +4,16 @@ Rates are of this machine in its present state; ratios are measured in turns wit
 """
 
 import argparse
+import json
+
+from spirob.errors import ConfigError
+from spirob.files import write_text
 
 HELP = "how fast the model runs on this machine"
 ORDER = 80
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob benchmark`."""
     parser.add_argument("--json", metavar="FILE", help="write the figures there, too")
     parser.add_argument("--only", nargs="+", metavar="MEASURE", help="some of the measures")
     parser.add_argument("--tiny", action="store_true", help="one short round: is it in order?")
@@ -18,13 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure one thing after the other."""
-    import json
-
     from spirob.benchmark import MEASURES
     from spirob.benchmark.timing import TINY, Size
     from spirob.cli.progress import Progress
-    from spirob.errors import ConfigError
-    from spirob.files import write_text
 
     chosen = arguments.only or list(MEASURES)
     if unknown := [name for name in chosen if name not in MEASURES]:

@@ -6,11 +6,12 @@ current at 1 kHz and measures rates, lost frames, delays and clocks; it never ar
 
 import argparse
 
+from spirob.errors import ConfigError
+
 HELP = "scan a CAN bus, or check it at zero current before the first motion"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob can`."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     scan = actions.add_parser("scan", help="list interfaces, or what is heard on one")
     check = actions.add_parser("check", help="rates, lost frames, delays and clock at zero current")
@@ -26,8 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Do what was asked."""
-    from spirob.errors import ConfigError
-
     if not 0.05 <= arguments.seconds <= 600:
         raise ConfigError(f"--seconds {arguments.seconds:g} is out of range [0.05, 600]")
     return {"scan": _scan, "check": _check}[arguments.action](arguments)
@@ -69,7 +68,6 @@ def _check(arguments: argparse.Namespace) -> int:
     from spirob.can.bus import check, open_bus
     from spirob.can.drive import find_drive, require_fast_enough
     from spirob.can.robot import CanRobot
-    from spirob.errors import ConfigError
 
     if arguments.interface is None:
         raise ConfigError("`spirob can check` needs --interface; `spirob can scan` lists them")

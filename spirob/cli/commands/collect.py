@@ -5,6 +5,8 @@ by --record alone: it plays the trials on the bus and leaves the logs that the p
 """
 
 import argparse
+import subprocess
+import sys
 from contextlib import suppress
 
 from spirob.cli.reproduce import add_choices, advance, chosen, taken_up
@@ -15,7 +17,6 @@ OWN_END = 1.0  # s: Ctrl-C in a terminal reaches the recording as well
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob collect`."""
     add_choices(parser)
     parser.add_argument("--record", action="store_true", help="move the motors of real hardware")
 
@@ -36,9 +37,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recorded(arguments: argparse.Namespace) -> int:
-    import subprocess
-    import sys
-
     code, project = advance(arguments, "config")
     if code:
         return code

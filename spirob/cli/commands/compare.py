@@ -5,10 +5,12 @@ a constant current are marked idle.
 """
 
 import argparse
+import json
 from collections.abc import Sequence
 from typing import Any
 
 from spirob.cli.reproduce import add_choices, advance
+from spirob.errors import MissingLog
 
 HELP = "how far the model is from what was measured"
 ORDER = 30
@@ -16,17 +18,13 @@ SHOWN = {"current": ("mA", 1e3), "displacement": ("mm", 1e3), "velocity": ("mm/s
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob compare`."""
     add_choices(parser)
     parser.add_argument("--as-is", action="store_true", help="show the last results, run nothing")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare and print a table: root mean square errors and R², motor by motor."""
-    import json
-
     from spirob.cli.project import find_project
-    from spirob.errors import MissingLog
 
     if arguments.as_is:
         project = find_project(arguments.project)

@@ -4,14 +4,17 @@ Writes OUT/diagnosis.json and OUT/index.html.
 """
 
 import argparse
+import shlex
 import sys
+from pathlib import Path
+
+from spirob.files import may_hold_results, named
 
 HELP = "name the missing effect of any motor rig from its logs"
 ORDER = 50
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob diagnose`."""
     parser.add_argument("--rig", required=True, metavar="RIG.yaml", help="description of the rig")
     parser.add_argument(
         "--train", required=True, nargs="+", action="extend", metavar="LOG", help="logs to fit"
@@ -34,10 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and write."""
-    from pathlib import Path
-
     from spirob.cli.progress import SearchProgress
-    from spirob.files import may_hold_results, named
     from spirob.machine.diagnosis import diagnose
 
     out = Path(named(arguments.out))
@@ -59,8 +59,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _command(arguments: argparse.Namespace) -> str:
-    import shlex
-
     parts = ["spirob", "diagnose", "--rig", arguments.rig, "--train", *arguments.train]
     parts += ["--test", *arguments.test] if arguments.test else []
     parts += ["--effects", *arguments.effects] if arguments.effects else []

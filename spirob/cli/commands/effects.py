@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from spirob.errors import ConfigError, ExportError
+from spirob.files import write_text
+
 if TYPE_CHECKING:
     from spirob.effects import Effect
     from spirob.effects.check import Finding
@@ -16,7 +19,6 @@ ORDER = 70
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob effects`."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     actions.add_parser("list", help="all effects, one to a line")
     one = actions.add_parser("show", help="everything about one effect")
@@ -69,10 +71,6 @@ def _show(arguments: argparse.Namespace) -> int:
 
 def _new(arguments: argparse.Namespace) -> int:
     from importlib import resources
-    from pathlib import Path
-
-    from spirob.errors import ConfigError
-    from spirob.files import write_text
 
     path = Path(arguments.file)
     if path.suffix != ".py" or not path.stem.isidentifier():
@@ -132,7 +130,6 @@ def battery(effect: "type[Effect]", alone: bool) -> tuple[list[str], bool]:
 
 def exported(effect: "type[Effect]") -> str:
     """Its kernel can be written as C for `spirob export`."""
-    from spirob.errors import ExportError
     from spirob.export.corrected import Held
     from spirob.export.law import kernel_functions, law_of
 

@@ -6,8 +6,10 @@ numbers go alone.
 
 import argparse
 import sys
+from pathlib import Path
 
 from spirob.export import listed, targets
+from spirob.files import named
 
 HELP = "write the corrected model for another program"
 ORDER = 52
@@ -16,7 +18,6 @@ __doc__ = f"{__doc__}\ntargets:\n{listed()}\n"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob export`."""
     parser.add_argument(
         "diagnosis", metavar="DIR/diagnosis.json", help="what a diagnosis wrote, or its folder"
     )
@@ -32,10 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Export and say what was written."""
-    from pathlib import Path
-
     from spirob.export.exporting import export
-    from spirob.files import named
 
     diagnosis, out = Path(named(arguments.diagnosis)), Path(named(arguments.out))
     done = export(diagnosis, arguments.to, out, arguments.check)

@@ -6,12 +6,14 @@ to be repaired is said, and kept with the trace.
 
 import argparse
 import sys
+from pathlib import Path
+
+from spirob.errors import DataError
 
 HELP = "import a log from elsewhere with a mapping file"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob import`."""
     parser.add_argument(
         "file",
         metavar="FILE",
@@ -26,9 +28,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and say what came of it."""
-    from pathlib import Path
-
-    from spirob.errors import DataError
     from spirob.logs.foreign import read_mapping, trace_from
     from spirob.logs.readers import read_table
     from spirob.logs.readers.columns import printable

@@ -5,11 +5,12 @@ A wrap unlike those of the training is refused in a sentence.
 
 import argparse
 
+from spirob.errors import DataError
+
 HELP = "tell the size of a wrapped object from a log"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob predict`."""
     parser.add_argument("logs", nargs="+", metavar="LOG.mcap", help="logs of wraps")
     parser.add_argument(
         "--model",
@@ -27,7 +28,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Print one line for each log; the first wrap without a size ends it."""
     import pandas as pd
 
-    from spirob.errors import DataError
     from spirob.logs import read_log
     from spirob.perceive.features import extract
     from spirob.perceive.interval import estimate

@@ -10,7 +10,6 @@ HELP = "bring back what a torn MCAP log still holds"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob recover`."""
     parser.add_argument("file", metavar="FILE", help="torn or damaged MCAP file, also a *.part")
     parser.add_argument("--out", required=True, metavar="FILE2", help="file to write")
 

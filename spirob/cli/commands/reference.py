@@ -10,20 +10,20 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
+from spirob.errors import ConfigError
+from spirob.files import write_text
+
 HELP = "what a module of the library does, from its docstrings"
 ORDER = 90
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob reference`."""
     parser.add_argument("module", nargs="?", help="such as spirob.ports; without it, the list")
     parser.add_argument("--out", metavar="DIR", help="write all modules there, as Markdown")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """List, print or write."""
-    from spirob.errors import ConfigError
-
     found = {module.name: module for module in modules()}
     if arguments.out:
         return _write(found, Path(arguments.out))
@@ -39,8 +39,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(found: Mapping[str, "Module"], folder: Path) -> int:
-    from spirob.files import write_text
-
     for name, module in found.items():
         write_text(folder / f"{name}.md", page(module))
     lines = [f"- [{name}]({name}.md): {m.text.partition(chr(10))[0]}" for name, m in found.items()]

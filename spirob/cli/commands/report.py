@@ -4,6 +4,7 @@ The page needs no network.  Nothing else is run: `spirob run` brings the results
 """
 
 import argparse
+import sys
 from pathlib import Path
 
 HELP = "write the report from the last results; --open shows it"
@@ -11,7 +12,6 @@ ORDER = 40
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob report`."""
     parser.add_argument("--open", action="store_true", help="show it in the browser")
     parser.add_argument("--video", action="store_true", help="with the arm rendered by OpenGL")
     parser.add_argument("--out", metavar="FILE", help="else reports/index.html of the project")
@@ -34,7 +34,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _show(page: Path) -> int:
-    import sys
     import webbrowser
 
     if webbrowser.open(page.resolve().as_uri()):

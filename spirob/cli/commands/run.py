@@ -6,6 +6,7 @@ does not come to its end are taken back.  Only what a change touches runs again.
 """
 
 import argparse
+import json
 
 from spirob.cli.reproduce import add_choices, advance
 
@@ -14,15 +15,12 @@ ORDER = 10
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob run`."""
     add_choices(parser)
     parser.add_argument("--until", metavar="STAGE", help="stop after this stage")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run, then say the verdict and where the page is."""
-    import json
-
     code, project = advance(arguments, arguments.until)
     if code == 0 and arguments.until in (None, "decide", "report"):
         found = json.loads((project / "data/diagnosis/diagnosis.json").read_text(encoding="utf-8"))

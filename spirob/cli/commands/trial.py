@@ -10,10 +10,14 @@ With `--rigs` the machines are simulated axes of other people's kind, diagnosed 
 """
 
 import argparse
+import json
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from spirob.errors import ConfigError
+from spirob.files import write_text
 
 if TYPE_CHECKING:
     from spirob.campaign.running import Line
@@ -25,7 +29,6 @@ OVER = re.compile(r"\d+ of \d+: (?P<case>[^:]+):")  # how a case's line begins
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob trial`."""
     parser.add_argument(
         "--seeds", default="0:2", metavar="A:B", help="from A up to B (%(default)s)"
     )
@@ -77,14 +80,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Play the cases and print the rates."""
-    import json
-
     from spirob.campaign.arm.rates import rates
     from spirob.campaign.arm.running import cases, known, left, play
     from spirob.cli.progress import Progress
     from spirob.emulator.build import require_build
-    from spirob.errors import ConfigError
-    from spirob.files import write_text
 
     seeds = _seeds(arguments.seeds)
     if arguments.out and arguments.out.is_dir():
@@ -133,8 +132,6 @@ def _told(progress: "Progress") -> Callable[[str], None]:
 
 
 def _seeds(text: str) -> list[int]:
-    from spirob.errors import ConfigError
-
     first, colon, last = text.partition(":")
     try:
         seeds = list(range(int(first), int(last) if colon else int(first) + 1))
@@ -146,8 +143,6 @@ def _seeds(text: str) -> list[int]:
 
 
 def _ratios(text: str) -> tuple[float, float]:
-    from spirob.errors import ConfigError
-
     first, _, last = text.partition(":")
     try:
         ratios = float(first), float(last)
@@ -160,7 +155,6 @@ def _ratios(text: str) -> tuple[float, float]:
 
 def _kinds(chosen: list[str]) -> list[str]:
     from spirob.campaign.arm.strength import VISIBLE
-    from spirob.errors import ConfigError
 
     for kind in chosen:
         for part in kind.split("+"):
@@ -175,14 +169,10 @@ ROBOTS_ONLY = ("pairs", "scheduler")  # options that axes do not have
 
 def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
     """Play simulated axes that have no result yet; 0 once all are played."""
-    import json
-
     from spirob.campaign.case import Case, cases
     from spirob.campaign.running import Line, known, play
     from spirob.campaign.scoring import law_lines, laws, lines, rates
     from spirob.cli.progress import Progress
-    from spirob.errors import ConfigError
-    from spirob.files import write_text
 
     for name in ROBOTS_ONLY:
         if getattr(arguments, name):
@@ -223,7 +213,6 @@ def _said(line: "Line") -> str:
 
 def _simulators(chosen: Sequence[str]) -> list[str]:
     from spirob.campaign.simulators import SIMULATORS
-    from spirob.errors import ConfigError
 
     for name in chosen:
         if name not in SIMULATORS:
@@ -235,7 +224,6 @@ def _rig_kinds(chosen: Sequence[str], simulators: Sequence[str]) -> list[str]:
     """The kinds as they are asked for, each of which a simulator can play."""
     from spirob.campaign.case import able, together
     from spirob.campaign.scoring import DRAWN, KINDS, NONE
-    from spirob.errors import ConfigError
 
     for kind in chosen:
         parts = [] if kind in (NONE, *DRAWN) else kind.split("+")

@@ -11,6 +11,8 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from spirob.errors import ConfigError, HardwareError
+
 if TYPE_CHECKING:
     import can
 
@@ -21,7 +23,6 @@ HELP = "tell contacts and sizes from a bus while the robot moves"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `spirob watch`."""
     parser.add_argument("--interface", required=True, help="of python-can; `spirob can scan`")
     parser.add_argument("--channel", default="can0", help="such as can0 or PCAN_USBBUS1")
     parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s")
@@ -47,7 +48,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over."""
     from spirob.can.bus import open_bus
     from spirob.can.drive import find_drive
-    from spirob.errors import ConfigError
     from spirob.logs import Transmission
     from spirob.perceive.live import LivePush, Watch
     from spirob.perceive.model_file import load_model, load_regions
@@ -114,7 +114,6 @@ def state(watch: "Watch") -> str:
 
 
 def _require_feedback(watch: "Watch", bus: "can.BusABC", after: float) -> None:
-    from spirob.errors import HardwareError
     from spirob.robot import MOTORS
 
     silent = [m for m, frames in zip(MOTORS, watch.frames, strict=True) if frames == 0]
