@@ -19,12 +19,13 @@ fall?  And do the held-out trials agree?
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Protocol
+from typing import Annotated
 
 import numpy as np
+import scipy
 from pydantic import ConfigDict, Field
 
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Model, Scored
 from spirob.identify.builds import RESOLUTION, Builds, Floor, floor_of, weighted
 from spirob.identify.fit import Fit
 from spirob.identify.problem import Problem, effort_rms
@@ -93,7 +94,7 @@ def noise_floor(problem: Problem) -> float:
         for every in set(spaced)
     }
     levels = [
-        passed[every] * 1.4826 * _deviation(np.diff(raw, n=2)) / np.sqrt(6)
+        passed[every] * 1.4826 * scipy.stats.median_abs_deviation(np.diff(raw, n=2)) / np.sqrt(6)
         for raw, every in zip(problem.raw(), spaced, strict=True)
     ]
     return float(np.sqrt(np.mean(np.square(levels))))
@@ -105,10 +106,6 @@ def complete(problem: Problem, floor: float) -> float:
     floor  what the build of a machine adds to the noise, over the RMS effort
     """
     return float(np.hypot(noise_floor(problem), floor * effort_rms(problem)))
-
-
-def _deviation(values: np.ndarray) -> float:
-    return float(np.median(np.abs(values - np.median(values))))
 
 
 def builds_at(changes: Mapping[str, float], names: Sequence[str], scale: float) -> Builds:
@@ -200,17 +197,6 @@ class Settings(ArmCriteria):
     always: bool = True
 
 
-class Judged(Protocol):
-    """What is asked of a model, or of a draft of a law: `errors` by block, mean squares."""
-
-    @property
-    def errors(self) -> np.ndarray: ...
-    @property
-    def mean_square(self) -> float: ...
-    @property
-    def heldout_square(self) -> float: ...
-
-
 @dataclass(frozen=True)
 class Worth:
     """The questions; `least` is the size of the least effect, in the unit of the effort."""
@@ -218,11 +204,11 @@ class Worth:
     settings: Criteria
     least: float
 
-    def matters(self, before: Judged, after: Judged) -> bool:
+    def matters(self, before: Scored, after: Scored) -> bool:
         """Whether `after` explains more by a size that counts, surely."""
         return self._falls(before, after, self.least)
 
-    def _falls(self, before: Judged, after: Judged, least: float) -> bool:
+    def _falls(self, before: Scored, after: Scored, least: float) -> bool:
         fall = before.mean_square - after.mean_square
         if fall <= 0.0 or np.sqrt(fall) < least:
             return False
@@ -230,13 +216,13 @@ class Worth:
             return False
         return self._surely(before, after)
 
-    def clearly(self, before: Judged, after: Judged) -> bool:
+    def clearly(self, before: Scored, after: Scored) -> bool:
         """Whether `after` is better than a rival by enough to be preferred to a simpler one."""
         if after.mean_square > (1.0 - self.settings.better) * before.mean_square:
             return False
         return self._surely(before, after)
 
-    def halves(self, before: Judged, after: Judged) -> bool:
+    def halves(self, before: Scored, after: Scored) -> bool:
         """Whether `after` leaves less than half the squared error, held out too, and surely."""
         if after.mean_square > HALVED * before.mean_square:
             return False
@@ -244,7 +230,7 @@ class Worth:
             return False
         return self._surely(before, after)
 
-    def _surely(self, before: Judged, after: Judged) -> bool:
+    def _surely(self, before: Scored, after: Scored) -> bool:
         """Whether the fall holds when blocks are drawn again, of errors or of their logarithms.
 
         The logarithms weigh every block alike: one block with a blow in it decides nothing.
@@ -263,12 +249,12 @@ class Worth:
         """
         return current.mean_square - error > (promised * self.least) ** 2
 
-    def denied(self, before: Judged, after: Judged, whole: bool = True) -> bool:
+    def denied(self, before: Scored, after: Scored, whole: bool = True) -> bool:
         """Whether the held-out trials contradict a step, or do not confirm one of a `whole` set."""
         least = 1.0 - (self.settings.veto if whole else 0.0)
         return after.heldout_square > least * before.heldout_square
 
-    def refuted(self, model: Judged, other: Judged) -> bool:
+    def refuted(self, model: Scored, other: Scored) -> bool:
         """Whether another leaves half of what the model leaves held out, less by what counts."""
         fall = model.heldout_square - other.heldout_square
         return fall > max((1.0 - HALVED) * model.heldout_square, self.least**2)

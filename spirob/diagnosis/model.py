@@ -23,17 +23,14 @@ SETTLING = 100  # steps that a memory is given for that
 STEP = 1e-3  # s
 
 
-@dataclass(frozen=True, eq=False)
-class Model:
-    """A set of effects, fitted; errors are mean squares by block.
+class Scored:
+    """What the questions of the search are asked of: a model, or a draft of a law.
 
     left     residual on data that the fit has not seen, (N,) in the unit of the effort
-    errors   of these, and of the fitted ones where they count, too
+    errors   mean squares of these by block, and of the fitted ones where they count, too
     heldout  residual on the held-out trials, which choose nothing
     """
 
-    effects: tuple[type[Effect], ...]
-    fit: Fit
     left: np.ndarray
     errors: np.ndarray
     heldout: np.ndarray
@@ -47,6 +44,17 @@ class Model:
     def heldout_square(self) -> float:
         """Of the held-out trials."""
         return float(np.mean(self.heldout**2))
+
+
+@dataclass(frozen=True, eq=False)
+class Model(Scored):
+    """A set of effects, fitted."""
+
+    effects: tuple[type[Effect], ...]
+    fit: Fit
+    left: np.ndarray
+    errors: np.ndarray
+    heldout: np.ndarray
 
     @property
     def names(self) -> frozenset[str]:

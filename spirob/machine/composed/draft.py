@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from spirob.diagnosis.criteria import block_errors
-from spirob.diagnosis.model import Model, is_dry
+from spirob.diagnosis.model import Model, Scored, is_dry
 from spirob.diagnosis.regression import error, joined, left_out_linear, products, step
 from spirob.machine.composed.ground import Ground, Side, ground_of
 from spirob.machine.composed.terms import LOST, WAY, Shape, Term
@@ -35,8 +35,8 @@ BUMPS = 5  # of a free curve over the speed
 
 
 @dataclass(frozen=True)
-class Draft:
-    """Terms with the factors of their columns; errors as those of a `Model`.
+class Draft(Scored):
+    """Terms with the factors of their columns.
 
     moved  by how much the coordinates of the fitted numbers move with it
     """
@@ -47,16 +47,6 @@ class Draft:
     left: np.ndarray
     errors: np.ndarray
     heldout: np.ndarray
-
-    @property
-    def mean_square(self) -> float:
-        """Of the folds left out."""
-        return float(np.mean(self.left**2))
-
-    @property
-    def heldout_square(self) -> float:
-        """Of the held-out trials."""
-        return float(np.mean(self.heldout**2))
 
     @property
     def richness(self) -> int:
