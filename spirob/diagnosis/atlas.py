@@ -22,7 +22,7 @@ import numpy as np
 
 from spirob.diagnosis.flexible import dependence, told
 from spirob.diagnosis.spectrum import orders
-from spirob.identify.problem import Effort, Problem, Stretch
+from spirob.identify.problem import Effort, Problem, Stretch, rms
 from spirob.identify.residual import Residual
 
 REVERSAL = 0.1  # s, on either side of a change of direction
@@ -97,7 +97,7 @@ def _loading(piece: Stretch) -> Masks:
     load = np.abs(piece.effort)
     after = np.interp(piece.seconds + AROUND, piece.seconds, load)
     change = after - np.interp(piece.seconds - AROUND, piece.seconds, load)
-    least = STEADY * float(np.sqrt(np.mean(load**2)))
+    least = STEADY * rms(load)
     rises, falls = change > least, change < -least
     return {"loading": rises, "unloading": falls, "steady load": ~rises & ~falls}
 
@@ -175,7 +175,7 @@ def atlas(
         if len(inside) == 0 or (kind in ALONE and len(inside) == len(values)):
             continue
         share = float(np.sum(inside**2)) / total
-        rmse = float(np.sqrt(np.mean(inside**2)))
+        rmse = rms(inside)
         time = len(inside) / len(values)
         regimes.append(Regime(name, share, time, float(np.mean(inside)), rmse, kind))
     return sorted(regimes, key=lambda r: -r.share_of_error)

@@ -15,8 +15,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings, Worth, complete
 from spirob.diagnosis.fitting import Begun, briefly
@@ -28,7 +26,7 @@ from spirob.diagnosis.verdict import Verdict, concluded, judge, weigh
 from spirob.effects import Effect, find_effects
 from spirob.identify.fit import Fit
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, rms
 from spirob.identify.residual import Residual, near
 
 ArmSearch = Search[Simulated]
@@ -179,10 +177,7 @@ def compared(
 
 def _explained(wide: Simulated, further: Problem, settings: Settings) -> bool:
     """Whether one of the contestants explains enough of a further trial to be judged by it."""
-    before, *after = (
-        float(np.sqrt(np.mean(further(m.fit.changes)[further.rows] ** 2)))
-        for m in wide.tried.values()
-    )
+    before, *after = (rms(further(m.fit.changes)[further.rows]) for m in wide.tried.values())
     enough, least = complete(further, settings.floor), min(after)
     return least <= enough or before**2 - least**2 >= TELLING * (before**2 - enough**2)
 

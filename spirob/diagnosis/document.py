@@ -15,7 +15,7 @@ from spirob.diagnosis.search import Found, Search
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict
 from spirob.identify.intervals import Interval, score, score_interval
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, rms
 
 CEILING = "flexible residual on top (ceiling)"
 
@@ -81,7 +81,7 @@ def candidates(search: Search[Any], found: Found, verdict: Verdict) -> list[dict
                 "probability": _probability(verdict, name),
                 "heldout_rmse": None if best is None else float(np.sqrt(best.heldout_square)),
                 "left_out_rmse": None if best is None else float(np.sqrt(best.mean_square)),
-                "train_rmse": None if best is None else _rms(best.fit.residual),
+                "train_rmse": None if best is None else rms(best.fit.residual),
                 "with": [] if best is None else sorted(best.names - {name}),
                 "alone_heldout_rmse": None
                 if single is None
@@ -114,10 +114,6 @@ def _probability(verdict: Verdict, name: str) -> float:
             shared = one.together if one.together > one.probability else either
             probability = max(probability, (shared - one.probability) / len(one.rivals))
     return probability
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def steps(found: Found, models: Simulated) -> tuple[list[dict[str, Any]], Ceiling]:

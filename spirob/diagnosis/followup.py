@@ -22,8 +22,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.contest import (
     Contestant,
@@ -40,7 +38,7 @@ from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposa
 from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, Weighed, judge, weigh
 from spirob.effects import Effect
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, rms
 from spirob.identify.residual import Residual
 
 FOUND = ("named", "undecided")  # verdicts that hold names
@@ -169,7 +167,7 @@ def disproved(sentence: str, proof: Proof) -> tuple[str, str, str]:
 
 
 def _rms(further: Problem, changes: Mapping[str, float]) -> float:
-    return float(np.sqrt(np.mean(further(changes)[further.rows] ** 2)))
+    return rms(further(changes)[further.rows])
 
 
 # Plays an experiment on the machine: its logs by role, none where it was not played to its end.

@@ -11,7 +11,7 @@ import numpy as np
 
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, rms
 
 ALIKE = 0.1  # of the floor: by no more may two models differ that say the same
 ABSORBED = 1e-3  # share of an effect outside of what the fitted numbers make: below, it is of these
@@ -189,7 +189,7 @@ def label(effects: Sequence[type[Effect]]) -> str:
 def alike(one: Model, two: Model, least: float) -> bool:
     """Whether two models predict the same effort, within a tenth of the least effect's RMS."""
     difference = one.fit.residual - two.fit.residual
-    return float(np.sqrt(np.mean(difference**2))) < ALIKE * least
+    return rms(difference) < ALIKE * least
 
 
 def equivalents(

@@ -14,7 +14,7 @@ import numpy as np
 from spirob.errors import SimulationError
 from spirob.geometry import PUBLISHED
 from spirob.identify.measurement import Measurement
-from spirob.identify.problem import Effort, effort_rms
+from spirob.identify.problem import Effort, effort_rms, rms
 from spirob.identify.residual import Residual
 from spirob.plant.tendon import stroke
 from spirob.robot import MOTORS
@@ -198,4 +198,4 @@ def _difference(
     """RMS of what the models differ by, and of the effort."""
     played = Measurement.from_trace(simulate(problem.plant, Trial.from_plain(plain), one))
     there = replace(problem, trials=[played])
-    return float(np.sqrt(np.mean(there(other) ** 2))), effort_rms(there)
+    return rms(there(other)), effort_rms(there)

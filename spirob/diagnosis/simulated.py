@@ -26,7 +26,7 @@ from spirob.effects import Effect
 from spirob.identify.builds import RESOLUTION, Floor
 from spirob.identify.fit import INDEPENDENT, Fit
 from spirob.identify.intervals import Score, score
-from spirob.identify.problem import Problem, effort_rms
+from spirob.identify.problem import Problem, effort_rms, rms
 from spirob.identify.residual import near
 
 ROLES = ("train", "validate", "heldout")
@@ -339,7 +339,7 @@ class Simulated(Predictor):
         return self._rmse(model.left * np.sqrt(np.mean(self.validate.rows)))
 
     def _rmse(self, values: np.ndarray) -> float:
-        return float(np.sqrt(np.mean(values[self.validate.rows] ** 2)))
+        return rms(values[self.validate.rows])
 
     def _enough(self, floor: float) -> float:
         return complete(self.validate, floor)

@@ -22,6 +22,7 @@ from spirob.export.axis import equations
 from spirob.export.code import c_name, python_text
 from spirob.export.corrected import Corrected, Held
 from spirob.identify.measurement import Measurement
+from spirob.identify.problem import rms
 from spirob.logs.trace import read_table
 from spirob.machine.motion import Motion, late
 from spirob.machine.recording import Recording
@@ -111,14 +112,14 @@ class Heldout:
         ours, bare = (table[n].to_numpy(float) for n in ("modelled", "without"))
         used = table["used"].to_numpy(bool)
 
-        def rms(values: np.ndarray) -> float:
-            return float(np.sqrt(np.mean(self._last(values)[used] ** 2)))
+        def size(values: np.ndarray) -> float:
+            return rms(self._last(values)[used])
 
         return Errors(
-            rms(ours - measured),
-            rms(played - measured),
-            rms(played - ours),
-            rms(ours - bare) if self.model.effects else rms(measured),
+            size(ours - measured),
+            size(played - measured),
+            size(played - ours),
+            size(ours - bare if self.model.effects else measured),
         )
 
     def _motion(self) -> Motion:
@@ -152,7 +153,7 @@ def left_out(model: Corrected, one: Held) -> str:
     )
     used = heldout.table["used"].to_numpy(bool)
     missing = float(np.sqrt(np.mean((whole - less)[used] ** 2)))
-    size = float(np.sqrt(np.mean(heldout.table["effort"].to_numpy(float)[used] ** 2)))
+    size = rms(heldout.table["effort"].to_numpy(float)[used])
     return f"costs {missing:.3g} {model.effort} RMS, {missing / size:.2%} of the effort"
 
 
@@ -213,8 +214,8 @@ class ArmHeldout:
         """How far currents, (T, 2) of each trial, are from the measurement and from the model."""
         measured = self._driven([t.current for t in self.trials])
         ours, played = self._driven([r.current for r in self.ours]), self._driven(exported)
-        size = self.size(self.model.effects) if self.model.effects else _rms(measured)
-        return Errors(_rms(ours - measured), _rms(played - measured), _rms(played - ours), size)
+        size = self.size(self.model.effects) if self.model.effects else rms(measured)
+        return Errors(rms(ours - measured), rms(played - measured), rms(played - ours), size)
 
     def size(self, effects: tuple[type[Effect], ...]) -> float:
         """What these effects do to the currents together, RMS [A]."""
@@ -223,11 +224,11 @@ class ArmHeldout:
     def change(self, numbers: dict[str, float]) -> float:
         """By how much the currents change with other numbers, RMS [A]."""
         other = self._driven([r.current for r in self._simulated(numbers)])
-        return _rms(self._driven([r.current for r in self.ours]) - other)
+        return rms(self._driven([r.current for r in self.ours]) - other)
 
     def left_out(self, numbers: dict[str, float]) -> str:
         """The error of numbers that a target takes instead, in words."""
-        whole, size = _rms(self._driven([t.current for t in self.trials])), self.change(numbers)
+        whole, size = rms(self._driven([t.current for t in self.trials])), self.change(numbers)
         return f"costs {size:.3g} A RMS, {size / whole:.2%} of the current"
 
     def _simulated(self, numbers: dict[str, float]) -> list[Response]:
@@ -246,10 +247,6 @@ class ArmHeldout:
 def compared(trial: Measurement) -> np.ndarray:
     """Which cycles of a trial are compared, (T,)."""
     return np.ones(len(trial.current), bool) if trial.use is None else trial.use
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _coupled(heldout: ArmHeldout, folder: Path) -> list[np.ndarray]:

@@ -152,9 +152,14 @@ def compared(count: int, every: int, use: np.ndarray | None) -> np.ndarray:
     return places if use is None else places[use[places]]
 
 
+def rms(values: np.ndarray) -> float:
+    """Root of the mean square, in the unit of the values."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def effort_rms(problem: Problem) -> float:
     """RMS of the measured effort itself, in its unit."""
-    return float(np.sqrt(np.mean(problem.measured()[problem.rows] ** 2)))
+    return rms(problem.measured()[problem.rows])
 
 
 FITTED = (

@@ -23,6 +23,7 @@ from spirob.diagnosis.spectrum import orders
 from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect
 from spirob.identify.intervals import Interval, covariance_of, score, score_interval
+from spirob.identify.problem import rms
 from spirob.machine.body import RigidBody
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import by_module
@@ -65,7 +66,7 @@ def rig_document(
         "atlas_lateness": lateness(pieces, bare),
         "unit": effort.unit,
         "effort": effort.name,
-        "effort_rms": {"train": search.models.size, "test": _rms(search.models.heldout.measured())},
+        "effort_rms": {"train": search.models.size, "test": rms(search.models.heldout.measured())},
         "repairs": list(repairs),
         "excluded": excluded,
         "numbers": numbers(found.chosen, "rig"),
@@ -113,10 +114,6 @@ def _intervals(
         measured = problem.measured()
         found[role] = score_interval(measured, measured + missed, half_seconds(problem))
     return found
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def plain(node: Any) -> Any:

@@ -16,7 +16,7 @@ from spirob.diagnosis.screen import without
 from spirob.diagnosis.search import Found
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
-from spirob.identify.problem import Problem
+from spirob.identify.problem import Problem, rms
 from spirob.machine.forward import WINDOW, Forward, Prediction
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
@@ -62,7 +62,7 @@ def _entry(
     return {
         "effects": list(effects),
         "how": how,
-        "rmse": {role: _rms(values) for role, values in left.items()},
+        "rmse": {role: rms(values) for role, values in left.items()},
         "regimes": _by_regime(search, left),
     }
 
@@ -74,17 +74,13 @@ def _by_regime(search: RigSearch, left: Mapping[str, np.ndarray]) -> dict[str, f
             for name, mask in masks_of(piece).items():
                 inside.setdefault(name, []).append(values[mask])
     joined = {name: np.concatenate(parts) for name, parts in inside.items()}
-    return {name: _rms(values) for name, values in joined.items() if len(values)}
+    return {name: rms(values) for name, values in joined.items() if len(values)}
 
 
 def _pieces(problem: InverseProblem, left: np.ndarray) -> list[tuple[Any, np.ndarray]]:
     pieces = problem.stretches()
     edges = np.cumsum([0, *(len(p.seconds) for p in pieces)])
     return [(p, left[a:b]) for p, a, b in zip(pieces, edges, edges[1:], strict=False)]
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def overlay(search: RigSearch, base: Fit, named: Fit) -> pd.DataFrame:

@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from spirob.effects import all_effects
+from spirob.identify.problem import rms
 from spirob.report import figures
 from spirob.report.data import ReportData
 from spirob.report.figures import Plot, driven, masks
@@ -112,8 +113,8 @@ def combinations(
     found = []
     for chosen, how, origin in _played(wide.attrs["how"], effects, verdict):
         left = table[f"{origin}_current"].to_numpy(float) - measured
-        rmse = {str(role): _rms(left[roles == role]) for role in np.unique(roles)}
-        by_regime = {name: _rms(left[mask]) for name, mask in inside.items() if mask.any()}
+        rmse = {str(role): rms(left[roles == role]) for role in np.unique(roles)}
+        by_regime = {name: rms(left[mask]) for name, mask in inside.items() if mask.any()}
         found.append(Combination(chosen, how, rmse, by_regime))
     return found
 
@@ -141,10 +142,6 @@ def _regimes(pieces: Sequence[pd.DataFrame]) -> dict[str, np.ndarray]:
         name: np.concatenate([e.get(name, z) for e, z in zip(each, empty, strict=True)])
         for name in names
     }
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 MILLI = 1e3  # the page shows mA
