@@ -155,10 +155,6 @@ LAST_LINES = 40  # of a failing stage
 CHATTER = ("Updating lock", "Generating lock", "To track the changes", "\tgit add", "> ")
 
 
-def _last_lines() -> collections.deque[str]:
-    return collections.deque(maxlen=LAST_LINES)
-
-
 @dataclass
 class Outcome:
     """How a run ended.
@@ -170,7 +166,9 @@ class Outcome:
     code: int = DONE
     failed: str = ""
     stage_code: int | None = None
-    lines: collections.deque[str] = field(default_factory=_last_lines)
+    lines: collections.deque[str] = field(
+        default_factory=lambda: collections.deque(maxlen=LAST_LINES)
+    )
 
 
 def reproduce(project: Path, target: str | None = None, verbose: bool = False) -> Outcome:

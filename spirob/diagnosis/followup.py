@@ -118,14 +118,11 @@ def put_to_proof(
     found = {}
     for one in tried:
         after = _rms(further, one.fit.changes)
-        share = 1.0 if after <= usual else share_of(before**2, after**2, floor)
+        share = 1.0  # of what is above the floor, gone
+        if after > usual:
+            share = (before**2 - after**2) / max(before**2 - floor**2, 1e-300)
         found[frozenset(one.effects)] = Proof(experiment, share)
     return found
-
-
-def share_of(before: float, after: float, floor: float) -> float:
-    """Of a mean square above that of the floor [RMS], what is gone."""
-    return (before - after) / max(before - floor**2, 1e-300)
 
 
 def sifted(

@@ -141,18 +141,9 @@ def _scatter(rng: Generator, width: float) -> np.ndarray:
     return 1.0 + width * np.clip(rng.standard_normal(HINGES), -2, 2)
 
 
-def _cubed(rng: Generator, width: float) -> np.ndarray:
-    """The same of something that goes with the cube of what scatters."""
-    return _scatter(rng, width / 3) ** 3
-
-
 def _within(*shape: int) -> Callable[[Generator, float], np.ndarray]:
     """Evenly between ±width."""
     return lambda rng, width: np.asarray(rng.uniform(-width, width, size=shape))
-
-
-def _behind(rng: Generator, width: float) -> np.ndarray:
-    return np.asarray(rng.uniform(0.0, width))
 
 
 def _soft(rng: Generator, least: float) -> np.ndarray:
@@ -197,7 +188,7 @@ ROWS = {
         0.12,
         "1",
         "hinges are printed flexures, as stiff as the cube of their thickness",
-        _cubed,
+        lambda rng, width: _scatter(rng, width / 3) ** 3,
         lambda build, factor: build.times("stiffness", factor),
     ),
     "hinge_damping": Row(
@@ -230,7 +221,7 @@ ROWS = {
         0.020,
         "m",
         "behind the first hinge; mounts are each laboratory's own",
-        _behind,
+        lambda rng, width: np.asarray(rng.uniform(0.0, width)),
         _mount,
     ),
     "hole_shift": Row(

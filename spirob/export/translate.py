@@ -154,7 +154,7 @@ class Function:
                 pad + line for line in self._assign(node.target, ast.copy_location(value, node))
             ]
         if isinstance(node, ast.If):
-            lines = [f"{pad}if ({self._test(node.test)}) {{", *self._block(node.body, depth + 1)]
+            lines = [f"{pad}if ({self._value(node.test)}) {{", *self._block(node.body, depth + 1)]
             if node.orelse:
                 lines += [f"{pad}}} else {{", *self._block(node.orelse, depth + 1)]
             return [*lines, pad + "}"]
@@ -227,9 +227,6 @@ class Function:
         kept = [f"const double kept_{k} = {p};" for k, p in enumerate(parts)]
         stored = [f"*next_{k} = kept_{k};" for k in range(1, len(parts))]
         return ["{", *kept, *stored, "return kept_0;", "}"]
-
-    def _test(self, node: ast.expr) -> str:
-        return self._value(node)
 
     def _value(self, node: ast.expr) -> str:
         if isinstance(node, ast.Constant) and isinstance(node.value, int | float):

@@ -159,14 +159,10 @@ def _placed(ready: Ready) -> Ready:
     """With a delay between effort and motion to fit, where the description tells nothing of it."""
     if not ready.untold:
         return ready
-    known = {**ready.rig.known, "delay": 0.0}
-    search, _ = search_of(ready.told(known=known, fit=_without_delay(ready.rig)))
+    fit = {name: bounds for name, bounds in ready.rig.fit.items() if name != "delay"}
+    search, _ = search_of(ready.told(known={**ready.rig.known, "delay": 0.0}, fit=fit))
     ready.progress("effort and motion are laid over one another")
     return _about(ready, _place(search, search.models.fitted((), {})))
-
-
-def _without_delay(rig: RigFile) -> dict[str, Bounded]:
-    return {name: bounds for name, bounds in rig.fit.items() if name != "delay"}
 
 
 def _about(ready: Ready, delay: Bounded) -> Ready:

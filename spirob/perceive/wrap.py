@@ -59,11 +59,8 @@ class Wrap:
     @cached_property
     def free(self) -> slice:
         """Samples of free motion between start-up and rise."""
-        first, last = (self._reaches(share * self.end_stroke) for share in FREE)
+        first, last = (int(np.argmax(self.delayed >= k * self.end_stroke)) for k in FREE)
         return slice(first, max(last, first + 2))
-
-    def _reaches(self, stroke: float) -> int:
-        return int(np.argmax(self.delayed >= stroke))
 
     @cached_property
     def _free_line(self) -> np.ndarray:

@@ -123,7 +123,7 @@ class Plant:
     ) -> Session:
         """The model at rest as it hangs, tendons just taut, to be played piece by piece."""
         session = Session(self, scene, self.table.vector(changes))
-        session.rotors_at(first_angle)
+        session.state.first_angle = first_angle  # where in a turn the rotors stand [rad]
         return session
 
     def _controller(self) -> np.ndarray:

@@ -184,10 +184,6 @@ class Session:
         self._data.qpos[:hinges] = pose
         self.state.displacement = self.state.shortening = shortenings(pose, *self._guides)
 
-    def rotors_at(self, angle: Sequence[float] | np.ndarray) -> None:
-        """Say where in a turn the rotors stand at the start [rad]."""
-        self.state.first_angle = angle
-
     def settle(self, currents: np.ndarray) -> None:
         """Let the arm come to rest under constant currents (2,) [A]; lengths count from there.
 

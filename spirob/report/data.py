@@ -258,18 +258,10 @@ def _read_tables(folder: Path) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def _read_text(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
-
-
-def _read_json(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
 READERS: dict[str, Callable[[Path], Any]] = {
-    ".json": _read_json,
+    ".json": lambda path: json.loads(path.read_text(encoding="utf-8")),
     ".parquet": pd.read_parquet,
-    ".yaml": _read_text,
+    ".yaml": lambda path: path.read_text(encoding="utf-8"),
     "": _read_tables,
 }
 

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -160,13 +160,9 @@ def _short_names(table: Table, wanted: Iterable[str]) -> None:
         if name in table.columns or name in table.text:
             continue
         whole = [n for n in (*table.columns, *table.text) if n.endswith(f".{name}")]
-        for known in (table.columns, table.text, table.units) if len(whole) == 1 else ():
-            _alias(known, name, whole[0])
-
-
-def _alias(known: dict[str, Any], name: str, whole: str) -> None:
-    if whole in known:
-        known[name] = known[whole]
+        for known in (table.columns, table.text, table.units):
+            if len(whole) == 1 and whole[0] in known:
+                known[name] = known[whole[0]]  # type: ignore[assignment]
 
 
 def _one_length(table: Table, wanted: Iterable[str]) -> None:
