@@ -10,7 +10,7 @@ has, unless the file lists its field in `REPLACED`.  How much of each the logs s
 docs/lab/emulator.md, measured by tests/emulator/visibility.py.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pkgutil import iter_modules
@@ -23,18 +23,7 @@ from spirob.emulator.physics.step import NUMBERS
 from spirob.emulator.rig import HiddenSettings
 from spirob.errors import ConfigError
 
-
-@dataclass(frozen=True)
-class Nominal:
-    """What an effect may ask about the machine.
-
-    numbers  the record of the machine without the effect, read-only
-    """
-
-    numbers: np.ndarray
-
-    def __getitem__(self, field: str) -> np.ndarray:
-        return self.numbers[field][0]
+Nominal = Mapping[str, np.ndarray]  # numbers of the machine without the effect, read-only
 
 
 @dataclass(frozen=True)
@@ -79,8 +68,9 @@ def apply(
     """
     untouched = numbers.copy()
     untouched.setflags(write=False)
+    nominal = {name: untouched[name][0] for name in NUMBERS.names or ()}
     return [
-        _apply(kind, strength, generator(f"hidden {kind}"), Nominal(untouched), numbers)
+        _apply(kind, strength, generator(f"hidden {kind}"), nominal, numbers)
         for kind, strength in settings.parts
     ]
 
