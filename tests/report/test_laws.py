@@ -105,7 +105,6 @@ def test_every_rival_has_what_it_leaves_and_an_experiment(data):
 
 def test_the_section_draws_two_figures_for_the_named_effect(data):
     (one,) = Laws().get_context(data)["effects"]
-    assert one["name"] == "capstan_friction"
     assert [plot.name for plot in one["plots"]] == [
         "law-capstan_friction",
         "law-capstan_friction-itself",

@@ -168,7 +168,7 @@ class Comparison(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         trials = data.compare["trials"]
-        units = {channel: shown(_unit(trials, channel, si))[0] for channel, si in UNITS.items()}
+        units = {channel: shown(si)[0] for channel, si in UNITS.items()}
         short, full = names(data.diagnosis)
         table, _ = switchable(data)
         signals = payload(table, short, driven(data.compare), played(table))
@@ -202,14 +202,6 @@ def names(diagnosis: dict[str, Any]) -> tuple[str, str]:
     return "best", "best model"
 
 
-def _unit(trials: list[dict[str, Any]], channel: str, otherwise: str) -> str:
-    for trial in trials:
-        for motor in trial["motors"].values():
-            if channel in motor:
-                return motor[channel].get("unit", otherwise)
-    return otherwise
-
-
 def rows(trials: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """One row for each trial and motor, every column with its own number of decimals."""
     motors = [(t["name"], name, motor) for t in trials for name, motor in t["motors"].items()]
@@ -236,6 +228,5 @@ def _cells(entries: list[dict[str, Any]], metric: str, si: str) -> list[dict[str
             else {"text": fixed(None, 0), "poor": False}
             for v in values
         ]
-    factors = [shown(entry.get("unit", si))[1] for entry in entries]
-    scaled = [None if v is None else f * v for f, v in zip(factors, values, strict=True)]
+    scaled = [None if v is None else shown(si)[1] * v for v in values]
     return [{"text": text, "poor": False} for text in column(scaled)]

@@ -7,7 +7,7 @@ The model that holds the effect was played with it and, all other numbers as fit
 both in current [A] on trials that no fit has seen.  A law that is right has shown = law + noise.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from spirob.report.data import ReportData
 from spirob.report.embed import stride
 from spirob.report.figures import INK, NAMED, NEUTRAL, Plot, blank, driven
 from spirob.report.sections import Section
+from spirob.report.sections.switches import names
 from spirob.report.words import column, is_number, percent
 from spirob.report.words import shown as unit_shown
 
@@ -115,8 +116,8 @@ def over_signal(law: Law) -> go.Figure:
     step = stride(len(x), MOST)
     figure = blank(HEIGHT, legend_itemsizing="constant")
     seen, said = law.factor * law.shown, law.factor * law.law
-    figure.add_scatter(**_dots(x[::step], seen[::step], "residual without it", NEUTRAL, 4))
-    figure.add_scatter(**_dots(x[::step], said[::step], "fitted law", NAMED, 4))
+    figure.add_scatter(**_dots(x[::step], seen[::step], "residual without it", NEUTRAL))
+    figure.add_scatter(**_dots(x[::step], said[::step], "fitted law", NAMED))
     middle, median = medians(x, seen)
     figure.add_scatter(
         x=_rounded(middle),
@@ -137,7 +138,7 @@ def against_itself(law: Law) -> go.Figure:
     seen, said = law.factor * law.shown, law.factor * law.law
     low, high = float(said.min()), float(said.max())
     figure = blank(HEIGHT, legend_itemsizing="constant")
-    figure.add_scatter(**_dots(said[::step], seen[::step], "samples of unseen trials", NAMED, 4))
+    figure.add_scatter(**_dots(said[::step], seen[::step], "samples of unseen trials", NAMED))
     figure.add_scatter(
         x=[low, high],
         y=[low, high],
@@ -157,13 +158,13 @@ def medians(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array([np.median(x[o]) for o in order]), np.array([np.median(y[o]) for o in order])
 
 
-def _dots(x: np.ndarray, y: np.ndarray, name: str, colour: str, size: int) -> dict:
+def _dots(x: np.ndarray, y: np.ndarray, name: str, colour: str) -> dict:
     return {
         "x": _rounded(x),
         "y": _rounded(y),
         "mode": "markers",
         "name": name,
-        "marker": {"color": colour, "size": size, "opacity": 0.55},
+        "marker": {"color": colour, "size": 4, "opacity": 0.55},
         "hoverinfo": "skip",
     }
 
@@ -184,10 +185,11 @@ class Laws(Section):
             return {"effects": [], "named": False, "reason": data.absent["laws"]}
         known, places = all_effects(), driven(data.compare)
         shown = []
-        for name, played in data.laws.groupby("effect", sort=False, observed=True):
-            found = law(played, data.overlay, places, known.get(str(name)))
-            if found is not None:
-                shown.append(entry(str(name), found, data))
+        for label, played in data.laws.groupby("effect", sort=False, observed=True):
+            name = str(label)
+            if found := law(played, data.overlay, places, known.get(name)):
+                title = names(data, [name])[name]
+                shown.append(entry(name, title, found, rivals(name, data)))
         return {
             "effects": shown,
             "named": bool(data.diagnosis["effects"]),
@@ -195,21 +197,13 @@ class Laws(Section):
         }
 
 
-def entry(name: str, found: Law, data: ReportData) -> dict[str, Any]:
+def entry(name: str, title: str, found: Law, rivals: Sequence[dict[str, str]]) -> dict[str, Any]:
     """Texts and figures of one effect."""
-    known = all_effects()
-    titles = {c["name"]: c["title"] for c in data.diagnosis["candidates"]}
-    title = titles.get(name) or (known[name].title if name in known else name.replace("_", " "))
-    return {
-        "name": name,
-        "title": title,
-        "sentence": sentence(found),
-        "rivals": rivals(name, data),
-        "plots": plots(name, title, found),
-    }
+    plots = law_plots(name, title, found)
+    return {"title": title, "sentence": sentence(found), "rivals": rivals, "plots": plots}
 
 
-def plots(name: str, title: str, found: Law) -> list[Plot]:
+def law_plots(name: str, title: str, found: Law) -> list[Plot]:
     """The two figures of an effect: over the signal that it depends on, and over its own law."""
     over = found.against.title.partition(" [")[0]
     return [
@@ -280,7 +274,8 @@ class RigLaws(Section):
         if data.laws is not None:
             for name, rows in data.laws.groupby("effect", sort=False):
                 if name in named and rows["shown"].any():
-                    shown.append(_entry(str(name), named[str(name)], law_of(rows, data.diagnosis)))
+                    found = law_of(rows, data.diagnosis)
+                    shown.append(entry(str(name), named[str(name)], found, []))
         return {"effects": shown, "named": True, "reason": ABSENT}
 
 
@@ -296,12 +291,3 @@ def law_of(rows: pd.DataFrame, diagnosis: dict[str, Any]) -> Law:
     column, shown_over = over[against(all_effects().get(str(rows["effect"].iloc[0])))]
     x, seen, law = (rows[name].to_numpy(float) for name in (column, "shown", "law"))
     return Law(shown_over, x, seen, law, diagnosis["effort"], unit, 1.0)
-
-
-def _entry(name: str, title: str, found: Law) -> dict[str, Any]:
-    return {
-        "title": title,
-        "sentence": sentence(found),
-        "rivals": [],
-        "plots": plots(name, title, found),
-    }

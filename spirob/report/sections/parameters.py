@@ -39,17 +39,9 @@ class Parameters(Section):
             "identifiability": data.identified.get("identifiability", ""),
             "train": train_sentence(data.identified.get("train")),
             "pairs": pairs(resolution) if resolution else [],
-            "null_space": unknowns(data.identified, left),
+            "null_space": [null_space(resolution, left)] if resolution else [],
             "correlation": correlation(resolution) if resolution else [],
         }
-
-
-def unknowns(identified: dict[str, Any], left: float | None) -> list[str]:
-    """What the data do not tell: as the identification says it, else from its resolution."""
-    if identified.get("null_space"):
-        return [str(sentence) for sentence in identified["null_space"]]
-    resolution = identified.get("resolution")
-    return [null_space(resolution, left)] if resolution else []
 
 
 def train_sentence(train: dict[str, Any] | None) -> str:
