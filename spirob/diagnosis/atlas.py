@@ -146,10 +146,6 @@ class Regime:
     rmse: float
     kind: str = ""
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers."""
-        return asdict(self)
-
 
 def atlas(
     residual: Problem, values: np.ndarray, more: Sequence[dict[str, Masks]] = ()
@@ -268,9 +264,9 @@ def survey(residual: Residual, changes: Mapping[str, float], values: np.ndarray)
     waves = orders(pieces, values)
     alone = dependence(residual, values)
     return {
-        "atlas": [r.as_dict() for r in regimes],
+        "atlas": [asdict(r) for r in regimes],
         "atlas_sentences": worst(regimes, residual.effort),
-        "atlas_orders": [w.as_dict() for w in waves],
+        "atlas_orders": [asdict(w) for w in waves],
         "atlas_lateness": lateness(pieces, values),
         "depends": {"sentence": told(alone, waves), "alone": alone},
     }

@@ -10,8 +10,7 @@ has the same swings at other angles.  It is taken away before the next is found.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,10 +38,6 @@ class Order:
     of: str
     order: float
     share_of_error: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers."""
-        return asdict(self)
 
 
 def orders(pieces: Sequence[Stretch], values: np.ndarray, count: int = 4) -> list[Order]:

@@ -8,6 +8,7 @@ it, with what the model says of them, so that whoever runs it elsewhere can be c
 import inspect
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -60,9 +61,9 @@ def rig_document(
         "candidates": candidates(search, found, verdict),
         "ladder": [*_ladder(search, found), _flexible(search, found, rest)],
         "noise_floor": noise_floor(search.models.train),
-        "atlas": [r.as_dict() for r in regimes],
+        "atlas": [asdict(r) for r in regimes],
         "atlas_sentences": worst(regimes, effort),
-        "atlas_orders": [w.as_dict() for w in orders(pieces, bare)],
+        "atlas_orders": [asdict(w) for w in orders(pieces, bare)],
         "atlas_lateness": lateness(pieces, bare),
         "unit": effort.unit,
         "effort": effort.name,

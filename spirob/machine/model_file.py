@@ -37,7 +37,6 @@ ABSENT = {
     "texture", "material", "hfield", "skin", "lengthrange", "pair",
 }  # fmt: skip
 UNSEEN = ("material", "hfield")  # attributes that name what is left out
-NO_NUMBERS = {"nan", "inf", "infinity"}
 KEPT = {"compiler": {
     "alignfree", "angle", "autolimits", "balanceinertia", "boundinertia", "boundmass",
     "coordinate", "discardvisual", "eulerseq", "fitaabb", "fusestatic", "inertiafromgeom",

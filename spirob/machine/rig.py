@@ -267,11 +267,6 @@ class RigFile(Entry):
         return column
 
     @property
-    def motion_key(self) -> str:
-        """Which of the two that is."""
-        return "velocity" if self.position is None else "position"
-
-    @property
     def axis(self) -> str:
         """What positions are measured in inside: rad or m."""
         return self.motion.si.removesuffix("/s")

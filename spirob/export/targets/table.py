@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 HOLDS = "fitted numbers with intervals and covariance: CSV, LaTeX, and what to draw models from"
 LACKS = "laws: the draws are put into what `--to mujoco` wrote"
 LOSSY = False
-PLAYER = ""
 WIDTH = 3.92  # of a 95 % interval, in standard deviations
 DRAW = '''"""Draws machines as likely as the logs leave them; beside what `--to mujoco` wrote."""
 
