@@ -39,6 +39,18 @@ class Begun:
     vague: Sequence[str] = ()
 
 
+def roughly(
+    train: Problem,
+    names: Sequence[str],
+    start: Mapping[str, float],
+    settings: Settings,
+    steps: Sequence[float] = STEPS[-1:],
+) -> Fit:
+    """A fit from `start` at half the price, and without intervals."""
+    scale, patience = settings.scale, settings.patience
+    return fit(near(train, start), names, start, scale, patience, steps=steps, exact=False)
+
+
 def begun(
     train: Problem,
     names: Sequence[str],
@@ -215,7 +227,7 @@ def _lower(
     own = {e.name() for e in effects}
     moved = {n for n in names if n in strengths or n.split(".")[0] not in own}
     start = {**{k: v for k, v in found.changes.items() if k not in moved}, **begin}
-    far = fit(near(train, start), names, start, settings.scale, settings.patience, exact=False)
+    far = roughly(train, names, start, settings, STEPS)
     if far.cost > HOPELESS * found.cost:
         return found
     again = briefly(near(train, far.changes), names, far.changes, settings, far.jacobian)

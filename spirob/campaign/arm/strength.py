@@ -24,14 +24,14 @@ from joblib import Parallel, delayed
 
 from spirob.campaign.arm.bends import problems_of, recorded
 from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.fitting import Begun, begun
+from spirob.diagnosis.fitting import Begun, begun, roughly
 from spirob.emulator.build import AS_DESIGNED, TYPICAL
 from spirob.emulator.rig import HiddenSettings
 from spirob.ending import end_with_parent
 from spirob.errors import ConfigError
-from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.fit import STEPS, Fit
 from spirob.identify.problem import FITTED, Problem, effort_rms
-from spirob.identify.residual import Residual, near
+from spirob.identify.residual import Residual
 from spirob.plant import Plant, Rig
 
 # % of the current's RMS with nothing hidden: 0.18 to 0.21 held out on five robots as designed; of
@@ -268,9 +268,9 @@ def _alone(
 
 def _without_any(problems: Mapping[str, Problem], settings: Settings) -> Begun:
     """The numbers fitted without any effect, with wide differences first, then to the end."""
-    train = near(problems["train"], {})
-    found = fit(train, FITTED, {}, settings.scale, settings.patience, steps=STEPS[:1], exact=False)
-    return begun(problems["train"], FITTED, found.changes, settings, STEPS[-1:])
+    train = problems["train"]
+    found = roughly(train, FITTED, {}, settings, STEPS[:1])
+    return begun(train, FITTED, found.changes, settings, STEPS[-1:])
 
 
 def _beyond(shown: float, asked: tuple[float, float]) -> float:

@@ -13,6 +13,7 @@ from statistics import median
 import numpy as np
 
 from spirob.diagnosis.criteria import Settings, complete
+from spirob.diagnosis.fitting import roughly
 from spirob.identify.builds import (
     RESOLUTION,
     SCATTER,
@@ -23,7 +24,7 @@ from spirob.identify.builds import (
     weighted,
 )
 from spirob.identify.descent import robust_cost
-from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.fit import STEPS, Fit
 from spirob.identify.residual import SENSE, Residual, explained, near
 from spirob.machine.arm.rest import is_unsure, rested
 from spirob.machine.arm.rows import determined
@@ -85,15 +86,6 @@ class Ground:
         """By how much builds may be apart in a row that counts [A]."""
         return complete(self.train, self.settings.floor)
 
-    def fitted(
-        self, of: Residual, names: Sequence[str], start: Mapping[str, float], steps: Sequence[float]
-    ) -> Fit:
-        """At half the price, and without intervals."""
-        rules = self.settings
-        return fit(
-            near(of, start), names, start, rules.scale, rules.patience, steps=steps, exact=False
-        )
-
     def begun(self, changes: Mapping[str, float], read: "Ground") -> "Ground":
         """The same with logs that begin where the arm rests with these numbers.
 
@@ -109,7 +101,7 @@ class Ground:
         if any(map(is_unsure, self.residuals.values())):
             for _ in range(ROUNDS):
                 ground = ground.begun(found.changes, self)
-                found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
+                found = roughly(ground.train, names, found.changes, ground.settings)
         return ground, found
 
     def floor(self, arm: Arm, told: Mapping[str, float]) -> Floor:
@@ -144,7 +136,7 @@ class Ground:
         if self.free:
             freed = [*names, *(n for n in FREED if n in self.free and n not in names)]
             other = searched_shape(self.train, found, self.free, scale, self.progress)
-            shaped = self.fitted(self.train, freed, other, STEPS)
+            shaped = roughly(self.train, freed, other, self.settings, STEPS)
             if shaped.cost < PAYS * found.cost:
                 numbers, names = shaped.changes, freed
         return numbers, names
@@ -163,11 +155,11 @@ def settled(
     names  of the numbers;  free  those of `SHAPE` and `TOLERANCES` that may be searched for
     """
     ground = Ground(residuals, names, free, settings, progress)
-    ground, found = ground.rested(ground.fitted(ground.train, names, start, STEPS[:1]))
+    ground, found = ground.rested(roughly(ground.train, names, start, settings, STEPS[:1]))
     shares = list(explained(ground.train, found.residual).values())
     senseless = bool(shares) and median(shares) < SENSE  # no shape makes up for a wrong column
     if senseless or _left(ground.train, found.residual) <= NEARLY * ground.limit:
-        found = ground.fitted(ground.train, names, found.changes, STEPS[-1:])
+        found = roughly(ground.train, names, found.changes, ground.settings)
         whole = Arm(found.changes, list(names), dict(ground.residuals), {})
         floor = ground.floor(whole, {})
         nearly = _left(ground.train, found.residual) <= complete(ground.train, floor.share)
@@ -198,7 +190,7 @@ def settled_with(
     ground = read.begun(contender.changes, read)
     first = ground.weighed(contender.changes, names)
     here = replace(ground, residuals=first.residuals)
-    found = here.fitted(here.train, names, contender.changes, STEPS[-1:])
+    found = roughly(here.train, names, contender.changes, settings)
     arm = ground.weighed(*here.shaped(found))
     numbers, widths, told = _built(ground, arm)
     floor = ground.floor(replace(arm, numbers=numbers), widths)
@@ -216,7 +208,7 @@ def _built(ground: Ground, arm: Arm) -> tuple[dict[str, float], dict[str, float]
     close = near(train, numbers)
     told = gate(close, list(dict.fromkeys([*arm.names, *asked])), numbers, asked, rules.scale)
     if new := [n for n in told.seen if n not in arm.names]:
-        built = ground.fitted(train, [*arm.names, *new], numbers, STEPS[-1:])
+        built = roughly(train, [*arm.names, *new], numbers, rules)
         if built.cost < PAYS * robust_cost(close(numbers), rules.scale):
             numbers = built.changes
     return numbers, {**told.seen, **told.held}, told.told(numbers, train.table)

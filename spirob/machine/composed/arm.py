@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from spirob.diagnosis.criteria import Settings, Worth
-from spirob.diagnosis.fitting import parameters_of
+from spirob.diagnosis.fitting import parameters_of, roughly
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.simulated import modelled, scores
 from spirob.effects import Effect, all_effects, load_file
@@ -21,10 +21,10 @@ from spirob.effects.effect import SUFFIX
 from spirob.effects.replay import contribution
 from spirob.errors import SimulationError
 from spirob.identify.descent import slopes_ahead
-from spirob.identify.fit import STEPS, Fit, fit
+from spirob.identify.fit import STEPS
 from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.problem import effort_rms
-from spirob.identify.residual import Residual, near
+from spirob.identify.residual import Residual
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.composing import SURE, Composed, document_of, free_name
 from spirob.machine.composed.greedy import compose
@@ -100,7 +100,7 @@ def composed_for_arm(
         return None
     ground, law, _ = min(drafted, key=lambda one: one[2])
     # fitted as far as with a law: what only that gains is the law's
-    below = modelled([], _fit(bare, names, changes, settings), bare)
+    below = modelled([], roughly(bare["train"], names, changes, settings), bare)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
         progress(f"the arm plays a law of {law.terms} terms")
         try:
@@ -112,18 +112,6 @@ def composed_for_arm(
         if not _holds(one, below, rival, settings):
             return None
         return _told(one, below)
-
-
-def _fit(
-    residuals: Mapping[str, Residual],
-    names: Sequence[str],
-    start: Mapping[str, float],
-    settings: Settings,
-) -> Fit:
-    train = near(residuals["train"], start)
-    return fit(
-        train, names, start, settings.scale, settings.patience, steps=STEPS[-1:], exact=False
-    )
 
 
 def _drafted(
@@ -175,7 +163,7 @@ def _model(
     settings: Settings,
 ) -> Model:
     """The model with the law, from where its fit ends lowest."""
-    fits = [_fit(residuals, names, start, settings) for start in starts]
+    fits = [roughly(residuals["train"], names, start, settings) for start in starts]
     found = min(fits, key=lambda one: one.cost)
     return modelled([effect], found, residuals)
 
