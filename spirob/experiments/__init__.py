@@ -283,11 +283,16 @@ def curve(
     }
 
 
-def within(value: float | None, truth: float | None, share: float) -> bool | None:
-    """Whether a figure lies within a share of the robot's; None where one is missing."""
-    if value is None or truth is None or not np.isfinite([value, truth]).all():
-        return None
-    return bool(abs(value - truth) <= share * abs(truth))
+def aimed(values: Mapping[str, Any], share: float) -> dict[str, Any]:
+    """Aim of a row that the named model lies within a share of the robot's figure, and whether.
+
+    met  None where one of the two is missing
+    """
+    named, robot = values.get("named"), values.get("robot")
+    met = None
+    if named is not None and robot is not None and np.isfinite([named, robot]).all():
+        met = bool(abs(named - robot) <= share * abs(robot))
+    return {"aim": f"named within {100 * share:g} % of the robot", "met": met}
 
 
 def _figure(value: Any) -> Any:

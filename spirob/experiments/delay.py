@@ -12,18 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments import (
-    WINDOW,
-    Experiment,
-    Play,
-    Side,
-    Sides,
-    curve,
-    plan,
-    row,
-    trial,
-    within,
-)
+from spirob.experiments import WINDOW, Experiment, Play, Side, Sides, aimed, curve, plan, row, trial
 from spirob.experiments.response import PERIOD, crossing, step_times
 from spirob.logs.trace import moving_average
 
@@ -100,12 +89,10 @@ class Delay(Experiment):
                 ("displacement rise", None, "from a tenth to nine tenths of it"),
             ):
                 values = {s: t[key] for s, t in times.items()}
-                judged = key in ("filtered", "displacement")
-                met = within(values.get("named"), values.get("robot"), AIM) if judged else None
-                aim = "named within 5 % of the robot" if judged else None
+                aim = aimed(values, AIM) if key in ("filtered", "displacement") else {}
                 name = key if key.startswith("displacement") else f"force, {key}"
                 what = f"delay of {name} at {force:g} N"
-                rows.append(row(what, "ms", values, paper=paper, aim=aim, met=met, note=note))
+                rows.append(row(what, "ms", values, paper=paper, note=note, **aim))
             held = {s: t["held"] for s, t in times.items()}
             rows.append(row(f"force held at {force:g} N", "N", held))
         return rows

@@ -9,18 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments import (
-    LIMIT,
-    Experiment,
-    Play,
-    Side,
-    Sides,
-    curve,
-    plan,
-    row,
-    trial,
-    within,
-)
+from spirob.experiments import LIMIT, Experiment, Play, Side, Sides, aimed, curve, plan, row, trial
 from spirob.experiments.response import PERIOD, smooth
 
 AIM = 0.05
@@ -79,10 +68,8 @@ class ExtremeCurl(Experiment):
             ("last current", "A", LIMIT, "saturation of the drive"),
         ):
             values = {s: f[key] for s, f in found.items() if key in f}
-            judged = key.endswith("knee")
-            met = within(values.get("named"), values.get("robot"), AIM) if judged else None
-            aim = "named within 5 % of the robot" if judged else None
-            rows.append(row(key, unit, values, paper=paper, aim=aim, met=met, note=note))
+            aim = aimed(values, AIM) if key.endswith("knee") else {}
+            rows.append(row(key, unit, values, paper=paper, note=note, **aim))
         return [*rows, row("stroke at the end", "mm", stroke)]
 
     def _knee(self, side: Side) -> dict[str, float]:

@@ -11,17 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spirob.experiments import (
-    Experiment,
-    Play,
-    Side,
-    Sides,
-    curve,
-    plan,
-    row,
-    trial,
-    within,
-)
+from spirob.experiments import Experiment, Play, Side, Sides, aimed, curve, plan, row, trial
 from spirob.experiments.response import PERIOD
 
 AIM = 0.1  # of the robot's
@@ -79,10 +69,8 @@ class Hysteresis(Experiment):
         box = {s: np.ptp(force) * stroke[s] for s, (force, _) in loops.items()}
         width = {s: area[s] / box[s] if box[s] > 0.0 else np.nan for s in loops}
         note = "the paper shows a loop and gives no number"
-        met = within(area.get("named"), area.get("robot"), AIM)
-        aim = "named within 10 % of the robot"
         return [
-            row("area of the loop", "mJ", area, aim=aim, met=met, note=note),
+            row("area of the loop", "mJ", area, note=note, **aimed(area, AIM)),
             row("area of the baseline's loop", "mJ", area, aim=ABOUT_NONE, met=_none(area)),
             row("area over force range times stroke", "1", width),
             row("stroke", "mm", stroke),
