@@ -21,6 +21,7 @@ from spirob.parameter import Numbers, Parameter
 from spirob.ports import PORTS, READABLE, SIGNALS
 
 OPTIONAL = {"dt"}  # a kernel may ask for the step [s]
+TEXTS = ("title", "signature", "explanation", "tell_apart", "needs", "references")
 TRAITS = {"dissipative", "odd_in_speed", "even_in_speed", "rate_independent", "constant"}
 
 
@@ -53,6 +54,8 @@ class Effect(Numbers):
 
     `kernel` is a static method; its arguments are exactly: `upstream` (for a pipe port), then
     reads, state and numbers by name, and `dt` if it wants it.  It uses only arithmetic and `math`.
+    `class Other(Effect, told_as=One)` is another law of an effect, with the texts of One.
+
     Raises EffectError when the class is created with anything that does not fit.
     """
 
@@ -75,7 +78,9 @@ class Effect(Numbers):
     references: ClassVar[tuple[str, ...]] = ()
     kernel: ClassVar[Callable[..., Any]]
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, told_as: "type[Effect] | None" = None, **kwargs: Any) -> None:
+        for text in TEXTS if told_as else ():
+            setattr(cls, text, getattr(told_as, text))
         cls.owner = cls.__module__.rsplit(".", 1)[-1]
         super().__init_subclass__(**kwargs)
         _check_declaration(cls)

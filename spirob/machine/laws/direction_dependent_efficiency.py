@@ -9,7 +9,7 @@ from spirob.effects.motor.direction_dependent_efficiency import (
 from spirob.parameter import bounded
 
 
-class DirectionDependentEfficiency(Effect):
+class DirectionDependentEfficiency(Effect, told_as=OfTendon):
     """η → η·(1 + x·(1 - z·sgn i)/2), dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z)/δ.
 
     The losses of a gear are friction of its teeth, which turns round over a way as any dry friction
@@ -27,12 +27,6 @@ class DirectionDependentEfficiency(Effect):
     neutral = {"back_excess": 0.0}
     equation = "upstream*(1 + x*(1 - mobilised*sign(current))/2)"
     evolution = {"mobilised": "Abs(speed)*(tanh(speed/(σ*rest_speed)) - mobilised)/δ"}
-    title = OfTendon.title
-    signature = OfTendon.signature
-    explanation = OfTendon.explanation
-    tell_apart = OfTendon.tell_apart
-    needs = OfTendon.needs
-    references = OfTendon.references
 
     back_excess: float = bounded(0.3, 0.0, 9.0, "1", "x", "extra torque passed while driven")
     softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")

@@ -7,7 +7,7 @@ from spirob.effects.motor.load_dependent_friction import LoadDependentFriction a
 from spirob.parameter import bounded
 
 
-class LoadDependentFriction(Effect):
+class LoadDependentFriction(Effect, told_as=OfTendon):
     """τ = -m·|τ_load - μ·J·a|·z, dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z)/δ; ω_0 as in `coulomb_friction`.
 
     Like any dry friction it turns round over a way: bristles of Dahl (1968), whose level the load
@@ -31,12 +31,6 @@ class LoadDependentFriction(Effect):
     traits = {"dissipative"}
     equation = "-m*Abs(load - μ*inertia_torque)*mobilised"
     evolution = {"mobilised": "Abs(speed)*(tanh(speed/(σ*rest_speed)) - mobilised)/δ"}
-    title = OfTendon.title
-    signature = OfTendon.signature
-    explanation = OfTendon.explanation
-    tell_apart = OfTendon.tell_apart
-    needs = OfTendon.needs
-    references = OfTendon.references
 
     loss_ratio: float = bounded(0.05, 0.0, 1.0, "1", "m", "lost part of the load torque")
     softness: float = bounded(1.0, 0.05, 10.0, "1", "σ", "rest speeds in which the sign turns")

@@ -7,7 +7,7 @@ from spirob.effects.motor.presliding_friction import PreslidingFriction as OfRot
 from spirob.parameter import bounded
 
 
-class PreslidingFriction(Effect):
+class PreslidingFriction(Effect, told_as=OfRotor):
     """τ = -T_p·(z + c·dz/dt), dz/dt = ω/δ·(1 - z·sgn ω)^α: Dahl's bristle, damped as LuGre's is.
 
     α is how the bristle bends (Dahl, 1968): at 1 by and by, as LuGre's (Canudas de Wit et al.,
@@ -23,12 +23,6 @@ class PreslidingFriction(Effect):
     traits = {"dissipative", "odd_in_speed"}
     equation = "-T_p*(mobilised + c*speed*Max(0, 1 - mobilised*sign(speed))**α/δ)"
     evolution = {"mobilised": "speed*Max(0, 1 - mobilised*sign(speed))**α/δ"}
-    title = OfRotor.title
-    signature = OfRotor.signature
-    explanation = OfRotor.explanation
-    tell_apart = OfRotor.tell_apart
-    needs = OfRotor.needs
-    references = OfRotor.references
 
     sliding_torque: float = bounded(0.002, 0.0, 0.05, "N·m", "T_p", "level while sliding")
     presliding: float = bounded(

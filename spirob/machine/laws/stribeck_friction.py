@@ -7,7 +7,7 @@ from spirob.effects.motor.stribeck_friction import StribeckFriction as OfRotor
 from spirob.parameter import bounded
 
 
-class StribeckFriction(Effect):
+class StribeckFriction(Effect, told_as=OfRotor):
     """τ = -T_s·z, dz/dt = |ω|·(tanh(ω/(σ·ω_0)) - z/g)/δ, g·T_s = T_c + T_x·exp(-(ω/(s·ω_0))²).
 
     T_s = T_c + T_x is the breakaway level, ω_0 the speed at which the rig counts as standing.  With
@@ -26,12 +26,6 @@ class StribeckFriction(Effect):
         "mobilised": "Abs(speed)*(tanh(speed/(σ*rest_speed))"
         " - mobilised*(T_c + T_x)/(T_c + T_x*exp(-(speed/(s*rest_speed))**2)))/δ"
     }
-    title = OfRotor.title
-    signature = OfRotor.signature
-    explanation = OfRotor.explanation
-    tell_apart = OfRotor.tell_apart
-    needs = OfRotor.needs
-    references = OfRotor.references
 
     coulomb_torque: float = bounded(0.001, 0.0, 0.05, "N·m", "T_c", "level while sliding")
     breakaway_excess: float = bounded(0.001, 0.0, 0.05, "N·m", "T_x", "extra level near rest")
