@@ -83,6 +83,7 @@ def noted(folder):
 
 
 def alive(number):
+    """Whether a process is there, or of a negative number, any of that group."""
     try:
         os.kill(number, 0)
     except ProcessLookupError:

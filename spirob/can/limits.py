@@ -225,11 +225,9 @@ def silence(motor: Watched, limits: Limits, now_ns: int) -> str | None:
 def travel(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     """Wound in or paid out too far."""
     x = motor.state.displacement
-    return (
-        f"tendon at {1e3 * x:.1f} mm, limit {1e3 * limits.travel:g} mm"
-        if (abs(x) > limits.travel)
-        else None
-    )
+    if abs(x) > limits.travel:
+        return f"tendon at {1e3 * x:.1f} mm, limit {1e3 * limits.travel:g} mm"
+    return None
 
 
 def speed(motor: Watched, limits: Limits, now_ns: int) -> str | None:
@@ -241,21 +239,17 @@ def speed(motor: Watched, limits: Limits, now_ns: int) -> str | None:
 def temperature(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     """Winding too hot."""
     hot = motor.state.temperature
-    return (
-        f"winding at {hot:.0f} °C, limit {limits.temperature:g} °C"
-        if (hot > limits.temperature)
-        else None
-    )
+    if hot > limits.temperature:
+        return f"winding at {hot:.0f} °C, limit {limits.temperature:g} °C"
+    return None
 
 
 def encoder(motor: Watched, limits: Limits, now_ns: int) -> str | None:
     """Angle and speed tell two stories: an encoder that jumps or sticks."""
     astray = motor.state.astray
-    return (
-        f"encoder and speed disagree by {astray / COUNTS_PER_TURN:+.2f} turns"
-        if (abs(astray) > ASTRAY)
-        else None
-    )
+    if abs(astray) > ASTRAY:
+        return f"encoder and speed disagree by {astray / COUNTS_PER_TURN:+.2f} turns"
+    return None
 
 
 def following(motor: Watched, limits: Limits, now_ns: int) -> str | None:

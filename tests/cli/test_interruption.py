@@ -13,6 +13,7 @@ import pytest
 from spirob.cli.main import main
 from spirob.cli.project import Kept, alone, read_overrides, write_overrides
 from tests.cli.toy import toy
+from tests.test_ending import alive
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["plain", "persist"])
@@ -114,15 +115,6 @@ def ends(number):
     while alive(number) and time.monotonic() < deadline:
         time.sleep(0.05)
     return not alive(number)
-
-
-def alive(number):
-    """Whether a process is there, or of a negative number, any of that group."""
-    try:
-        os.kill(number, 0)
-    except ProcessLookupError:
-        return False
-    return True
 
 
 def test_a_second_run_in_the_same_project_changes_nothing(project, capfd):

@@ -66,3 +66,9 @@ def write(folder, **changes):
     path = folder / "rig.yaml"
     path.write_text(yaml.safe_dump(description(**changes)))
     return path
+
+
+def exchanged(columns):
+    """The log with each motor's current in the other's column."""
+    other = {"left current": "right current", "right current": "left current"}
+    return {name: columns[other.get(name, name)] for name in columns}

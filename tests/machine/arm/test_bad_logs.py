@@ -13,7 +13,7 @@ from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial, barely_moves
 from spirob.plant import Plant
-from tests.machine.arm.elsewhere import log, rig, tables
+from tests.machine.arm.elsewhere import exchanged, log, rig, tables
 
 FRICTION = all_effects()["coulomb_friction"]
 HIDDEN = {"winch.efficiency": 0.7, "coulomb_friction.coulomb_torque": 0.004}
@@ -23,12 +23,6 @@ LOGS = (("train", 0), ("train", 1), ("validate", 0), ("heldout", 0))
 @pytest.fixture(scope="module")
 def columns():
     return log("train", 0, {})
-
-
-def exchanged(columns):
-    """The log with each motor's effort in the other's column."""
-    other = {"left current": "right current", "right current": "left current"}
-    return {name: columns[other.get(name, name)] for name in columns}
 
 
 def changed(columns, name, rows, value):

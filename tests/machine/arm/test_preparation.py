@@ -19,7 +19,7 @@ from spirob.machine.arm.replay import arm_trial
 from spirob.machine.arm.shape import SHAPE
 from spirob.plant import Plant
 from tests.identify.known import moves
-from tests.machine.arm.elsewhere import played, rig
+from tests.machine.arm.elsewhere import exchanged, played, rig
 
 NAMES = ["winch.efficiency", "motor.rotor_damping", "arm.base_stiffness", "arm.bends_per_hinge"]
 TRUE = {"winch.efficiency": 0.7, "motor.rotor_damping": 1.3e-4, "arm.bends_per_hinge": 1.2}
@@ -31,12 +31,6 @@ def as_commanded(true, effects=()):
     for k, motor in enumerate(("left", "right")):
         bend = moves(motor, [[0.1, 0.0], [1.2, 0.03], [0.7, 0.012], [0.9, 0.025]], 0.6)
         yield played({"name": motor, "role": "train", **bend, "duration": 3.0}, true, effects, k=k)
-
-
-def exchanged(columns):
-    """The log with each motor's current in the other's column."""
-    other = {"left current": "right current", "right current": "left current"}
-    return {name: columns[other.get(name, name)] for name in columns}
 
 
 def settle(true, logged=dict):
