@@ -9,11 +9,10 @@ from pipeline.model import fitted_names, plant, residual, start
 from pipeline.stage import entry, public_config, tell, write_json
 from spirob.identify.fit import Fit, best_start, block_covariance, fit_identifiable, polished
 from spirob.identify.identifiability import probe
-from spirob.identify.intervals import score
+from spirob.identify.intervals import score, with_bounds
 from spirob.identify.problem import Problem
 from spirob.identify.residual import near, refuse_senseless
 from spirob.identify.scaling import Scaling
-from spirob.parameter import Table
 
 
 def stage(root: Path) -> None:
@@ -36,7 +35,7 @@ def stage(root: Path) -> None:
     sentence = gate.sentence
     if vague:
         sentence += f" Left at nominal, because the data do not tell: {', '.join(vague)}."
-    parameters = described(found, model.table)
+    parameters = with_bounds(found.estimates, model.table)
     write_json(
         root / "data/identified/base.json",
         {
@@ -57,26 +56,6 @@ def stage(root: Path) -> None:
         root / "reports/metrics/identify.json",
         {"train": quality, "parameters": figures, "identifiability": said},
     )
-
-
-def described(found: Fit, table: Table) -> dict[str, Any]:
-    """Fitted numbers with what is known of them beforehand."""
-    out = {}
-    for name, estimate in found.estimates.items():
-        about = table.about[name]
-        low, high = about.reach(float(table.values[table.position(name)]))
-        out[name] = {
-            "value": estimate.value,
-            "low": estimate.low,
-            "high": estimate.high,
-            "unit": about.unit,
-            "nominal": about.nominal,
-            "bound_low": low,
-            "bound_high": high,
-            "at_bound": estimate.at_bound,
-            "meaning": about.meaning,
-        }
-    return out
 
 
 TENTH = 0.1  # a change of about ten per cent

@@ -56,7 +56,7 @@ def _sure(verdict: Verdict, name: str) -> dict[str, Any]:
 def numbers(model: Model, owner: str) -> dict[str, Any]:
     """The fitted numbers of an owner, without its name."""
     return {
-        name.split(".", 1)[1]: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+        name.split(".", 1)[1]: e.plain
         for name, e in model.fit.estimates.items()
         if name.split(".", 1)[0] == owner
     }

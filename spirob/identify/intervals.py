@@ -5,10 +5,10 @@ whole blocks are drawn, never samples.  The model stays as it is: what another f
 in the interval.
 """
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from spirob.parameter import Table
 if TYPE_CHECKING:
     from spirob.identify.fit import Fit
     from spirob.identify.problem import Problem
-from dataclasses import asdict
 
 ALONE = 1e-6  # keeps a block that alone tells of a number from dividing by zero
 
@@ -32,6 +31,27 @@ class Estimate:
     high: float
     unit: str
     at_bound: bool
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """Value, interval and unit."""
+        return {"value": self.value, "low": self.low, "high": self.high, "unit": self.unit}
+
+
+def with_bounds(estimates: Mapping[str, Estimate], table: Table) -> dict[str, dict[str, Any]]:
+    """Fitted numbers by name, with what is known of them beforehand."""
+    found = {}
+    for name, estimate in estimates.items():
+        about = table.about[name]
+        low, high = about.reach(float(table.values[table.position(name)]))
+        found[name] = estimate.plain | {
+            "nominal": about.nominal,
+            "bound_low": low,
+            "bound_high": high,
+            "at_bound": estimate.at_bound,
+            "meaning": about.meaning,
+        }
+    return found
 
 
 def block_covariance(

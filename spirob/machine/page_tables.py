@@ -16,6 +16,7 @@ from spirob.diagnosis.screen import without
 from spirob.diagnosis.search import Found
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
+from spirob.identify.intervals import with_bounds
 from spirob.identify.problem import Problem, rms
 from spirob.machine.forward import WINDOW, Forward, Prediction
 from spirob.machine.inverse import InverseProblem
@@ -127,21 +128,8 @@ def laws(
 
 def parameters(search: RigSearch, fit: Fit) -> dict[str, Any]:
     """Fitted numbers of a model, with their bounds."""
-    about = search.models.train.table.about
-    return {
-        name.removeprefix("rig."): {
-            "value": e.value,
-            "low": e.low,
-            "high": e.high,
-            "unit": e.unit,
-            "nominal": about[name].nominal,
-            "bound_low": about[name].low,
-            "bound_high": about[name].high,
-            "at_bound": e.at_bound,
-            "meaning": about[name].meaning,
-        }
-        for name, e in fit.estimates.items()
-    }
+    found = with_bounds(fit.estimates, search.models.train.table)
+    return {name.removeprefix("rig."): about for name, about in found.items()}
 
 
 def predicted(search: RigSearch, found: Found) -> tuple[dict[str, Any], pd.DataFrame | None]:

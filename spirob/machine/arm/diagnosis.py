@@ -19,6 +19,7 @@ from spirob.diagnosis.verdict import searched as searched_for
 from spirob.effects import Effect, all_effects
 from spirob.identify.builds import TOLERANCES, Floor
 from spirob.identify.fit import STEPS, fit_identifiable
+from spirob.identify.intervals import with_bounds
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import effort_rms
 from spirob.identify.residual import SENSE, SUSPECTS, Filter, Residual, explained
@@ -209,7 +210,7 @@ def written(rig: ArmFile, found: Searched, said: list[str]) -> dict[str, Any]:
         "ladder": [_tested(rung) for rung in told["ladder"]],
         "repairs": [*said, *_strangers(models)],
         "excluded": {},
-        "numbers": _numbers(ended.found.chosen),
+        "numbers": {n: e.plain for n, e in ended.found.chosen.fit.estimates.items()},
         "model": _standing(rig, found),
         "motion": None,
     }
@@ -271,13 +272,6 @@ def _tested(rung: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _numbers(model: Model) -> dict[str, Any]:
-    return {
-        name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-        for name, e in model.fit.estimates.items()
-    }
-
-
 PAGE_ROLES = {"heldout": "test", "train": "train"}
 
 
@@ -301,22 +295,4 @@ def overlay(found: Searched) -> pd.DataFrame:
 
 def parameters(found: Searched) -> dict[str, Any]:
     """Fitted numbers of the bare model."""
-    table, bare = found.models.train.table, found.ended.found.rungs[0]
-
-    def reach(name: str) -> tuple[float, float]:
-        return table.about[name].reach(float(table.values[table.position(name)]))
-
-    return {
-        name: {
-            "value": e.value,
-            "low": e.low,
-            "high": e.high,
-            "unit": e.unit,
-            "nominal": table.about[name].nominal,
-            "bound_low": reach(name)[0],
-            "bound_high": reach(name)[1],
-            "at_bound": e.at_bound,
-            "meaning": table.about[name].meaning,
-        }
-        for name, e in bare.fit.estimates.items()
-    }
+    return with_bounds(found.ended.found.rungs[0].fit.estimates, found.models.train.table)

@@ -213,10 +213,7 @@ def document_of(
         "shape": title,
         "formula": formula(law, units),
         "terms": [" × ".join(part.term.kinds) for part in law.parts],
-        "numbers": {
-            field: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-            for field, e in own.items()
-        },
+        "numbers": {field: e.plain for field, e in own.items()},
         "share": share,
         "rmse": dict(rmse),
         "dissipative": law.brakes,
