@@ -4,12 +4,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from pipeline.stage import entry, public_config, read_json, tell
+from pipeline.stage import entry, public_config, read_json, tell, trace_of, written
 from pipeline.trials import paper_wraps, robot_wraps, unseen_wraps
 from pipeline.wraps import together, wrapped, write
-from spirob.errors import MissingLog
-from spirob.logs import read_parquet
-from spirob.logs.trace import Trace
 from spirob.perceive.features import table
 
 FOLDER = Path("data/features")
@@ -29,24 +26,14 @@ def stage(root: Path) -> None:
         write(root / FOLDER / f"{name}.parquet", features)
         tell(f"{name}: {len(features)} simulated wraps")
     write(root / FOLDER / "paper.parquet", train[: len(paper_wraps(config))])
-    recorded = [_recorded(root, t["name"]) for t in robot_wraps(config)]
+    recorded = [trace_of(root, t["name"]) for t in robot_wraps(config)]
     write(root / FOLDER / "robot.parquet", table(recorded))
     tell(f"robot: {len(recorded)} wraps")
 
 
 def features_of(root: Path, name: str) -> pd.DataFrame:
     """A table that this stage wrote; MissingLog where it did not."""
-    path = root / FOLDER / f"{name}.parquet"
-    if not path.exists():
-        raise MissingLog(f"{path} is missing; the stage 'features' writes it")
-    return pd.read_parquet(path)
-
-
-def _recorded(root: Path, name: str) -> Trace:
-    path = root / "data/traces" / f"{name}.parquet"
-    if not path.exists():
-        raise MissingLog(f"{path} is missing; the stage 'decode' writes it")
-    return read_parquet(path)
+    return pd.read_parquet(written(root / FOLDER / f"{name}.parquet", "features"))
 
 
 if __name__ == "__main__":

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.schema import Config
-from pipeline.stage import read_json, workers
+from pipeline.stage import read_json, trace_of, workers
 from spirob.diagnosis.criteria import weighed_at
 from spirob.diagnosis.simulated import ROLES
 from spirob.effects import Effect, find_effects
-from spirob.errors import MissingLog
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import Filter, Residual, refuse_senseless
-from spirob.logs import read_parquet
 from spirob.plant import Plant, Rig
 
 
@@ -36,13 +34,7 @@ def fitted_names(config: Config) -> list[str]:
 def measurements(root: Path, config: Config, role: str) -> list[Measurement]:
     """The decoded trials of the experiment with this role."""
     chosen = [t["name"] for t in config.recordings.trials if t["role"] == role]
-    found = []
-    for name in chosen:
-        path = root / "data/traces" / f"{name}.parquet"
-        if not path.exists():
-            raise MissingLog(f"{path} is missing; the stage 'decode' writes it")
-        found.append(Measurement.from_trace(read_parquet(path)))
-    return found
+    return [Measurement.from_trace(trace_of(root, name)) for name in chosen]
 
 
 def residual(root: Path, config: Config, model: Plant, role: str) -> Residual:

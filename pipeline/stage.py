@@ -14,6 +14,7 @@ from pipeline.schema import Config, validated
 from spirob.ending import stop_as_by_hand
 from spirob.errors import DataError, MissingLog, SpirobError
 from spirob.files import write_text
+from spirob.logs.trace import Trace, read_parquet
 
 PUBLIC = Path("data/config/config.yaml")
 HIDDEN = Path("data/config/hidden.yaml")
@@ -65,22 +66,30 @@ def public_config(root: Path) -> Config:
     return validated(read_yaml(root / PUBLIC, "config"), str(PUBLIC))
 
 
-def read_yaml(path: Path, stage: str) -> Any:
-    """A YAML file that an earlier stage wrote."""
+def written(path: Path, stage: str) -> Path:
+    """The path of what an earlier stage wrote; raises MissingLog where it did not."""
     if not path.exists():
         raise MissingLog(f"{path} is missing; the stage '{stage}' writes it")
+    return path
+
+
+def trace_of(root: Path, name: str) -> Trace:
+    """The decoded log of a trial."""
+    return read_parquet(written(root / "data/traces" / f"{name}.parquet", "decode"))
+
+
+def read_yaml(path: Path, stage: str) -> Any:
+    """A YAML file that an earlier stage wrote."""
     try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
+        return yaml.safe_load(written(path, stage).read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise DataError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
 
 
 def read_json(path: Path, stage: str) -> Any:
     """A JSON file that an earlier stage wrote."""
-    if not path.exists():
-        raise MissingLog(f"{path} is missing; the stage '{stage}' writes it")
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(written(path, stage).read_text(encoding="utf-8"))
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise DataError(f"{path} is not JSON: {error}") from None
 
