@@ -73,10 +73,20 @@ def foreseen(errors: np.ndarray, numbers: int, samples: int) -> np.ndarray:
 
 def improvement(before: np.ndarray, after: np.ndarray, seed: int) -> tuple[float, float, float]:
     """Relative fall of the mean squared error with its 95 % interval; negative is worse."""
-    draws = np.random.default_rng(seed).integers(0, len(before), (DRAWS, len(before)))
-    ratio = 1.0 - after[draws].mean(axis=1) / before[draws].mean(axis=1)
-    low, high = np.quantile(ratio, [0.025, 0.975])
+    drawn, again = _drawn(before, after, seed)
+    low, high = np.quantile(1.0 - again.mean(axis=1) / drawn.mean(axis=1), [0.025, 0.975])
     return float(1.0 - after.mean() / before.mean()), float(low), float(high)
+
+
+def _drawn(before: np.ndarray, after: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of blocks drawn again, `DRAWS` times: the same of both, (DRAWS, B) each.
+
+    Where they are other blocks, as of rows that another delay leaves a partner, each draws its own.
+    """
+    draw = np.random.default_rng(seed)
+    same = draw.integers(0, len(before), (DRAWS, len(before)))
+    other = same if len(before) == len(after) else draw.integers(0, len(after), (DRAWS, len(after)))
+    return before[same], after[other]
 
 
 def noise_floor(problem: Problem) -> float:
@@ -238,9 +248,8 @@ class Worth:
         seed = self.settings.seed
         if improvement(before.errors, after.errors, seed)[1] > 0.0:
             return True
-        falls = np.log(before.errors + TINY) - np.log(after.errors + TINY)
-        draws = np.random.default_rng(seed).integers(0, len(falls), (DRAWS, len(falls)))
-        return bool(np.quantile(falls[draws].mean(axis=1), UNSURE) > 0.0)
+        drawn, again = _drawn(np.log(before.errors + TINY), np.log(after.errors + TINY), seed)
+        return bool(np.quantile(drawn.mean(axis=1) - again.mean(axis=1), UNSURE) > 0.0)
 
     def possible(self, current: Model, error: float, promised: float) -> bool:
         """Whether an addition could matter, judged by its screened error.

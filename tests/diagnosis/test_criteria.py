@@ -33,6 +33,14 @@ def test_one_block_alone_proves_nothing():
     assert not WORTH.matters(model(before), model(np.append(after, 2.0)))
 
 
+@pytest.mark.parametrize("rows", [(24, 20), (20, 24)])
+def test_errors_over_other_blocks_are_compared_by_their_mean(rows):
+    """As of a search about another delay, which leaves other rows a partner."""
+    before, after = (np.random.default_rng(n).uniform(0.8, 1.2, n) for n in rows)
+    assert WORTH.matters(model(before), model(0.7 * after))
+    assert not WORTH.matters(model(before), model(0.99 * after))
+
+
 def test_noise_seldom_passes():
     """Two tests at 2.5 % each, of 24 blocks: chance alone passes one in twenty, or hardly more."""
     draws = np.random.default_rng(3).normal(0.0, 0.5, (300, 24))
