@@ -156,6 +156,7 @@ STUCK = 5  # equal extreme values in a row are a limit that nobody declared
 # Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
 EDGE, SETTLED = 2.5, 6.0
 SHARE = 0.05  # of a piece that may be lost at each end for that
+SHORT = 0.25  # of a period of the cutoff: a gap over which a signal hardly bends
 STILL = 1e-3  # of a log's stroke: a piece that moves by less stands
 
 
@@ -184,7 +185,7 @@ def usable(
         lost[f", by filter.drop of {drop} at either end"] += len(use)
     unit = rig.speed_scale
     out = {
-        ", where samples are lost or broken": smeared(filled, cutoff * period),
+        ", where samples are lost or broken": beside_gaps(filled, cutoff * period),
         ", where the drive saturates": smeared(full, cutoff * period),
     }
     if rig.rows.minimum_speed is not None:
@@ -269,6 +270,19 @@ def widened(mask: np.ndarray, reach: int) -> np.ndarray:
 def smeared(mask: np.ndarray, cutoff: float) -> np.ndarray:
     """The rows of a mask (n,) and those over which a filter smears them; its cutoff per sample."""
     return widened(mask, max(1, round(0.5 / cutoff)))
+
+
+def beside_gaps(filled: np.ndarray, cutoff: float) -> np.ndarray:
+    """Filled rows (n,) that tell nothing, and those over which a filter smears them.
+
+    What passes a filter of this cutoff, in periods of the samples, hardly bends over a gap shorter
+    than a `SHORT` part of its period: there the rows beside the gap tell it.
+    """
+    edges = np.flatnonzero(np.diff(np.r_[False, filled, False]))
+    long = np.zeros(len(filled), bool)
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        long[start:stop] = (stop - start + 1) * cutoff > SHORT
+    return smeared(long, cutoff)
 
 
 @dataclass(frozen=True)

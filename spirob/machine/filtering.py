@@ -14,7 +14,7 @@ import scipy
 from numba import njit
 
 from spirob.errors import DataError
-from spirob.machine.checks import EDGE, smeared
+from spirob.machine.checks import EDGE, beside_gaps
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
@@ -218,7 +218,7 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     """
     usual, wanted = 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period)
     fastest = min(FASTEST, max(usual, min(wanted, ENOUGH, 1.0 / (LEAST * period))))
-    slowest = min(FASTEST, usual, wanted)
+    slowest = slowest_cutoff(effort, period)
     for cutoff in map(float, np.geomspace(fastest, slowest, STEPS)):
         size = float(np.std(_derived(smooth(values, BELOW * cutoff, period), order, period)))
         if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:
@@ -226,25 +226,36 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     return slowest
 
 
-def roomy_cutoff(cutoff: float, filled: Sequence[np.ndarray], period: float) -> float:
-    """The cutoff [Hz], or the least one above it that leaves most rows of a log to be compared.
+def slowest_cutoff(effort: np.ndarray, period: float) -> float:
+    """The least cutoff [Hz] that leaves what most of an effort (n,) is made of."""
+    return min(FASTEST, 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period))
+
+
+def roomy_cutoff(
+    cutoff: float, slowest: float, filled: Sequence[np.ndarray], period: float
+) -> float:
+    """The cutoff [Hz], or the next one to it that leaves most rows of a log to be compared.
 
     A filter smears what is beside the ends of pieces and beside rows that the log does not hold:
-    where it is set low for the noise, little may be left, which tells less than noise does.
+    where it is set low for the noise, little may be left, which tells less than noise does.  Where
+    no cutoff above leaves most, as gaps come again and again, one below may, beside which they are
+    short; it is no slower than the `slowest`.
 
     filled  rows of each piece that the log does not hold
     """
     rows = sum(len(piece) for piece in filled)
     highest = max(cutoff, min(FASTEST, 1.0 / (LEAST * period)))
-    for higher in map(float, np.geomspace(cutoff, highest, STEPS)):
-        if sum(_clear(piece, higher * period) for piece in filled) > 0.5 * rows:
-            return higher
+    above = np.geomspace(cutoff, highest, STEPS)
+    below = np.geomspace(cutoff, min(cutoff, slowest), STEPS)
+    for other in map(float, (*above, *below)):
+        if sum(_clear(piece, other * period) for piece in filled) > 0.5 * rows:
+            return other
     return cutoff
 
 
 def _clear(filled: np.ndarray, cutoff: float) -> int:
     """Rows of a piece that a filter of this cutoff, in periods of the samples, does not smear."""
-    beside = ~smeared(filled, cutoff)
+    beside = ~beside_gaps(filled, cutoff)
     ends = round(EDGE / cutoff)
     return int(np.count_nonzero(beside[ends : max(len(beside) - ends, ends)]))
 

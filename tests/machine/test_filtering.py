@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 from spirob.errors import ConfigError, DataError
-from spirob.machine.checks import EDGE
+from spirob.machine.checks import EDGE, beside_gaps
 from spirob.machine.filtering import (
     BELOW,
     PAD,
@@ -108,20 +108,38 @@ def test_a_cutoff_beyond_the_samples_is_the_usual_one_and_adds_no_lag():
     np.testing.assert_allclose(3 * piece.effort[piece.use], piece.v[piece.use], atol=1e-3)
 
 
-@pytest.mark.parametrize(("every", "moved"), [(0, False), (800, False), (100, True), (40, True)])
-def test_a_cutoff_leaves_most_rows_beside_lost_ones(every, moved):
+@pytest.mark.parametrize(
+    ("every", "gap", "cutoff", "goes"),
+    [
+        (0, 0, 0.5, "nowhere"),
+        (40, 1, 0.5, "nowhere"),  # a lost row is nothing beside a period of 2 s
+        (1600, 60, 0.5, "nowhere"),
+        (400, 60, 0.5, "up"),  # so that the filter smears less beside a gap
+        (14, 6, 30.0, "down"),  # so that a gap is short
+    ],
+)
+def test_a_cutoff_leaves_most_rows_beside_lost_ones(every, gap, cutoff, goes):
     period, filled = 0.01, np.zeros(4000, bool)
-    filled[:: every or 4000] = bool(every)
-    found = roomy_cutoff(0.5, [filled, filled], period)
-    assert (found > 0.5) == moved
-    reach, ends = round(0.5 / (found * period)), round(EDGE / (found * period))
-    beside = np.convolve(filled, np.ones(2 * reach + 1), "same")[ends:-ends]
-    assert np.count_nonzero(beside < 0.5) > 0.5 * len(filled)
+    for k in range(gap):
+        filled[100 + k :: every] = True
+    found = roomy_cutoff(cutoff, 0.1, [filled, filled], period)
+    assert goes == ("nowhere" if found == cutoff else "up" if found > cutoff else "down")
+    assert np.count_nonzero(~beside_gaps(filled, found * period)) > 0.5 * len(filled)
+
+
+def test_rows_beside_a_short_gap_are_kept_and_beside_a_long_one_left_out():
+    """A sine of the cutoff's period is told over a quarter of it by the rows beside."""
+    cutoff, filled = 0.01, np.zeros(1000, bool)
+    filled[500:524] = True
+    assert not beside_gaps(filled, cutoff).any()
+    filled[500:526] = True
+    left_out = np.flatnonzero(beside_gaps(filled, cutoff))
+    assert (left_out[0], left_out[-1]) == (500 - 50, 525 + 50)
 
 
 def test_a_log_that_no_cutoff_leaves_room_is_filtered_as_usual():
-    assert roomy_cutoff(0.5, [np.ones(400, bool)], 0.01) == 0.5
-    assert roomy_cutoff(60.0, [np.ones(400, bool)], 0.01) == 60.0
+    assert roomy_cutoff(0.5, 0.1, [np.ones(400, bool)], 0.01) == 0.5
+    assert roomy_cutoff(60.0, 60.0, [np.ones(400, bool)], 0.01) == 60.0
 
 
 @pytest.mark.parametrize("asked", [200, 10**9])
