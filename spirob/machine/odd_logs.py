@@ -33,7 +33,7 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
     residuals  of one model on the trials of each problem
     """
     logs: dict[str, tuple[float, str, int]] = {}
-    shared = _shared([problem.measured() for problem in problems])
+    shared = level(problems)
     for problem, residual in zip(problems, residuals, strict=True):
         effort, speeds = problem.measured(), problem.signals()["speed"]
         edges = pairwise(problem.edges)
@@ -73,16 +73,18 @@ def _ways(*problems: InverseProblem) -> list[int]:
 
 def one_way(train: InverseProblem, heldout: InverseProblem) -> list[str]:
     """What logs of one direction cannot tell; empty for logs of both."""
-    way, other = _ways(train, heldout)
+    (way,) = _ways(train)
     if not way:
         return []
+    ahead = way * heldout.signals()["speed"] / heldout.rest_speed
+    goes_back = np.count_nonzero(ahead < -1.0) > RARE * np.count_nonzero(np.abs(ahead) > 1.0)
     said = (
         "The axis moves one way only in the logs that were fitted: in them dry friction is the "
         "same as a constant force, and where the speed changes little viscous friction is, too. "
         "What is fitted, named or taken home holds for this way alone: log the way back, too."
     )
     back = " The logs held out go back, and cannot confirm what no fitted log shows."
-    return [said + back if other != way else said]
+    return [said + back if goes_back else said]
 
 
 def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
@@ -105,7 +107,7 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
 
 def poorest(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> float:
     """Share of the log that a model fits least; `residuals` of the model on each problem."""
-    found, shared = 1.0, _shared([problem.measured() for problem in problems])
+    found, shared = 1.0, level(problems)
     for problem, residual in zip(problems, residuals, strict=True):
         measured = problem.measured()
         for start, stop in pairwise(problem.edges):
@@ -175,8 +177,8 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
     name = max(fits, key=lambda one: fits[one][1])
     found, poorest_other = fits[name]
-    shared = _shared([effort for effort, _ in logs.values()])
-    return None if poorest_other < FAMILIAR else _Odd(name, *logs[name], found, len(logs), shared)
+    odd = _Odd(name, *logs[name], found, len(logs), level(problems))
+    return None if poorest_other < FAMILIAR else odd
 
 
 def _joined(parts: Sequence[Log]) -> Log:
@@ -257,20 +259,25 @@ def explained(measured: np.ndarray, modelled: np.ndarray, constant: float | None
     return 1.0 - float(np.mean((modelled - measured) ** 2)) / spread
 
 
-def _fitting(measured: np.ndarray, modelled: np.ndarray, shared: float) -> float:
+def _fitting(measured: np.ndarray, modelled: np.ndarray, about: float) -> float:
     """Share of one log's variance that a model explains.
 
-    A log at one effort has none of its own: it counts about the mean of all logs where the model
+    A log at one effort has none of its own: it counts about the `level` of all logs where the model
     fits it so.
-
-    shared  that mean
     """
-    share, beside = explained(measured, modelled), explained(measured, modelled, shared)
+    share, beside = explained(measured, modelled), explained(measured, modelled, about)
     return beside if beside >= FAMILIAR else share
 
 
-def _shared(efforts: Sequence[np.ndarray]) -> float:
-    return float(np.mean(np.concatenate(efforts)))
+def level(problems: Sequence[InverseProblem]) -> float:
+    """What efforts are counted about: their mean, or zero where all logs go one way.
+
+    One way dry friction is a level, and viscous friction nearly so: it is a law that explains them.
+    """
+    ways = set(_ways(*problems))
+    if len(ways) == 1 and 0 not in ways:
+        return 0.0
+    return float(np.mean(np.concatenate([problem.measured() for problem in problems])))
 
 
 def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:

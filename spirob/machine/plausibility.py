@@ -10,8 +10,7 @@ motions.  What is left of the model chosen for the one may be what the laws of t
 import numpy as np
 import scipy
 
-from spirob.diagnosis.model import Model
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found, Model
 from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.fit import Estimate
 from spirob.identify.identifiability import Identifiability
@@ -24,6 +23,7 @@ from spirob.machine.odd_logs import (
     RESISTING,
     explained,
     far_movers,
+    level,
     odd_one_out,
     one_way,
     plain_columns,
@@ -172,7 +172,8 @@ def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
 
 def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
     """The effort does not follow from the motion at all, even with a flexible model."""
-    spread = float(np.var(search.models.train.measured()))
+    train = search.models.train
+    spread = float(np.mean((train.measured() - level([train])) ** 2))
     left = min(found.chosen.mean_square, float(np.mean(rest.left**2)))
     if spread > 0 and 1.0 - left / spread < SENSE:
         return (

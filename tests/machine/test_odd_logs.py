@@ -9,11 +9,13 @@ from spirob.machine.axis import diagnose_recordings
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.odd_logs import (
     EFFORTS_APART,
+    FAMILIAR,
     UNITS_APART,
     _mended,
     another_unit,
     odd_one_out,
     one_way,
+    poorest,
     strangers,
     way_of,
 )
@@ -188,6 +190,23 @@ def test_logs_of_one_direction_are_told(train, heldout, said):
     assert bool(found) == (said is not None)
     for text in said or ():
         assert text in found[0]
+
+
+def test_held_out_logs_that_rest_do_not_go_back():
+    rig, t = RigFile.model_validate(description()), np.arange(0, 6, 2e-3)
+    still = prepare("log", {"t": t, "q": 1e-4 * np.sin(4 * t), "u": np.cos(t)}, rig)
+    heldout = InverseProblem(rig, None, [still], [], SIZES, 0.02)
+    assert "go back" not in one_way(turning(1), heldout)[0]
+
+
+@pytest.mark.parametrize(("ways", "familiar"), [((1, 1), True), ((-1, -1), True), ((1, 0), False)])
+def test_of_logs_of_one_way_a_model_explains_the_level(ways, familiar):
+    """Of the second log it has the level, and nothing of what changes."""
+    made = turning(*ways)
+    first, second = np.split(made.measured(), made.edges[1:-1])
+    residual = np.r_[0.1 * (first - first.mean()), 1.1 * (second.mean() - second)]
+    assert (strangers([made], [residual]) == "") == familiar
+    assert (poorest([made], [residual]) > FAMILIAR) == familiar
 
 
 def test_a_rare_row_the_other_way_and_rest_are_no_direction():
