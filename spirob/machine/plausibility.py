@@ -121,11 +121,13 @@ def _of_another_size(search: RigSearch, chosen: Model) -> list[str]:
     said = []
     for name in (n for n in ("rig.inertia", "rig.scale") if n in search.models.names):
         found, nominal = chosen.fit.estimates[name], search.models.train.table.about[name].nominal
-        if nominal > 0 and (found.high < nominal / FAR or found.low > nominal * FAR):
-            said.append(
-                f"{name.removeprefix('rig.')} comes out {found.value / nominal:.3g} times its "
-                "nominal value: is a unit or a factor wrong?"
-            )
+        small, large = found.high < nominal / FAR, found.low > nominal * FAR
+        if nominal > 0 and (small or large):
+            end = f"{found.high / nominal:.2g} times its nominal value at most"
+            if large:
+                end = f"{found.low / nominal:.2g} times its nominal value at least"
+            number = name.removeprefix("rig.")
+            said.append(f"{number} comes out {end}: is a unit or a factor wrong?")
     return said
 
 

@@ -109,10 +109,11 @@ def test_no_sign_is_missed_where_the_axis_moves_one_way_or_what_was_found_fits()
     ("low", "value", "high", "said"),
     [
         (0.01, 0.01, 0.7, []),  # at its bound, and not told
-        (0.03, 0.035, 0.04, ["inertia comes out 0.035 times"]),
-        (0.01, 0.01, 0.02, ["inertia comes out 0.01 times"]),
+        (0.03, 0.035, 0.04, ["inertia comes out 0.04 times"]),
+        (0.01, 0.01, 0.02, ["inertia comes out 0.02 times"]),
         (0.5, 30.0, 60.0, []),
-        (25.0, 30.0, 35.0, ["inertia comes out 30 times"]),
+        (0.0, 1e-17, 0.02, ["inertia comes out 0.02 times"]),
+        (25.0, 30.0, 35.0, ["inertia comes out 25 times"]),
         (0.9, 1.0, 1.1, []),
     ],
 )
