@@ -14,9 +14,8 @@ import numpy as np
 import pandas as pd
 
 from pipeline.stage import workers
-from spirob.diagnosis.model import label
+from spirob.diagnosis.model import Found, label
 from spirob.diagnosis.screen import Alone, together, without
-from spirob.diagnosis.search import Found
 from spirob.diagnosis.simulated import Simulated
 from spirob.effects import Effect
 from spirob.files import replacing

@@ -1,7 +1,8 @@
 """Compare model and measurement, see where it fails, name the missing effect, add it.
 
 What it works on:
-    model.py                   fitted sets of effects; which are laws of dry friction
+    model.py                   fitted sets of effects, and what a search ends with; which are laws
+                               of dry friction
     fitting.py, simulated.py   those of an arm, by simulation
 The search:
     screen.py                  which absent effects could explain what is left, alone or together

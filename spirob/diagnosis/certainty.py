@@ -30,8 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.model import Left, Model, Predictor, alike
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.model import Found, Left, Model, Predictor, alike
+from spirob.diagnosis.search import Search
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.intervals import with_held

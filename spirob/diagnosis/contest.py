@@ -18,9 +18,9 @@ from typing import Any
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings, Worth, complete
 from spirob.diagnosis.fitting import Begun, briefly
-from spirob.diagnosis.model import Model, Offer, alike
+from spirob.diagnosis.model import Found, Model, Offer, alike
 from spirob.diagnosis.proposals import Proposal, propose
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.search import Search
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict, concluded, judge, weigh
 from spirob.effects import Effect, find_effects

@@ -9,9 +9,9 @@ import numpy as np
 from spirob.diagnosis.certainty import LIKELY, Ended
 from spirob.diagnosis.criteria import half_seconds
 from spirob.diagnosis.flexible import Ceiling, ceiling
-from spirob.diagnosis.model import Model, label
+from spirob.diagnosis.model import Found, Model, label
 from spirob.diagnosis.proposals import Proposal, told
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.search import Search
 from spirob.diagnosis.simulated import Simulated
 from spirob.diagnosis.verdict import Verdict
 from spirob.identify.intervals import Interval, score, score_interval

@@ -4,7 +4,7 @@ Of the laws of dry friction, known by what their kernels do, a set holds one.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -107,6 +107,29 @@ class Left:
 
 
 Counts = Callable[[Model, Model], bool]  # whether the second explains enough more than the first
+
+
+@dataclass
+class Found:
+    """What the search ends with.
+
+    rungs        from the bare model to the chosen one, an effect at a time
+    offers       all candidates screened beside the bare model, best first
+    rivals       chosen effect -> others that take its place about as well
+    equivalents  the same, of those that say the same
+    vetoed       effects that the data left out wanted and the held-out trials did not
+    """
+
+    rungs: list[Model]
+    offers: list[Offer] = field(default_factory=list)
+    rivals: dict[str, list[str]] = field(default_factory=dict)
+    equivalents: dict[str, list[str]] = field(default_factory=dict)
+    vetoed: list[str] = field(default_factory=list)
+
+    @property
+    def chosen(self) -> Model:
+        """The model that the search stands by."""
+        return self.rungs[-1]
 
 
 class Predictor(Protocol):

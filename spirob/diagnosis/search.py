@@ -5,13 +5,13 @@ trials can only veto.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.model import (
     ABSORBED,
     ALIKE,
+    Found,
     Model,
     Offer,
     Predictor,
@@ -29,29 +29,6 @@ CEILINGS = 2  # over the bare and the chosen model
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
 POOR = 0.25  # of a model's squared error, if a fit from elsewhere leaves less: another valley
 M = TypeVar("M", bound=Predictor)
-
-
-@dataclass
-class Found:
-    """What the search ends with.
-
-    rungs        from the bare model to the chosen one, an effect at a time
-    offers       all candidates screened beside the bare model, best first
-    rivals       chosen effect -> others that take its place about as well
-    equivalents  the same, of those that say the same
-    vetoed       effects that the data left out wanted and the held-out trials did not
-    """
-
-    rungs: list[Model]
-    offers: list[Offer] = field(default_factory=list)
-    rivals: dict[str, list[str]] = field(default_factory=dict)
-    equivalents: dict[str, list[str]] = field(default_factory=dict)
-    vetoed: list[str] = field(default_factory=list)
-
-    @property
-    def chosen(self) -> Model:
-        """The model that the search stands by."""
-        return self.rungs[-1]
 
 
 class Search(Generic[M]):
@@ -257,6 +234,7 @@ class Search(Generic[M]):
             if self.models.complete(model):
                 return model
             others = [m for e in model.effects for m in self._exchanges(model, e)]
+            others += [m for e in model.effects for m in self._divided(model, e)]
             chosen = self.worth.simplest([model, *others])
             if chosen is model:
                 return model
@@ -269,6 +247,25 @@ class Search(Generic[M]):
         offers = self._offers(lesser, self.absent(lesser))
         others = [(o,) for o in offers if o.effect is not effect][:EXCHANGES]
         return [m for m in self._extended(lesser, others) if self.models.plain(m)]
+
+    def _divided(self, model: Model, effect: type[Effect]) -> list[Model]:
+        """Models with a plainer law of its kind and another effect in the place of this one.
+
+        A law of many numbers bends to what two plain ones do together: a wide peak of dry friction
+        to dry friction and a drag.  The two have no more numbers than it.
+        """
+        lesser, room = self.without(model, effect), richness(effect)
+        offers = [o for o in self._offers(lesser, self.absent(lesser)) if o.effect is not effect]
+        kin = {o.effect for o in offers if self.models.related(o.effect, [effect])}
+        if not kin or len(model.effects) == self.criteria.most:
+            return []
+        pairs = [
+            (a, b)
+            for _, a, b in self.models.pairs(lesser, offers)
+            if len(kin & {a.effect, b.effect}) == 1
+            and richness(a.effect) + richness(b.effect) <= room
+        ]
+        return [m for m in self._extended(lesser, pairs[:PAIRS]) if self.models.plain(m)]
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse, held out neither."""

@@ -14,8 +14,8 @@ import numpy as np
 
 from spirob.diagnosis.certainty import LIKELY, Ended, figures, kin, probability
 from spirob.diagnosis.criteria import Criteria
-from spirob.diagnosis.model import Model, Predictor, is_dry
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.model import Found, Model, Predictor, is_dry
+from spirob.diagnosis.search import Search
 from spirob.effects import Effect
 from spirob.identify.problem import effort_rms
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from spirob.diagnosis.atlas import atlas
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.flexible import one_thread
-from spirob.diagnosis.model import Model, alike
+from spirob.diagnosis.model import Found, Model, alike
 from spirob.diagnosis.schema import checked
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.search import Search
 from spirob.diagnosis.verdict import TWICE, likely
 from spirob.effects import Effect
 from spirob.errors import NothingLeft

@@ -18,8 +18,7 @@ from spirob.diagnosis.atlas import Regime, lateness, worst
 from spirob.diagnosis.criteria import half_seconds, noise_floor
 from spirob.diagnosis.document import CEILING, candidates, findings, numbers
 from spirob.diagnosis.flexible import worth
-from spirob.diagnosis.model import Model
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found, Model
 from spirob.diagnosis.spectrum import orders
 from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect

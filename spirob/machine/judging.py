@@ -15,8 +15,7 @@ import numpy as np
 
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
-from spirob.diagnosis.model import Model, is_dry, richness
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found, Model, is_dry, richness
 from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain, weigh
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed

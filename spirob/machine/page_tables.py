@@ -11,9 +11,8 @@ import numpy as np
 import pandas as pd
 
 from spirob.diagnosis.atlas import masks_of
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Found, Model
 from spirob.diagnosis.screen import without
-from spirob.diagnosis.search import Found
 from spirob.effects import Effect
 from spirob.identify.fit import Fit
 from spirob.identify.intervals import with_bounds

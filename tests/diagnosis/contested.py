@@ -3,7 +3,8 @@
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.fitting import Begun
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.model import Found
+from spirob.diagnosis.search import Search
 from spirob.diagnosis.simulated import ROLES, Simulated
 from spirob.diagnosis.verdict import Verdict, Weighed
 from spirob.identify.fit import fit

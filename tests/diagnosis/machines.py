@@ -7,8 +7,8 @@ import numpy as np
 
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Criteria
-from spirob.diagnosis.model import Left, Model, Offer, Predictor
-from spirob.diagnosis.search import Found, Search
+from spirob.diagnosis.model import Found, Left, Model, Offer, Predictor
+from spirob.diagnosis.search import Search
 from spirob.identify.fit import Estimate, Fit
 from spirob.identify.problem import Effort
 

@@ -99,6 +99,18 @@ def test_the_first_effect_is_exchanged_for_what_explains_more():
     assert [names(m) for m in found.rungs] == [set(), {TWO.name()}, {TWO.name(), THREE.name()}]
 
 
+@pytest.mark.parametrize("drag", [0.06, 0.0])
+def test_a_rich_law_that_does_what_two_plain_ones_do_is_exchanged_for_them(drag):
+    """A wide peak of dry friction leaves too little of a drag for another effect to count."""
+    peak, dry = find_effects(["stribeck_friction", "coulomb_friction"])
+    columns = {peak: A + 9.5 * drag * B, dry: A, TWO: B, THREE: C}
+    machine = Linear(0.1 * A + drag * B, columns, only_one=[peak.name(), dry.name()])
+    search, found = searched(machine, candidates=[peak, TWO, THREE, dry])
+    assert names(found.chosen) == ({dry.name(), TWO.name()} if drag else {dry.name()})
+    alone, both = (machine.fitted(effects, {}) for effects in ((peak,), (peak, TWO)))
+    assert not search.worth.matters(alone, both)
+
+
 def test_a_pair_of_which_each_is_needed_stays():
     search, found = searched(Linear(0.1 * A + 0.1 * B, EACH))
     assert search._pruned(found.chosen, whole=True) is found.chosen

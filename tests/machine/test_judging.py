@@ -7,7 +7,7 @@ import pytest
 
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Criteria, Worth
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found
 from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate

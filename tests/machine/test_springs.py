@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.criteria import Criteria, Worth
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found
 from spirob.diagnosis.verdict import Weighed
 from spirob.effects import find_effects
 from spirob.machine import springs

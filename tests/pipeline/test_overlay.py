@@ -9,8 +9,7 @@ import pytest
 from pipeline import overlay as module
 from pipeline.overlay import candidates, laws, overlay, switches
 from spirob.diagnosis.criteria import Settings
-from spirob.diagnosis.model import Offer
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found, Offer
 from spirob.identify.residual import Filter
 
 SAMPLES = 3000

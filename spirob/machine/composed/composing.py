@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from spirob.diagnosis.model import Model
-from spirob.diagnosis.search import Found
+from spirob.diagnosis.model import Found, Model
 from spirob.effects import Effect, load_file
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import Estimate, block_covariance
