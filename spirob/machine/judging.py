@@ -232,15 +232,18 @@ def outdone(worth: Worth, named: Model, beside: Composed | None, alone: Composed
     named   the model with the names;  beside  the law of what it leaves
     alone   the law of what the fitted numbers leave
 
-    No plainer it may be where beside their law no number of the names is told, or where it halves
-    what they leave together.  Where they are better by a size that counts, they are not outdone.
+    A name counts as a term: a law of as many terms as it and its law together holds one in its
+    place.  No plainer the law may be where beside theirs no number of the names is told, or where
+    it halves what they leave together.  Where they are better by a size that counts, they are not
+    outdone.
     """
     richer = beside.model if beside else named
     if alone is None or not worth.halves(named, alone.model):
         return False
     idle = numbers(richer, named.names) == 0 or worth.halves(richer, alone.model)
+    fewer = idle or alone.terms < len(named.names) + (beside.terms if beside else 0)
     plain = numbers(alone.model) + (0 if idle else TERM) <= numbers(richer)
-    return plain and not worth.matters(alone.model, richer)
+    return fewer and plain and not worth.matters(alone.model, richer)
 
 
 def explains_all(worth: Worth, alone: Composed | None) -> bool:

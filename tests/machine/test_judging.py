@@ -76,8 +76,8 @@ class Stub:
         return before.mean_square - after.mean_square > LEAST
 
 
-def leaving(left, of):
-    return SimpleNamespace(model=SimpleNamespace(**{**vars(of), "mean_square": left}))
+def leaving(left, of, terms=1):
+    return SimpleNamespace(model=SimpleNamespace(**{**vars(of), "mean_square": left}), terms=terms)
 
 
 @pytest.mark.parametrize(
@@ -97,6 +97,14 @@ def test_a_plainer_law_that_halves_what_is_left_outdoes_names(alone, left, besid
     beside = leaving(beside_left, THREE_WAVES) if beside_left is not None else None
     assert outdone(Stub(), THREE_WAVES, beside, law) is out
     assert not outdone(Stub(), THREE_WAVES, beside, None)
+
+
+@pytest.mark.parametrize(("terms", "out"), [(1, True), (2, True), (3, False), (4, False)])
+@pytest.mark.parametrize("left", [0.1, 0.3])
+def test_a_law_of_as_many_terms_as_a_name_and_its_law_takes_no_name_away(terms, left, out):
+    """Of four terms that have few numbers that are told one says what the name does."""
+    together = leaving(left - 0.01, THREE_WAVES, terms=2)
+    assert outdone(Stub(), THREE_WAVES, together, leaving(left, ONE_WAVE, terms)) is out
 
 
 def test_names_that_tell_nothing_beside_their_law_are_outdone_by_one_no_plainer():

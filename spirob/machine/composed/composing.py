@@ -48,6 +48,11 @@ class Composed:
     drawing: pd.DataFrame
     model: Model
 
+    @property
+    def terms(self) -> int:
+        """How many terms it has."""
+        return len(self.document["terms"])
+
 
 @dataclass(frozen=True)
 class _Fitted:
