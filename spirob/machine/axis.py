@@ -14,7 +14,7 @@ from spirob.diagnosis.verdict import TWICE, likely
 from spirob.effects import Effect
 from spirob.errors import NothingLeft
 from spirob.machine.composed.law import beyond
-from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, widened
+from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
 from spirob.machine.differing import counted_alike, differing
 from spirob.machine.document import heldout, plain, rig_document, standing
 from spirob.machine.inverse import Work
@@ -38,6 +38,7 @@ from spirob.machine.springs import with_spring
 from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
 
 SHORTER = "fewer or slower rows make it shorter."
+NOT_ELSEWHERE = f"Not looked for about another delay: {SHORTER}"
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"
 CUT = f"The search took so long that no more than three effects were tried together: {SHORTER}"
 
@@ -177,8 +178,7 @@ def _once_more(done: Searched) -> Searched:
     """The search about another delay, where something that counts is left and that explains more.
 
     The effects that were found say more of the delay than any one of the library did: where they
-    place it elsewhere and explain more there, or it ended at a bound, it is searched there; where
-    they place it nowhere else, within twice as wide bounds if they explain more in these.  The
+    place it elsewhere and explain more there, or it ended at a bound, it is searched there.  The
     usual one is tried where it was none of those looked at, and the fitted numbers end elsewhere
     about it: a place found beside coarse shapes of laws may be another law's.
     """
@@ -187,24 +187,45 @@ def _once_more(done: Searched) -> Searched:
         return done
     fitted, none = done.ready.rig.fit["delay"], as_usual(max(r.period for r in done.ready.train))
     anew, others = _place(done.search, done.chosen), []
-    at_bound = done.chosen.fit.estimates[DELAY].at_bound
-    if anew != fitted and (at_bound or _fits_better(done, _about(done.ready, anew), anew)):
+    if not _as_wide(anew, fitted) and (
+        _at_bound(done) or _fits_better(done, _about(done.ready, anew), anew)
+    ):
         others.append(anew)
-    elif anew == fitted and at_bound:
-        wider = widened(fitted)
-        others += [wider] if _fits_better(done, _about(done.ready, wider), wider) else []
     usual = none.low < fitted.low or fitted.high < none.high
-    if none not in others and usual and not _begins_alike(done, none):
+    known = any(_as_wide(none, other) for other in others)
+    if not known and usual and not _begins_alike(done, none):
         others.append(none)
     if others and done.is_long:
-        return done.noted(f"Not looked for about another delay: {SHORTER}")
+        return done.noted(NOT_ELSEWHERE)
     for delay in others:
         done.ready.progress(
             f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion"
         )
         other = _searched(_about(done.ready, delay))
         done = other if done.search.worth.matters(done.chosen, other.chosen) else done
-    return done
+    return _within_wider(done)
+
+
+def _within_wider(done: Searched) -> Searched:
+    """The search within twice as wide bounds of the delay, while it ends at one and less is left.
+
+    It goes no farther than the motion needs to turn into another.
+    """
+    if not _at_bound(done):
+        return done
+    wider = widened(done.ready.rig.fit["delay"])
+    far = max(wider.high, -wider.low) > turning(done.ready.train)
+    if far or not _fits_better(done, _about(done.ready, wider), wider):
+        return done
+    if done.is_long:
+        return done.noted(NOT_ELSEWHERE)
+    done.ready.progress("once more, with twice as wide bounds of the delay")
+    other = _searched(_about(done.ready, wider))
+    return _within_wider(other) if done.search.worth.matters(done.chosen, other.chosen) else done
+
+
+def _at_bound(done: Searched) -> bool:
+    return done.chosen.fit.estimates[DELAY].at_bound
 
 
 def _without_numbers_of_logs(judged: Judged) -> Judged:
@@ -233,7 +254,7 @@ def _about_its_law(judged: Judged) -> Judged:
         return judged
     others = _other_delays(judged)
     if others and done.is_long:
-        return judged.noted(f"Not looked for about another delay: {SHORTER}")
+        return judged.noted(NOT_ELSEWHERE)
     for delay in others:
         again = judged_of(_searched(_about(done.ready, delay)))
         judged = again if _outdoes(again, judged) else judged

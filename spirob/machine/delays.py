@@ -93,17 +93,22 @@ def strange(rig: RigFile, recordings: Sequence[Recording]) -> list[str]:
     """
     fitted, known = rig.fit.get("delay"), rig.known.get("delay", 0.0)
     told = known if fitted is None else max(fitted.low, fitted.high, key=abs)
-    speeds, rates = (
-        np.concatenate([getattr(p, name)[p.use] for r in recordings for p in r.pieces])
-        for name in "va"
-    )
-    quarter = 0.5 * np.pi * float(np.std(speeds) / max(float(np.std(rates)), 1e-300))
+    quarter = turning(recordings)
     if abs(told) < quarter:
         return []
     return [
         f"A delay of {told:.3g} s is allowed, and the motion turns in {quarter:.2g} s, by which "
         "inertia and friction are no longer told apart: is it in seconds?"
     ]
+
+
+def turning(recordings: Sequence[Recording]) -> float:
+    """Seconds by which a motion turns into another: a quarter of its period."""
+    speeds, rates = (
+        np.concatenate([getattr(p, name)[p.use] for r in recordings for p in r.pieces])
+        for name in "va"
+    )
+    return 0.5 * np.pi * float(np.std(speeds) / max(float(np.std(rates)), 1e-300))
 
 
 def inside(recording: Recording, delay: float) -> Recording:

@@ -97,15 +97,17 @@ def oddities(
 
 def aligned(delay: Estimate, period: float) -> str:
     """How effort and motion of logs were laid over one another; a bound is no measurement."""
-    way = "trails" if delay.value > 0 else "leads"
-    size = f"{1e3 * abs(delay.value):.2g} ms"
+    way, sign = ("trails", 1e3) if delay.value > 0 else ("leads", -1e3)
+    size = f"{1e3 * abs(delay.value):.3g} ms"
     if delay.at_bound:
         return (
             "The delay between effort and motion is not told by these logs: it ended at the bound "
             f"of its search. An effort that {way} the motion by {size} was used."
         )
-    unusual = UNUSUAL if abs(delay.value) > usual(period) else ""
-    return f"The effort {way} the motion by {size} in the logs; aligned.{unusual}"
+    if abs(delay.value) <= usual(period):
+        return f"The effort {way} the motion by {size} in the logs; aligned."
+    ends = " to ".join(f"{x:.3g}" for x in sorted((sign * delay.low, sign * delay.high)))
+    return f"The effort {way} the motion by {size} ({ends}) in the logs; aligned.{UNUSUAL}"
 
 
 def _without_zeros(chosen: Model) -> list[str]:

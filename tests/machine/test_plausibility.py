@@ -20,6 +20,23 @@ from spirob.machine.scaling import Sizes
 from spirob.machine.wrong_numbers import without_sign
 from tests.machine.rigs import description
 
+
+@pytest.mark.parametrize(
+    ("delay", "said"),
+    [
+        (
+            Estimate(0.002, 0.001, 0.003, "s", False),
+            "trails the motion by 2 ms in the logs; aligned.",
+        ),
+        (Estimate(-0.087, -0.12, -0.028, "s", False), "leads the motion by 87 ms (28 to 120) in"),
+        (Estimate(0.094, 0.059, 0.12, "s", False), "trails the motion by 94 ms (59 to 120) in"),
+        (Estimate(0.02, -0.02, 0.02, "s", True), "ended at the bound"),
+    ],
+)
+def test_a_delay_that_is_not_usual_is_told_with_its_interval(delay, said):
+    assert said in plausibility.aligned(delay, 0.01)
+
+
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 
 
