@@ -21,7 +21,8 @@ from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import Bounded, RigFile
 
 CONSTANT = ("constant_force", "current_offset")
-SPRING = "a spring, or a weight over a small angle (`fit: {stiffness: ...}`),"
+SPRUNG = "No effect is named: the logs show {}, which the description does not fit."
+AGAIN = "Fit it (`fit: {stiffness: ...}`) and diagnose again: beside it effects may be named."
 WIDE = 100.0  # times the stiffness that makes all of the effort
 
 
@@ -42,8 +43,11 @@ def with_spring(judged: Judged) -> Judged:
         if pair and search.worth.refuted(chosen, pair[1]):
             return _doubted(judged, effect, pair[1])
     if pair := beside.fitted(chosen.effects, chosen):
-        said = f"With {SPRING} {_left(search, pair[1])} of the effort would be left held out"
-        return judged.noted(f"{said}, without it {_left(search, pair[0])}.")
+        after, before = _left(search, pair[1]), _left(search, pair[0])
+        said = (
+            f"With {_spring(pair[1])} (`fit: {{stiffness: ...}}`), {after} of the effort would be"
+        )
+        return judged.noted(f"{said} left held out, without it {before}.")
     return judged
 
 
@@ -54,13 +58,24 @@ def _is_open(rig: RigFile) -> bool:
 
 def _doubted(judged: Judged, effect: type[Effect], sprung: Model) -> Judged:
     search, found = judged.search, judged.found
+    spring = _spring(sprung)
     said = (
-        f"Not {effect.title}: {SPRING} and a constant force in its place leave "
+        f"Not {effect.title}: {spring}, and a constant force in its place leave "
         f"{_left(search, sprung)} of the effort held out, and it {_left(search, found.chosen)}."
     )
     ended = Ended(search, found, search.models.left(found.chosen))
     verdict = judge(ended, judged.verdict.weighed, (said,))
+    verdict = replace(verdict, sentence=SPRUNG.format(spring), next_experiment=AGAIN)
     return replace(judged, verdict=verdict, law=None)
+
+
+def _spring(sprung: Model) -> str:
+    """The spring of a model in words, with its stiffness."""
+    found = sprung.fit.estimates["rig.stiffness"]
+    return (
+        f"a spring of {found.value:.3g} {found.unit} ({found.low:.3g} to {found.high:.3g}), or a "
+        "weight over a small angle"
+    )
 
 
 def _left(search: RigSearch, model: Model) -> str:

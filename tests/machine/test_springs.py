@@ -1,6 +1,7 @@
 """A spring that the description does not fit is told, and gives no other name."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,8 +9,9 @@ import pytest
 
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.model import Found
-from spirob.diagnosis.verdict import Weighed
+from spirob.diagnosis.verdict import Verdict, Weighed
 from spirob.effects import find_effects
+from spirob.identify.intervals import Estimate
 from spirob.machine import springs
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.judging import Judged
@@ -44,6 +46,11 @@ def test_a_spring_that_is_not_fitted_is_told(tmp_path, rest):
     document = diagnosed(tmp_path, spring=1.0, rest=rest)
     assert document["effects"] == []
     (said,) = told(document)
+    size, low, high = map(
+        float, re.search(r"of ([\d.]+) \S+ \(([\d.]+) to ([\d.]+)\)", said).groups()
+    )
+    assert low <= 1.0 <= high  # as rounded
+    assert size == pytest.approx(1.0, rel=0.05)
     after, before = map(float, re.findall(r"([\d.]+)%", said))
     assert after < 5.0
     assert before > 60.0
@@ -73,11 +80,14 @@ def test_a_name_is_doubted_where_a_spring_in_its_place_leaves_half(
     """left  squared error that a spring leaves held out in the name's place, which leaves 0.4"""
     ripple = find_effects(["torque_ripple"])[0]
     chosen = SimpleNamespace(effects=(ripple,), heldout_square=0.4, mean_square=0.4)
-    sprung = None if left is None else (chosen, SimpleNamespace(heldout_square=left))
+    fit = SimpleNamespace(estimates={"rig.stiffness": Estimate(2.0, 1.9, 2.1, "N·m/rad", False)})
+    sprung = None if left is None else (chosen, SimpleNamespace(heldout_square=left, fit=fit))
     beside = SimpleNamespace(fitted=lambda effects, _: None if effects else sprung)
     monkeypatch.setattr(springs._Beside, "of", lambda ready: beside)
     monkeypatch.setattr(springs, "effort_rms", lambda problem: 1.0)
-    monkeypatch.setattr(springs, "judge", lambda ended, weighed, doubts: doubts)
+    unsaid = Verdict("unknown", {}, "data and model", "", "")
+    judge = lambda ended, weighed, doubts: replace(unsaid, doubts=doubts)  # noqa: E731
+    monkeypatch.setattr(springs, "judge", judge)
     models = SimpleNamespace(promised=0.5, heldout=None, left=lambda model: None)
     search = SimpleNamespace(models=models, worth=Worth(Criteria(), 0.1))
     weighed = {"torque_ripple": Weighed(probability, probability)}
@@ -89,4 +99,7 @@ def test_a_name_is_doubted_where_a_spring_in_its_place_leaves_half(
         assert found is judged
         return
     assert found.law is None
-    assert re.match(r"Not torque ripple .* leave 22\.4% .* and it 63\.2%", found.verdict[0])
+    (said,) = found.verdict.doubts
+    assert re.match(r"Not torque ripple.*: a spring .* leave 22\.4% .* and it 63\.2%", said)
+    assert "the logs show a spring of 2 N·m/rad (1.9 to 2.1)" in found.verdict.sentence
+    assert "stiffness" in found.verdict.next_experiment
