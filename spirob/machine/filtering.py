@@ -218,7 +218,7 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     """
     usual, wanted = 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period)
     fastest = min(FASTEST, max(usual, min(wanted, ENOUGH, 1.0 / (LEAST * period))))
-    slowest = slowest_cutoff(effort, period)
+    slowest = min(FASTEST, usual, wanted)
     for cutoff in map(float, np.geomspace(fastest, slowest, STEPS)):
         size = float(np.std(_derived(smooth(values, BELOW * cutoff, period), order, period)))
         if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:
@@ -226,27 +226,25 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     return slowest
 
 
-def slowest_cutoff(effort: np.ndarray, period: float) -> float:
-    """The least cutoff [Hz] that leaves what most of an effort (n,) is made of."""
-    return min(FASTEST, 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period))
+def least_cutoff(effort: np.ndarray, period: float) -> float:
+    """The cutoff [Hz] from which on most of an effort (n,) is in what is compared."""
+    return _band(effort, period) / BELOW
 
 
-def roomy_cutoff(
-    cutoff: float, slowest: float, filled: Sequence[np.ndarray], period: float
-) -> float:
+def roomy_cutoff(cutoff: float, least: float, filled: Sequence[np.ndarray], period: float) -> float:
     """The cutoff [Hz], or the next one to it that leaves most rows of a log to be compared.
 
     A filter smears what is beside the ends of pieces and beside rows that the log does not hold:
     where it is set low for the noise, little may be left, which tells less than noise does.  Where
     no cutoff above leaves most, as gaps come again and again, one below may, beside which they are
-    short; it is no slower than the `slowest`.
+    short, down to the `least`.
 
     filled  rows of each piece that the log does not hold
     """
     rows = sum(len(piece) for piece in filled)
     highest = max(cutoff, min(FASTEST, 1.0 / (LEAST * period)))
     above = np.geomspace(cutoff, highest, STEPS)
-    below = np.geomspace(cutoff, min(cutoff, slowest), STEPS)
+    below = np.geomspace(cutoff, min(cutoff, least), STEPS)
     for other in map(float, (*above, *below)):
         if sum(_clear(piece, other * period) for piece in filled) > 0.5 * rows:
             return other

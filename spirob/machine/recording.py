@@ -23,10 +23,10 @@ from spirob.machine.filtering import (
     as_fine,
     before_thinning,
     derivative,
+    least_cutoff,
     possible_cutoff,
     rates,
     roomy_cutoff,
-    slowest_cutoff,
     smooth,
     thinned,
     usual_cutoff,
@@ -284,8 +284,8 @@ def _cutoff(
     """The cutoff that is asked for where it can be, or else the usual one [Hz]."""
     longest = max(grids, key=lambda grid: len(grid["time"]))
     usual = usual_cutoff(*_differentiated(longest), longest["effort"], period)
-    slowest = slowest_cutoff(longest["effort"], period)
-    usual = roomy_cutoff(usual, slowest, [grid[FILLED] > 0 for grid in grids], period)
+    least = least_cutoff(longest["effort"], period)
+    usual = roomy_cutoff(usual, least, [grid[FILLED] > 0 for grid in grids], period)
     return possible_cutoff(name, asked, usual, period * len(longest["time"]), period, said)
 
 
