@@ -11,6 +11,7 @@ from spirob.report.sections import discover
 from spirob.report.sections.experiments import overlays
 from spirob.report.sections.ladder import ladder
 from spirob.report.sections.object_size import mae_interval
+from spirob.report.sections.repairs import each_once
 from spirob.report.sections.verdict import explained_sentence, gain_sentence, kind, share
 from tests.report.synthetic import TRIALS
 
@@ -392,3 +393,16 @@ def test_intervals_that_miss_more_often_than_chance_say_so(data, covered, told):
     interval = {"confidence": 0.9, "robot": robot}
     shown = text("transfer", replace(data, transfer=data.transfer | {"interval": interval}))
     assert ("On the robot they hold only" in shown) == told
+
+
+def test_what_is_said_of_several_logs_is_said_once_with_their_names():
+    notes = [
+        "a: is short.",
+        "b: 3 samples.",
+        "No test log: the end is held out.",
+        "Odd.",
+        "c: is short.",
+    ]
+    told = ["a, c: is short.", "b: 3 samples.", "No test log: the end is held out.", "Odd."]
+    assert each_once(notes) == told
+    assert each_once(told) == told

@@ -1,5 +1,6 @@
 """What was repaired or left out of the logs, and which effects this rig cannot show."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from spirob.report.data import ReportData
@@ -16,9 +17,18 @@ class Repairs(Section):
 
     def get_context(self, data: ReportData) -> dict[str, Any]:
         return {
-            "repairs": data.diagnosis["repairs"],
+            "repairs": each_once(data.diagnosis["repairs"]),
             "excluded": {
                 name.replace("_", " "): reason
                 for name, reason in data.diagnosis["excluded"].items()
             },
         }
+
+
+def each_once(notes: Sequence[str]) -> list[str]:
+    """Notes in their order; what is said of several logs, `log: note`, once with their names."""
+    logs: dict[str, list[str]] = {}
+    for note in notes:
+        log, colon, text = note.partition(": ")
+        logs.setdefault(text if colon else note, []).append(log if colon else "")
+    return [", ".join(names) + ": " * any(names) + text for text, names in logs.items()]

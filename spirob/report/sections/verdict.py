@@ -10,6 +10,7 @@ from spirob.report import arm
 from spirob.report.data import ReportData
 from spirob.report.sections import Section
 from spirob.report.sections.ladder import ladder_plot
+from spirob.report.sections.repairs import each_once
 from spirob.report.words import EFFORT, column, fixed, is_number, percent
 
 KINDS = {
@@ -181,5 +182,5 @@ class RigVerdict(Section):
         diagnosis = data.diagnosis
         return told(diagnosis) | {
             "explanation": diagnosis["explanation"],
-            "repairs": diagnosis["repairs"],
+            "repairs": each_once(diagnosis["repairs"]),
         }
