@@ -156,7 +156,7 @@ STUCK = 5  # equal extreme values in a row are a limit that nobody declared
 # Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
 EDGE, SETTLED = 2.5, 6.0
 SHARE = 0.05  # of a piece that may be lost at each end for that
-SHORT = 0.25  # of a period of the cutoff: a gap over which a signal hardly bends
+SHORT = 0.25  # of a period of the cutoff: bridged, what is compared is good to 2 %
 STILL = 1e-3  # of a log's stroke: a piece that moves by less stands
 
 
@@ -275,13 +275,13 @@ def smeared(mask: np.ndarray, cutoff: float) -> np.ndarray:
 def beside_gaps(filled: np.ndarray, cutoff: float) -> np.ndarray:
     """Filled rows (n,) that tell nothing, and those over which a filter smears them.
 
-    What passes a filter of this cutoff, in periods of the samples, hardly bends over a gap shorter
-    than a `SHORT` part of its period: there the rows beside the gap tell it.
+    A curve through the rows beside a gap tells what passes the last filter, where the gap is short
+    beside a period of the cutoff, which is given per sample.
     """
     edges = np.flatnonzero(np.diff(np.r_[False, filled, False]))
     long = np.zeros(len(filled), bool)
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        long[start:stop] = (stop - start + 1) * cutoff > SHORT
+        long[start:stop] = (stop - start) * cutoff > SHORT
     return smeared(long, cutoff)
 
 

@@ -127,8 +127,25 @@ def test_a_cutoff_leaves_most_rows_beside_lost_ones(every, gap, cutoff, goes):
     assert np.count_nonzero(~beside_gaps(filled, found * period)) > 0.5 * len(filled)
 
 
+@pytest.mark.parametrize(("cutoff", "gap"), [(12.0, 1), (6.0, 3)])
+def test_what_is_compared_is_as_good_over_a_short_gap(cutoff, gap):
+    """Of a motion at the edge of the last filter, which is the worst that is compared."""
+    rig = RigFile.model_validate(description(filter={"cutoff": cutoff}))
+    t = np.arange(0, 40, 0.01)
+    w = 2 * np.pi * BELOW * cutoff
+    whole = {"t": t, "q": np.sin(w * t), "u": np.cos(w * t)}
+    lost = np.zeros(len(t), bool)
+    for k in range(gap):
+        lost[300 + k :: 40 + 7 * gap] = True
+    holed = {name: values[~lost] for name, values in whole.items()}
+    one, two = (prepare("log", log, rig).pieces[0] for log in (whole, holed))
+    assert np.array_equal(one.use, two.use)
+    for name in ("q", "v", "a", "effort"):
+        full, bridged = (getattr(piece, name)[one.use] for piece in (one, two))
+        assert np.max(np.abs(bridged - full)) < 0.02 * np.max(np.abs(full))
+
+
 def test_rows_beside_a_short_gap_are_kept_and_beside_a_long_one_left_out():
-    """A sine of the cutoff's period is told over a quarter of it by the rows beside."""
     cutoff, filled = 0.01, np.zeros(1000, bool)
     filled[500:524] = True
     assert not beside_gaps(filled, cutoff).any()
