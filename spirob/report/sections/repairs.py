@@ -27,8 +27,10 @@ class Repairs(Section):
 
 def each_once(notes: Sequence[str]) -> list[str]:
     """Notes in their order; what is said of several logs, `log: note`, once with their names."""
-    logs: dict[str, list[str]] = {}
+    logs: dict[tuple[str, str], list[str]] = {}
     for note in notes:
         log, colon, text = note.partition(": ")
-        logs.setdefault(text if colon else note, []).append(log if colon else "")
-    return [", ".join(names) + ": " * any(names) + text for text, names in logs.items()]
+        logs.setdefault((colon, text or log), []).append(log)
+    return [
+        ", ".join(names) + colon + text if colon else text for (colon, text), names in logs.items()
+    ]
