@@ -24,7 +24,7 @@ from spirob.effects import Effect
 from spirob.progress import Steps
 
 PAIRS, EXCHANGES = 3, 3  # finalists of a round, fitted in full
-EACH = 2 + EXCHANGES  # steps for an effect of a set: without it, what then is missing, exchanges
+EACH = 2 + EXCHANGES + PAIRS  # steps for an effect of a set: without it, what is missing, others
 CEILINGS = 2  # over the bare and the chosen model
 IMITATED = 0.5  # of what an effect explains: with more structure left, it stands for another
 POOR = 0.25  # of a model's squared error, if a fit from elsewhere leaves less: another valley
