@@ -24,6 +24,7 @@ CLEARLY = 0.05  # relative fall of the cost that makes another fit the better on
 HOPELESS = 2.0  # times the cost: what the cheap steps of a far fit may be off does not explain it
 ASIDE = 0.5  # of the way from absence to a bound: where a fit of either sign begins
 NEAR = 0.03  # of its range: a number so close to a bound is held by it
+SLOWEST = 1.01  # times the lowest order that a wave may have: no more than that
 
 
 def parameters_of(effect: type[Effect]) -> list[str]:
@@ -232,6 +233,25 @@ def _lower(
         return found
     again = briefly(near(train, far.changes), names, far.changes, settings, far.jacobian)
     return again if again.cost <= (1.0 - CLEARLY) * found.cost else found
+
+
+def slowest(train: Problem, effects: Sequence[type[Effect]], found: Fit) -> list[type[Effect]]:
+    """Effects with a wave that a fit takes to the slowest that its bounds allow."""
+    table, values = train.table, train.table.vector(found.changes)
+    orders = {e: f"{e.name()}.order" for e in effects}
+    return [
+        e
+        for e, n in orders.items()
+        if n in table.about and values[table.position(n)] <= SLOWEST * table.about[n].low
+    ]
+
+
+def without_slowest(train: Problem, effect: type[Effect], found: Fit, settings: Settings) -> Fit:
+    """Fitted again, the slowest wave of an effect left out."""
+    own = tuple(f"{effect.name()}.{phase}" for phase in ("sine", "cosine"))
+    kept = {n: v for n, v in found.changes.items() if not n.startswith(own)}
+    names = [n for n in found.estimates if n in kept]
+    return briefly(near(train, kept), names, kept, settings)
 
 
 def again_from(

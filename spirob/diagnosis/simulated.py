@@ -18,7 +18,9 @@ from spirob.diagnosis.fitting import (
     confirmed,
     lastly,
     parameters_of,
+    slowest,
     to_the_end,
+    without_slowest,
 )
 from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, another_dry, label
 from spirob.diagnosis.screen import Screened, amplitudes, screen
@@ -33,7 +35,6 @@ ROLES = ("train", "validate", "heldout")
 PAIRED = 3  # candidates of which pairs are tried
 LEADERS = 2  # candidates fitted until they settle, with their shapes too
 REACH = 4.0  # times the least mean square: who missed more is fitted no further
-SLOWEST = 1.01  # times the lowest order that a wave may have: no more than that
 Measure = Callable[[Fit], Floor]
 
 
@@ -245,19 +246,19 @@ class Simulated(Predictor):
         return another_dry(effect, others)
 
     def plain(self, model: Model) -> bool:
-        """Whether the waves among its effects come round as often as something in the machine does.
+        """Whether its waves say something that no smooth law would.
 
-        A wave that a fit takes to the slowest that its bounds allow stands for what is smooth: half
-        a period of it passes for a constant, a slope or a bend.
+        Half a period of the slowest wave that bounds allow passes for a constant, a slope or a
+        bend: the faster waves of its law have to count without it.
         """
-        orders = [f"{effect.name()}.order" for effect in model.effects]
-        table = self.train.table
-        values = table.vector(model.fit.changes)
-        return not any(
-            values[table.position(n)] <= SLOWEST * table.about[n].low
-            for n in orders
-            if n in table.about
-        )
+        for effect in slowest(self.train, model.effects, model.fit):
+            rest = tuple(e for e in model.effects if e is not effect)
+            lesser = self.fitted(rest, model.fit.changes)
+            faster = without_slowest(self.train, effect, model.fit, self.settings)
+            left = modelled(model.effects, faster, self.residuals).mean_square
+            if left + self.least**2 > lesser.mean_square:
+                return False
+        return True
 
     def complete(self, model: Model) -> bool:
         """Whether nothing more is to be looked for.

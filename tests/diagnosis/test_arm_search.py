@@ -227,3 +227,17 @@ def test_what_the_screening_promises_little_of_is_fitted_all_the_same(few, floor
     models = Simulated(residuals, names, settings, start, lambda found: Floor(floor, ""))
     verdict = searched(models, effects, settings)[1]
     assert (verdict.kind, verdict.named) == ("named", ["current_offset"])
+
+
+@pytest.mark.parametrize("faster", [3e-4, 0.0])
+def test_a_wave_as_slow_as_its_bounds_allow_needs_faster_ones_that_count(faster):
+    plant = spirob(find_effects(["cogging"]))
+    low = plant.table.about["cogging.order"].low
+    waves = {"sine": 3e-4, "second_sine": faster, "order": low, "ratio": 20.0}
+    waves = {f"cogging.{name}": value for name, value in waves.items()}
+    residuals = trials(waves, ["cogging"])
+    start = begun(residuals["train"], NAMES, {}, SETTINGS)
+    models = Simulated(residuals, NAMES, SETTINGS, start)
+    model = models.fitted(tuple(find_effects(["cogging"])), waves)
+    assert model.mean_square < 0.1 * models.fitted((), {}).mean_square
+    assert models.plain(model) == (faster > 0.0)
