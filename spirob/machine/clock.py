@@ -17,7 +17,7 @@ import numpy as np
 from spirob.errors import DataError, NothingLeft, TooShort
 from spirob.logs.stamps import GAP, EvenClock, Ordered, even_clock, ordered
 
-SHORTEST = 1.0  # s
+SHORTEST = 0.5  # s, over which errors are correlated: a block of them
 FEWEST = 40  # samples
 SLOWEST, FASTEST = 10.0, 1e6  # Hz, of a usable log
 REPEATED = 0.9  # of the rows that share their stamp say nothing new: the log repeats itself
@@ -70,7 +70,8 @@ def clock_of(
     values = unit * (found.stamps - found.stamps[0])
     parts = np.split(np.arange(len(values)), found.begins[1:])
     parts = [p for p in parts if len(np.unique(values[p])) >= 3]
-    length = sum(float(np.ptp(values[p])) for p in parts)
+    # the last row lasts as long as any other
+    length = round(sum(float(np.ptp(values[p])) * len(p) / (len(p) - 1) for p in parts), 9)
     if not SHORTEST <= length < np.inf:
         raise NothingLeft(
             f"{where}: {length:.3g} s long, a trial needs at least {SHORTEST:g} s; is the unit of "

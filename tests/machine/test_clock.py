@@ -111,7 +111,7 @@ def test_each_start_of_the_clock_begins_a_stretch():
     ("stamps", "error", "sentence"),
     [
         (np.arange(30) / RATE, TooShort, "30 samples"),
-        (np.arange(100) / RATE, NothingLeft, r"0\.495 s long"),
+        (np.arange(99) / RATE, NothingLeft, r"0\.495 s long"),
         (np.zeros(100), NothingLeft, "0 s long"),
         (np.arange(100.0), DataError, "1 samples a second.*is the unit of time right"),
         (1e300 * np.arange(100.0), DataError, "is the unit of time right"),
@@ -121,3 +121,8 @@ def test_each_start_of_the_clock_begins_a_stretch():
 def test_no_usable_clock_is_one_sentence(stamps, error, sentence):
     with pytest.raises(error, match=sentence):
         clock_of("log", stamps, 1.0, {"q": np.arange(len(stamps))}, [])
+
+
+def test_the_last_row_lasts_as_long_as_the_others():
+    stamps = np.arange(100) / RATE  # half a second, though 0.495 s lie between first and last
+    assert len(clock_of("log", stamps, 1.0, moved(stamps), []).seconds) == 100
