@@ -140,17 +140,22 @@ def _told_apart(
 
     Effects that make the same together are as vague as one another, and none of them is likely.
     Vague is an effect none of whose amplitudes is told: their intervals reach what is neutral.
+    The vaguest goes, of those without which no more is left than without another, by half.
     """
     search, found, told = ended.search, ended.found, weighed
     while len(told) > 1 and not likely(told):
-        vaguest = min(found.chosen.effects, key=lambda e: told[e.name()].figures["sharp"])
-        if told[vaguest.name()].figures["sharp"] >= 0.0:
+        sharp = {e: told[e.name()].figures["sharp"] for e in found.chosen.effects}
+        if min(sharp.values()) >= 0.0:
             break
+        lesser = {e: search.without(found.chosen, e) for e in sharp}
+        best = min(lesser.values(), key=lambda m: m.mean_square)
+        spared = [e for e, model in lesser.items() if not search.worth.halves(model, best)]
+        vaguest = min(spared, key=lambda e: sharp[e])
         found = search.less(found, vaguest)
-        lesser = Ended(search, found, search.models.left(found.chosen))
-        told = weigh(lesser, bent)
+        again = Ended(search, found, search.models.left(found.chosen))
+        told = weigh(again, bent)
         if likely(told):
-            return lesser, told
+            return again, told
     return ended, weighed
 
 
@@ -300,8 +305,9 @@ class Words:
         models, bare = self.ended.search.models, self.ended.found.rungs[0]
         before, after = (float(np.sqrt(m.heldout_square)) for m in (bare, self._chosen))
         size = effort_rms(models.heldout)
+        way = "falls" if after < before else "rises"
         fall = (
-            f"On held-out data the RMS error falls from "
+            f"On held-out data the RMS error {way} from "
             f"{models.train.effort.shown(before, after)}, from {before / size:.1%} to "
             f"{after / size:.1%} of the {self._effort}'s RMS."
         )

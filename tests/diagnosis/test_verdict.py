@@ -1,7 +1,7 @@
 """A name is given where such names were right; trials that had no part in it say most."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -23,7 +23,8 @@ from spirob.diagnosis.verdict import (
     weigh,
 )
 from spirob.effects import find_effects
-from tests.diagnosis.machines import SAMPLES, Linear, ended, model
+from spirob.identify.fit import Estimate
+from tests.diagnosis.machines import SAMPLES, Linear, ended, fit_of, model
 
 EFFECT, KIN, OTHER, FAR = find_effects(
     ["coulomb_friction", "presliding_friction", "cogging", "load_dependent_friction"]
@@ -60,6 +61,26 @@ def test_a_name_that_does_not_is_unknown(heldout):
     assert verdict.sentence.endswith(f"nearest: {EFFECT.title} with {sure(heldout):.0%}.")
     assert f"coulomb friction ({sure(heldout):.0%})" in verdict.explanation  # how unlikely, is said
     assert verdict.next_experiment == AGAIN
+    assert ("rises from 10 to 20 mA, from 1.0% to 2.0%" in verdict.explanation) is (heldout > 0.01)
+
+
+def test_of_effects_that_hide_each_other_the_one_that_is_needed_stays():
+    """Both are vague, the needed one more so; alone each would be likely."""
+    vague, vaguer = 3.0, 4.0  # half intervals of numbers of size 1
+    pair = [OTHER, EFFECT]
+    both = model(pair, 0.01)
+    half = {e: vaguer if e is EFFECT else vague for e in pair}
+    told = {
+        n: Estimate(1.0, 1.0 - half[e], 1.0 + half[e], "1", False)
+        for e in pair
+        for n in fit_of([e], both.left).estimates
+    }
+    both = replace(both, fit=replace(both.fit, estimates=told))
+    one = ended(model([], 0.1), model([OTHER], 0.06), model([EFFECT], 0.02), both)
+    assert not likely(weigh(one))
+    stands, weighed = concluded(one.search, one.found)
+    assert stands.found.chosen.names == {NAME}
+    assert likely(weighed) == [NAME]
 
 
 @pytest.mark.parametrize(("veto", "said"), [(0.3, True), (0.6, False)])
