@@ -29,7 +29,7 @@ from spirob.machine.plausibility import (
     oddities,
     untaught,
 )
-from spirob.machine.preparation import Ready, ready_of, search_of
+from spirob.machine.preparation import Ready, moving, ready_of, search_of
 from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
@@ -73,7 +73,7 @@ def diagnose_recordings(
             judged = judged.noted(f"{said} {UNTRIED}")
         elif said:
             progress("once more, with the end of every log held out")
-            again = _taught_by_all(told, [*train, *test], said)
+            again = _taught_by_all(told, judged.done.ready, [*train, *test], said)
             judged = again if again and _says_more(again, judged) else judged.noted(said)
         return _written(with_spring(judged))
 
@@ -86,13 +86,16 @@ def _says_more(again: Judged, judged: Judged) -> bool:
     return told.issuperset(likely(judged.verdict.weighed))
 
 
-def _taught_by_all(told: Callable[..., Ready], logs: list[Recording], said: str) -> Judged | None:
+def _taught_by_all(
+    told: Callable[..., Ready], ready: Ready, logs: list[Recording], said: str
+) -> Judged | None:
     """The verdict with the end of every log held out; None where they are too short for it."""
+    moved, lost = moving(ready.rig, logs, ready.rest_speed)
     try:
-        kept, held, more = ends_aside(logs)
+        kept, held, more = ends_aside(moved)
     except NothingLeft:
         return None
-    return judged_of(_found(told(kept, held, [f"{said} {ASIDE}", *more])))
+    return judged_of(_found(told(kept, held, [f"{said} {ASIDE}", *more, *lost])))
 
 
 def _found(ready: Ready) -> Searched:

@@ -124,19 +124,28 @@ def ready_of(
         raise ConfigError("a diagnosis needs at least one training log")
     held = chosen(files(rig.effects, folder)) if held is None else held
     repairs = [text for r in [*train, *test] for text in r.said]
-    train, test, said = split(train, test)
-    (train, many), (test, more) = in_stretches(train), in_stretches(test)
-    repairs += [*said, *many, *more, *strange(rig, train)]
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
+    (train, lost), (test, rested) = (moving(rig, logs, rest) for logs in (train, test))
+    train, test, said = split(train, test)
+    (train, many), (test, more) = in_stretches(train), in_stretches(test)
+    repairs += [*said, *many, *more, *strange(rig, train), *lost, *rested]
     own, possible, excluded = library(rig, body, train, held, sizes, without)
-    if rig.rows.standstill == "drop" and rig.rows.minimum_speed is None:
-        (train, lost), (test, more) = (without_holds(r, rest) for r in (train, test))
-        repairs += [*lost, *more]
     laws = held, own, possible, excluded
     return Ready(
         rig, rig, body, train, test, *laws, sizes, rest, repairs, not is_told(rig), without
     )
+
+
+def moving(
+    rig: RigFile, logs: list[Recording], rest_speed: float
+) -> tuple[list[Recording], list[str]]:
+    """The logs without rows at standstill, and what is said of it; all where a rig keeps them.
+
+    What of them is held out is to be a part of what is compared, and no rest.
+    """
+    kept = rig.rows.standstill == "keep" or rig.rows.minimum_speed is not None
+    return (logs, []) if kept else without_holds(logs, rest_speed)
 
 
 def library(

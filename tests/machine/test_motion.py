@@ -9,6 +9,7 @@ from spirob.diagnosis.model import is_dry
 from spirob.effects import all_effects
 from spirob.machine.laws import related
 from spirob.machine.motion import holds, late, without_holds
+from spirob.machine.preparation import ready_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
@@ -41,6 +42,16 @@ def test_a_log_of_holds_is_used_as_it_is():
     (kept,), (sentence,) = without_holds([made], 0.03)
     assert kept is made
     assert "stands most of the time" in sentence
+
+
+def test_what_is_held_out_of_a_log_that_ends_at_rest_moves(tmp_path):
+    rig = RigFile.model_validate(description())
+    ready = ready_of(rig, tmp_path, [recording(4.0)], [])
+    (held,) = ready.test
+    speeds = np.concatenate([p.v[p.use] for p in held.pieces])
+    assert len(speeds) > 500
+    assert np.sqrt(np.mean(speeds**2)) > 1.0  # of π/√2
+    assert not any("stands most of the time" in said for said in ready.said)
 
 
 def test_dry_friction_is_known_by_its_kernel():
