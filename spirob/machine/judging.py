@@ -60,8 +60,9 @@ class Searched:
         return self.found.chosen
 
     def noted(self, said: str) -> "Searched":
-        """The same with a further note."""
-        return replace(self, ready=replace(self.ready, said=[*self.ready.said, said]))
+        """The same with a further note, each once."""
+        said_once = list(dict.fromkeys([*self.ready.said, said]))
+        return replace(self, ready=replace(self.ready, said=said_once))
 
     @property
     def is_long(self) -> bool:

@@ -1,54 +1,69 @@
-"""Does a spring that the description does not fit explain what is left, or what has a name?
+"""Does a spring that the description does not fit explain what is left, or an effect?
 
 `fit.stiffness` is a number, no effect of the library: a search without it names what comes nearest.
 A spring that is at rest elsewhere than at position 0 is one beside a constant force.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.model import Model
-from spirob.diagnosis.verdict import judge, likely
 from spirob.effects import Effect
 from spirob.identify.problem import effort_rms
 from spirob.machine.inverse import InverseProblem, Work
-from spirob.machine.judging import Judged
+from spirob.machine.judging import Judged, Searched
 from spirob.machine.models import RigSearch
 from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import Bounded, RigFile
 
 CONSTANT = ("constant_force", "current_offset")
-SPRUNG = "No effect is named: the logs show {}, which the description does not fit."
-AGAIN = "Fit it (`fit: {stiffness: ...}`) and diagnose again: beside it effects may be named."
+FITTED = "The logs show {}, which the description does not fit: fitted (`fit: {{stiffness: ...}}`)."
 WIDE = 100.0  # times the stiffness that makes all of the effort
 
 
-def with_spring(judged: Judged) -> Judged:
-    """The verdict with what a spring would leave held out, where that is less by what counts.
+def with_spring(done: Searched, again: Callable[[Ready], Searched]) -> Searched:
+    """The search with a spring to fit, where that leaves half of the squared error.
 
-    A name is doubted where a spring in its place leaves half of the squared error held out.
+    Beside all that was found, or in the place of one effect.
+
+    again  searches a rig of which more is told
     """
-    search, ready, chosen = judged.search, judged.done.ready, judged.chosen
-    left = search.worth.possible(chosen, 0.0, search.models.promised)
-    if judged.verdict.doubts or not left or not _is_open(ready.rig):
+    search, chosen = done.search, done.chosen
+    if done.is_long or not _may_count(done):
+        return done
+    beside = _Beside.of(done.ready)
+    lesser = [tuple(o for o in chosen.effects if o is not e) for e in chosen.effects]
+    for effects in (chosen.effects, *lesser):
+        pair = beside.fitted(effects, chosen)
+        if pair and search.worth.halves(chosen, pair[1]):
+            done.ready.progress("once more, with a spring")
+            told = done.ready.told(fit={**done.ready.rig.fit, "stiffness": beside.bounds})
+            return again(told).noted(FITTED.format(_words(pair[1])))
+    return done
+
+
+def with_spring_told(judged: Judged) -> Judged:
+    """The verdict with what a spring would leave held out, where that is less by what counts."""
+    search, chosen = judged.search, judged.chosen
+    if judged.verdict.doubts or not _may_count(judged.done):
         return judged
-    beside = _Beside.of(ready)
-    told = likely(judged.verdict.weighed)
-    for effect in (e for e in chosen.effects if e.name() in told):
-        others = tuple(e for e in chosen.effects if e is not effect)
-        pair = beside.fitted(others, chosen)
-        if pair and search.worth.refuted(chosen, pair[1]):
-            return _doubted(judged, effect, pair[1])
-    if pair := beside.fitted(chosen.effects, chosen):
-        after, before = _left(search, pair[1]), _left(search, pair[0])
-        said = (
-            f"With {_spring(pair[1])} (`fit: {{stiffness: ...}}`), {after} of the effort would be"
-        )
-        return judged.noted(f"{said} left held out, without it {before}.")
-    return judged
+    pair = _Beside.of(judged.done.ready).fitted(chosen.effects, chosen)
+    if pair is None:
+        return judged
+    before, after = (_left(search, model) for model in pair)
+    return judged.noted(
+        f"With {_words(pair[1])} (`fit: {{stiffness: ...}}`), {after} of the effort would be left "
+        f"held out, without it {before}."
+    )
+
+
+def _may_count(done: Searched) -> bool:
+    """Whether a spring is no number of the description, and enough is left for it to count."""
+    search = done.search
+    left = search.worth.possible(done.chosen, 0.0, search.models.promised)
+    return left and _is_open(done.ready.rig)
 
 
 def _is_open(rig: RigFile) -> bool:
@@ -56,20 +71,7 @@ def _is_open(rig: RigFile) -> bool:
     return rig.position is not None and "stiffness" not in {*rig.fit, *rig.known}
 
 
-def _doubted(judged: Judged, effect: type[Effect], sprung: Model) -> Judged:
-    search, found = judged.search, judged.found
-    spring = _spring(sprung)
-    said = (
-        f"Not {effect.title}: {spring}, and a constant force in its place leave "
-        f"{_left(search, sprung)} of the effort held out, and it {_left(search, found.chosen)}."
-    )
-    ended = Ended(search, found, search.models.left(found.chosen))
-    verdict = judge(ended, judged.verdict.weighed, (said,))
-    verdict = replace(verdict, sentence=SPRUNG.format(spring), next_experiment=AGAIN)
-    return replace(judged, verdict=verdict, law=None)
-
-
-def _spring(sprung: Model) -> str:
+def _words(sprung: Model) -> str:
     """The spring of a model in words, with its stiffness."""
     found = sprung.fit.estimates["rig.stiffness"]
     return (
@@ -84,18 +86,20 @@ def _left(search: RigSearch, model: Model) -> str:
 
 @dataclass(frozen=True)
 class _Beside:
-    """Searches over the logs of a rig as described, and with a spring to fit."""
+    """Searches over the logs of a rig as described, and with a spring to fit within `bounds`."""
 
     without: RigSearch
     spring: RigSearch
+    bounds: Bounded
 
     @classmethod
     def of(cls, ready: Ready) -> "_Beside":
         """Searches of their own: what is fitted here says nothing of how long another took."""
         ready = replace(ready, work=Work(), progress=lambda text: None)
         without, _ = search_of(ready)
-        fit = {**ready.rig.fit, "stiffness": _stiffness(without.models.train)}
-        return cls(without, search_of(ready.told(fit=fit))[0])
+        bounds = _stiffness(without.models.train)
+        spring, _ = search_of(ready.told(fit={**ready.rig.fit, "stiffness": bounds}))
+        return cls(without, spring, bounds)
 
     def fitted(
         self, effects: tuple[type[Effect], ...], chosen: Model
