@@ -150,6 +150,13 @@ class Search(Generic[M]):
         )
         return Found(self.rungs(model), found.offers, rivals, same, found.vetoed)
 
+    def exchanged(self, found: Found) -> Found | None:
+        """With what does better now that something beside it is gone; None where nothing does."""
+        model = self._exchanged(found.chosen)
+        if model is found.chosen:
+            return None
+        return self._found(self._pruned(model, whole=True), found.offers)
+
     def _found(self, chosen: Model, offers: list[Offer]) -> Found:
         chosen = self.models.finished(chosen)
         found = Found(self.rungs(chosen), offers, vetoed=sorted(self.vetoed - chosen.names))

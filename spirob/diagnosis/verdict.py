@@ -119,7 +119,7 @@ def concluded(
     """What stands of a search, and how likely each chosen effect is.
 
     What imitates goes, and so does what is unlikely beside what is likely; it stays among the
-    weighed.
+    weighed.  What was likely beside it is exchanged for what does better alone.
     """
     left = search.models.left(found.chosen)
     while (lesser := search.without_imitations(found, left.share)) is not None:
@@ -130,6 +130,11 @@ def concluded(
     if 0 < len(kept := likely(weighed)) < len(weighed):
         found = search.narrowed(ended.found, kept)
         ended = Ended(search, found, search.models.left(found.chosen))
+        if other := search.exchanged(found):
+            again = Ended(search, other, search.models.left(other.chosen))
+            told = weigh(again, bent)
+            if len(likely(told)) == len(told) > 0:
+                ended, weighed = again, {n: w for n, w in weighed.items() if n not in kept} | told
     return ended, weighed
 
 

@@ -11,6 +11,7 @@ from spirob.diagnosis.certainty import LIKELY, probability
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.document import candidates, findings
 from spirob.diagnosis.model import Offer
+from spirob.diagnosis.search import Search
 from spirob.diagnosis.verdict import (
     AGAIN,
     SENSELESS,
@@ -334,3 +335,19 @@ def test_pipeline_trial_and_arm_are_judged_in_one_go():
     assert any("chosen so far: coulomb_friction" in line for line in told)
     again = Linear(0.1 * one, {EFFECT: one, OTHER: two})
     assert searched(again, [EFFECT, OTHER], Criteria(), doubts=DOUBTS)[1].doubts == DOUBTS
+
+
+def test_what_was_likely_beside_a_dropped_effect_is_asked_again_alone(monkeypatch):
+    """EFFECT makes a part of what FAR makes whole, and OTHER, which is dropped, the rest."""
+    one, two = np.random.default_rng(2).standard_normal((2, 2 * SAMPLES))
+    machine = Linear(0.1 * (one + two), {EFFECT: one, OTHER: two, FAR: one + two})
+    search = Search(machine, [EFFECT, OTHER, FAR], Criteria(most=2))
+    chance = lambda figures, name, of: 0.1 if name == OTHER.name() else 0.9  # noqa: E731
+    monkeypatch.setattr(module, "probability", chance)
+    search.run()
+    pair = search.settled(machine.fitted((EFFECT, OTHER), {}))
+    assert pair.chosen.names == {NAME, OTHER.name()}
+    last, weighed = concluded(search, pair)
+    assert last.found.chosen.names == {FAR.name()}
+    assert likely(weighed) == [FAR.name()]
+    assert weighed[OTHER.name()].probability == 0.1
