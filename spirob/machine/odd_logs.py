@@ -28,21 +28,20 @@ RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
 
 
 def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
-    """Logs that the others' model does not fit at all; empty where there are none.
+    """Logs that the others' model does not fit at all, of which the parts are one; or empty.
 
     residuals  of one model on the trials of each problem
     """
-    logs: dict[str, tuple[float, str, int]] = {}
-    shared = level(problems)
+    parts: dict[str, list[np.ndarray]] = defaultdict(list)  # log -> effort, modelled, speed
     for problem, residual in zip(problems, residuals, strict=True):
-        effort, speeds = problem.measured(), problem.signals()["speed"]
-        edges = pairwise(problem.edges)
-        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
-            measured = effort[start:stop]
-            own = measured + residual[start:stop]
-            way = way_of(speeds[start:stop], problem.rest_speed)
-            share = _fitting(measured, own, shared)
-            logs[recording.name] = share, _mended(measured, own), way
+        effort = problem.measured()
+        rows = np.stack([effort, effort + residual, problem.signals()["speed"]])
+        for log, at in _parts(problem):
+            parts[log].append(rows[:, at])
+    logs, shared, rest = {}, level(problems), problems[0].rest_speed
+    for name, part in parts.items():
+        measured, own, speeds = np.concatenate(part, axis=1)
+        logs[name] = _fitting(measured, own, shared), _mended(measured, own), way_of(speeds, rest)
     strange = {name: log for name, log in logs.items() if log[0] < STRANGE}
     if not strange or max(share for share, _, _ in logs.values()) < FAMILIAR:
         return ""
@@ -167,10 +166,8 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     """The log that fits the others least, where these fit one another; None of a single log."""
     parts: dict[str, list[Log]] = defaultdict(list)  # the end of a log may be held out
     for problem in problems:
-        measured, edges = problem.measured(), pairwise(problem.edges)
-        for recording, (start, stop) in zip(problem.recordings, edges, strict=True):
-            design = partial(_design, problem, slice(start, stop))
-            parts[recording.log].append((measured[start:stop], design))
+        for log, rows in _parts(problem):
+            parts[log].append((problem.measured()[rows], partial(_design, problem, rows)))
     if len(parts) < PAIR:
         return None
     logs = {name: _joined(part) for name, part in parts.items()}
@@ -179,6 +176,12 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     found, poorest_other = fits[name]
     odd = _Odd(name, *logs[name], found, len(logs), level(problems))
     return None if poorest_other < FAMILIAR else odd
+
+
+def _parts(problem: InverseProblem) -> list[tuple[str, slice]]:
+    """The log of each trial, and its rows."""
+    rows = [slice(*edges) for edges in pairwise(problem.edges)]
+    return [(r.log, at) for r, at in zip(problem.recordings, rows, strict=True)]
 
 
 def _joined(parts: Sequence[Log]) -> Log:
@@ -274,8 +277,7 @@ def level(problems: Sequence[InverseProblem]) -> float:
 
     One way dry friction is a level, and viscous friction nearly so: it is a law that explains them.
     """
-    ways = set(_ways(*problems))
-    if len(ways) == 1 and 0 not in ways:
+    if set(_ways(*problems)) in ({1}, {-1}):
         return 0.0
     return float(np.mean(np.concatenate([problem.measured() for problem in problems])))
 
@@ -318,9 +320,7 @@ def beside_plain(
     columns: np.ndarray,
     within: tuple[float, float] = (-np.inf, np.inf),
 ) -> tuple[np.ndarray, float]:
-    """Numbers of columns (N, k) that fit an effort (N,) beside plain ones, (k,).
-
-    Also the mean square that is left.
+    """Numbers (k,) of columns (N, k) that fit an effort (N,) beside plain ones; mean square left.
 
     resisting  how many of the plain columns, the first ones, can only resist
     within     bounds of the numbers of `columns`

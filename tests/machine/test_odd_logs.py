@@ -1,6 +1,7 @@
 """Logs that do not belong together, or go one way, are seen before a name is believed."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -164,14 +165,14 @@ def test_what_mends_a_strange_log_is_said_with_its_share():
     assert _mended(np.random.default_rng(0).normal(size=1000), modelled) == ""
 
 
-def turning(*ways):
+def turning(*ways, name="log"):
     """Logs in which an axis turns one way, or to and fro."""
     rig, logs = RigFile.model_validate(description()), []
     for k, way in enumerate(ways):
         t = np.arange(0, 6, 2e-3)
         v = np.sin(4 * t) + 2.0 * way
         made = {"t": t, "q": np.cumsum(v) * 2e-3, "u": 0.3 * v + 0.5 * np.sign(v)}
-        logs.append(prepare(f"log{k}", made, rig))
+        logs.append(prepare(f"{name}{k}", made, rig))
     return InverseProblem(rig, None, logs, [], SIZES, 0.02)
 
 
@@ -209,6 +210,22 @@ def test_of_logs_of_one_way_a_model_explains_the_level(ways, familiar):
     assert (poorest([made], [residual]) > FAMILIAR) == familiar
 
 
+def test_the_end_of_a_log_at_one_effort_is_judged_with_its_beginning():
+    """About its own mean nothing of a hold is explained, though the log is the others' machine."""
+    rig, t = RigFile.model_validate(description()), np.arange(0, 6, 2e-3)
+    v = np.where(t < 3.0, 4.0 * np.cos(4 * t), 2.0 + 0.01 * np.sin(4 * t))
+    halves = [
+        prepare(name, {"t": t[rows], "q": np.cumsum(v)[rows] * 2e-3, "u": 0.3 * v[rows]}, rig)
+        for name, rows in (("log", slice(0, 1500)), ("log (end)", slice(1500, None)))
+    ]
+    for ends in (True, False):
+        parts = [replace(half, log="log") if ends else half for half in halves]
+        kept, held = (InverseProblem(rig, None, [r], [], SIZES, 0.02) for r in parts)
+        residuals = [0.1 * kept.measured(), 0.6 * held.measured()]
+        said = strangers([kept, held], residuals)
+        assert said.partition(":")[0] == ("" if ends else "log (end)")
+
+
 def test_a_rare_row_the_other_way_and_rest_are_no_direction():
     speeds = np.r_[np.full(1000, 2.0), np.full(5, -2.0), np.full(5000, 0.01)]
     assert way_of(speeds, 0.02) == 1
@@ -218,7 +235,7 @@ def test_a_rare_row_the_other_way_and_rest_are_no_direction():
 
 
 def test_a_strange_log_that_alone_goes_its_way_is_told_so():
-    fitted, back = turning(1, 1), turning(-1)
+    fitted, back = turning(1, 1), turning(-1, name="back")
     residuals = [0.1 * fitted.measured(), -3.0 * back.measured()]
     assert "a way that no other log does" in strangers([fitted, back], residuals)
     mixed = turning(1, 0)
