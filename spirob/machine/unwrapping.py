@@ -114,7 +114,9 @@ def _modulus(track: Track) -> float | None:
     for known in track.usual:
         if abs(size - known) < SNAP * known + rough:
             return float(known)
-    return size if len(sizes) > 1 else None
+    # steps of a few counts agree with one another whatever they are
+    count = float(np.diff(np.unique(track.values)).min())
+    return size if len(sizes) > 1 and count < WITHIN * size else None
 
 
 def unwrapped(track: Track, modulus: float) -> tuple[np.ndarray, int, bool]:

@@ -222,3 +222,13 @@ def test_noise_and_counts_in_turn_at_rest_are_no_wraps(rows, counts, seed):
     noise = np.random.default_rng(seed).random(rows)
     values = np.round(noise) if counts else noise
     assert modulus_of(Track(values, 0.01 * np.arange(rows), 0.01, 0.055)) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_few_counts_to_and_fro_are_no_modulus(seed):
+    """Their steps are alike, as there are no others; forty counts of a turn are one."""
+    values = np.rint(np.random.default_rng(seed).normal(size=3000))
+    track = Track(values, 0.01 * np.arange(3000), 0.01, 0.055)
+    assert modulus_of(track) is None
+    turns = np.floor(np.mod(0.011 * np.arange(3000), 1.0) * 40.0)
+    assert modulus_of(replace(track, values=turns)) == pytest.approx(40.0, rel=0.05)
