@@ -152,10 +152,9 @@ class Search(Generic[M]):
 
     def exchanged(self, found: Found) -> Found | None:
         """With what does better now that something beside it is gone; None where nothing does."""
-        model = self._exchanged(found.chosen)
-        if model is found.chosen:
-            return None
-        return self._found(self._pruned(model, whole=True), found.offers)
+        model, offers = self._exchanged(found.chosen), found.offers
+        same = model is found.chosen
+        return None if same else self._found(self._pruned(model, whole=True), offers)
 
     def _found(self, chosen: Model, offers: list[Offer]) -> Found:
         chosen = self.models.finished(chosen)
@@ -277,7 +276,7 @@ class Search(Generic[M]):
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Exchanges that are neither richer nor clearly worse, held out neither."""
         others = self._exchanges(model, effect)
-        poorer = [m for m in others if m.numbers <= model.numbers and self._rivals_with(m, model)]
+        poorer = [m for m in others if m.numbers <= model.numbers and self.rivals_with(m, model)]
         return [*poorer, *self._richer(model, effect)]
 
     def _same(self, model: Model, effect: type[Effect]) -> list[str]:
@@ -297,7 +296,8 @@ class Search(Generic[M]):
         dry = [] if is_dry(effect) else sorted(filter(is_dry, made), key=richness)[:1]
         return [e.name() for e in made if richness(e) == own or e in dry]
 
-    def _rivals_with(self, other: Model, model: Model) -> bool:
+    def rivals_with(self, other: Model, model: Model) -> bool:
+        """Whether another model is not clearly worse, held out neither."""
         return not self.worth.clearly(other, model) and not self.worth.refuted(other, model)
 
     def _richer(self, model: Model, effect: type[Effect]) -> list[Model]:

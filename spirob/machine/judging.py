@@ -23,7 +23,7 @@ from spirob.machine.composed.draft import Draft, is_bent
 from spirob.machine.foretold import misleading
 from spirob.machine.leftovers import RigCeiling, noisy, structured, unexplained
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
+from spirob.machine.odd_logs import FAMILIAR, another_unit, one_way, poorest
 from spirob.machine.plausibility import doubts, only_of_logs
 from spirob.machine.preparation import Ready
 from spirob.machine.scaling import ways
@@ -34,6 +34,7 @@ DENIED = (
     "Not named: {}. The effort would follow from the motion by it, but run forward by the effort "
     "the model moves far worse with it than without."
 )
+CONSTANT = ("constant_force", "current_offset")
 TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
     "A law composed without any name is plainer and leaves less than half the squared error, or "
@@ -108,6 +109,7 @@ def judged_of(done: Searched) -> Judged:
     ended, weighed, denied = foretelling(ended, weighed)
     done = done.noted(denied) if denied else done
     weighed, said = with_instant(search, ended.found.chosen, weighed)
+    weighed = with_dry(search, ended.found.chosen, weighed)
     rest = search.models.ceiling(ended.found.chosen)
     verdict = judge(ended, weighed, doubts(search, ended.found, rest))
     judged = Judged(done, ended.found, verdict, rest)
@@ -216,6 +218,29 @@ def with_instant(
             f"from {plain(other)}."
         )
     return told, said
+
+
+def with_dry(
+    search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
+) -> dict[str, Weighed]:
+    """The weighed, dry friction beside a constant of logs of one way, where it does about as well.
+
+    It has a number more, which tells how it turns round: what such logs hold of that is no motion.
+    """
+    told, train = dict(weighed), search.models.train
+    dry = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
+    constants = [e for e in chosen.effects if e.name() in CONSTANT and e.name() in weighed]
+    for constant in constants if dry and one_way(train, search.models.heldout) else ():
+        rest = tuple(e for e in chosen.effects if e is not constant)
+        if search.models.related(dry[0], rest):
+            continue
+        other = search.models.fitted((*rest, *dry), chosen.fit.changes)
+        if search.rivals_with(other, chosen):
+            one, name = weighed[constant.name()], dry[0].name()
+            rivals = [n for n in one.rivals if n != name]
+            same = sorted({*one.equivalents, name})
+            told[constant.name()] = replace(one, equivalents=same, rivals=rivals)
+    return told
 
 
 def _nameless(

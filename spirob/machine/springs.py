@@ -13,12 +13,11 @@ from spirob.diagnosis.model import Model
 from spirob.effects import Effect
 from spirob.identify.problem import effort_rms
 from spirob.machine.inverse import InverseProblem, Work
-from spirob.machine.judging import Judged, Searched
+from spirob.machine.judging import CONSTANT, Judged, Searched
 from spirob.machine.models import RigSearch
 from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import Bounded, RigFile
 
-CONSTANT = ("constant_force", "current_offset")
 FITTED = "The logs show {}, which the description does not fit: fitted (`fit: {{stiffness: ...}}`)."
 WIDE = 100.0  # times the stiffness that makes all of the effort
 

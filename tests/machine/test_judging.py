@@ -19,9 +19,11 @@ from spirob.machine.judging import (
     may_outdo,
     numbers,
     outdone,
+    with_dry,
     with_instant,
 )
 from spirob.machine.laws.presliding_friction import PreslidingFriction
+from tests.diagnosis import machines
 
 
 def model(*names, told=(), left=1.0):
@@ -242,3 +244,22 @@ def test_dry_friction_is_told_beside_a_bristle_whose_way_no_log_shows(way, same)
     assert told["presliding_friction"].probability == 0.8
     assert bool(said) == bool(same)
     assert not same or ("0.0001 rad" in said and "0.001 rad" in said)
+
+
+@pytest.mark.parametrize(
+    ("one_way", "left", "told"),
+    [([""], 0.1, True), ([], 0.1, False), ([""], 0.2, False)],
+)
+def test_dry_friction_is_told_beside_a_constant_of_logs_of_one_way(
+    one_way, left, told, monkeypatch
+):
+    """Where its fit leaves as much; both signs of speed tell them apart, and so does a dwell."""
+    monkeypatch.setattr(judging, "one_way", lambda train, heldout: one_way)
+    constant, dry = all_effects()["constant_force"], all_effects()["coulomb_friction"]
+    sets = machines.model([], 1.0), machines.model([dry], left), machines.model([constant], 0.1)
+    ended = machines.ended(*sets)
+    ended.search.candidates = [constant, all_effects()["stribeck_friction"], dry]
+    weighed = {"constant_force": Weighed(0.8, 0.8, ["current_offset"], ["coulomb_friction"])}
+    one = with_dry(ended.search, ended.found.chosen, weighed)["constant_force"]
+    same = ["coulomb_friction", "current_offset"] if told else ["current_offset"]
+    assert (one.equivalents, bool(one.rivals)) == (same, not told)
