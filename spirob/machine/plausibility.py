@@ -10,7 +10,7 @@ motions.  What is left of the model chosen for the one may be what the laws of t
 import numpy as np
 import scipy
 
-from spirob.diagnosis.model import Found, Model
+from spirob.diagnosis.model import Found, Model, is_dry
 from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.fit import Estimate
 from spirob.identify.identifiability import Identifiability
@@ -51,7 +51,9 @@ AT_LOAD = (
 
 def doubts(search: RigSearch, found: Found, rest: RigCeiling) -> list[str]:
     """Why no name can be trusted, whatever the errors say; empty where one can."""
-    causes = [told(search, found.chosen) for told in (_turned, without_sign, out_of_scale)]
+    causes = [
+        told(search, found.chosen) for told in (_turned, without_sign, out_of_scale, _computed)
+    ]
     mended = [text for text in causes if text]
     other = _odd_logs(search, found) or ("" if mended else _senseless(search, found, rest))
     return [text for text in (other, *mended) if text]
@@ -211,6 +213,29 @@ def _turned(search: RigSearch, chosen: Model) -> str:
         f"With the sign of the effort turned, inertia, friction and weight explain {turned:.0%} of "
         f"its variance, as logged {max(0.0, as_logged):.0%}: give the effort or the motion the "
         "factor -1."
+    )
+
+
+def _computed(search: RigSearch, chosen: Model) -> str:
+    """Whether a commanded effort follows the place as no machine does; empty where it does not.
+
+    Neither inertia nor friction is told from none, though the motion is so fast that the given
+    inertia would be seen.  A geared axis may hide its inertia, but not its friction as well.
+    """
+    train, fit, names = search.models.train, chosen.fit, ("rig.inertia", "rig.viscous")
+    nil = [n in fit.estimates and fit.estimates[n].low <= train.table.about[n].low for n in names]
+    resists = not all(nil) or any(map(is_dry, chosen.effects))
+    if train.rig.effort.origin != "command" or not chosen.effects or resists:
+        return ""
+    inertia, nominal = fit.estimates["rig.inertia"], train.table.about["rig.inertia"].nominal
+    given, none = (train(fit.changes | {"rig.inertia": value}) for value in (nominal, 0.0))
+    asked = float(np.sqrt(np.mean((given - none) ** 2)))
+    if asked * (1.0 - inertia.high / nominal) < TWICE * search.worth.least:
+        return ""
+    return (
+        f"The effort follows the place without friction and without the inertia of {nominal:.3g} "
+        f"{inertia.unit}, which would ask for {asked / search.models.size:.0%} of it (at most "
+        f"{inertia.high:.2g} fit): is it computed from the place, by the controller's law?"
     )
 
 

@@ -11,9 +11,10 @@ from spirob.diagnosis.search import Search
 from spirob.identify.intervals import Estimate
 from spirob.machine import plausibility
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.laws import LEVER
 from spirob.machine.leftovers import drifting
 from spirob.machine.models import Models
-from spirob.machine.plausibility import _of_another_size, _turned, untaught
+from spirob.machine.plausibility import _computed, _of_another_size, _turned, untaught
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -40,18 +41,19 @@ def test_a_delay_that_is_not_usual_is_told_with_its_interval(delay, said):
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 
 
-def search_of(effort, noise=0.0, onward=0.0):
+def search_of(effort, noise=0.0, onward=0.0, origin="measured"):
     """A search over one log of an axis with inertia, friction and a weight.
 
     noise  of its position [rad];  onward  speed at which it goes on besides [rad/s]
     """
     rig = RigFile.model_validate(description())
+    rig = rig.model_copy(update={"effort": rig.effort.model_copy(update={"origin": origin})})
     t = np.arange(0, 10, 2e-3)
     q, v = np.sin(3 * t) + 0.3 * np.sin(7.1 * t), 3 * np.cos(3 * t) + 2.13 * np.cos(7.1 * t)
     a = -9 * np.sin(3 * t) - 15.1 * np.sin(7.1 * t)
     read = q + onward * t + noise * np.random.default_rng(1).normal(size=len(q))
     made = [prepare("log", {"t": t, "q": read, "u": effort(q, v, a)}, rig)]
-    problem = InverseProblem(rig, None, made, [], SIZES, 0.02)
+    problem = InverseProblem(rig, None, made, list(LEVER.values()), SIZES, 0.02)
     return Search(Models(problem, problem, ["rig.inertia", "rig.viscous"]), [], Criteria())
 
 
@@ -68,6 +70,29 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
     assert "100%" in said(lambda *motion: -resisting(*motion))
     noise = np.random.default_rng(0).normal(size=5000)
     assert said(lambda q, v, a: noise) == ""
+
+
+@pytest.mark.parametrize(
+    ("inertia", "viscous", "origin", "doubted"),
+    [
+        (0.0, 0.0, "command", True),
+        (0.0, 0.0, "measured", False),
+        (0.0, 0.05, "command", False),  # a geared axis
+        (0.01, 0.0, "command", False),
+    ],
+)
+def test_a_commanded_effort_that_no_machine_would_ask_for_is_a_controllers_law(
+    inertia, viscous, origin, doubted
+):
+    noise = 0.002 * np.random.default_rng(3).normal(size=5000)
+
+    def asked(q, v, a):
+        return inertia * a + viscous * v + 0.7 * np.sin(q) + noise
+
+    search = search_of(asked, origin=origin)
+    chosen = search.models.fitted((LEVER["tip_payload"],), {})
+    assert ("controller" in _computed(search, chosen)) is doubted
+    assert _computed(search, search.models.fitted((), {})) == ""
 
 
 def test_no_effect_is_smaller_than_what_a_noisy_sensor_leaves_and_makes_of_the_inertia():
