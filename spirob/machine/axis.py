@@ -34,7 +34,7 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
-from spirob.machine.springs import with_spring, with_spring_told
+from spirob.machine.springs import with_spring
 from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
 
 SHORTER = "fewer or slower rows make it shorter."
@@ -75,7 +75,7 @@ def diagnose_recordings(
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, judged.done.ready, [*train, *test], said)
             judged = again if again and _says_more(again, judged) else judged.noted(said)
-        return _written(with_spring_told(judged))
+        return _written(with_spring(judged, lambda told: judged_of(_once_more(_searched(told)))))
 
 
 def _says_more(again: Judged, judged: Judged) -> bool:
@@ -99,14 +99,13 @@ def _taught_by_all(
 
 
 def _found(ready: Ready) -> Searched:
-    """The whole search: about its delay, within its bounds, with what the description lacks."""
+    """The whole search: about its delay, within its bounds, with numbers of logs, by the sensor."""
     placed = counted_alike(_placed(in_scale(ready)))
     search, gate = search_of(placed)
     if another_unit((search.models.train, search.models.heldout)):  # no law means anything
         return Searched(placed, search, gate, Found([search.models.fitted((), {})]))
     done = _set_free(_once_more(Searched(placed, search, gate, search.run())))
-    done = with_spring(_with_numbers_of_logs(done), lambda told: _once_more(_searched(told)))
-    return _set_free(_with_sensor_at_load(done))
+    return _set_free(_with_sensor_at_load(_with_numbers_of_logs(done)))
 
 
 def base_model(

@@ -10,59 +10,78 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spirob.diagnosis.model import Model
+from spirob.diagnosis.verdict import likely
 from spirob.effects import Effect
 from spirob.identify.problem import effort_rms
 from spirob.machine.inverse import InverseProblem, Work
-from spirob.machine.judging import CONSTANT, Judged, Searched
+from spirob.machine.judging import CONSTANT, Judged
 from spirob.machine.models import RigSearch
 from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import Bounded, RigFile
 
-FITTED = "The logs show {}, which the description does not fit: fitted (`fit: {{stiffness: ...}}`)."
+FITTED = "It is fitted, as by `fit: {stiffness: ...}`."
 WIDE = 100.0  # times the stiffness that makes all of the effort
 
 
-def with_spring(done: Searched, again: Callable[[Ready], Searched]) -> Searched:
-    """The search with a spring to fit, where that leaves half of the squared error.
+@dataclass(frozen=True)
+class Spring:
+    """A spring that explains more than the model that stands.
 
-    Beside all that was found, or in the place of one effect.
-
-    again  searches a rig of which more is told
+    said  what it would leave;  instead  whether in the place of a name
     """
-    search, chosen = done.search, done.chosen
-    if done.is_long or not _may_count(done):
-        return done
-    beside = _Beside.of(done.ready)
-    lesser = [tuple(o for o in chosen.effects if o is not e) for e in chosen.effects]
-    for effects in (chosen.effects, *lesser):
-        pair = beside.fitted(effects, chosen)
-        if pair and search.worth.halves(chosen, pair[1]):
-            done.ready.progress("once more, with a spring")
-            told = done.ready.told(fit={**done.ready.rig.fit, "stiffness": beside.bounds})
-            return again(told).noted(FITTED.format(_words(pair[1])))
-    return done
+
+    bounds: Bounded
+    model: Model
+    said: str
+    instead: bool
 
 
-def with_spring_told(judged: Judged) -> Judged:
-    """The verdict with what a spring would leave held out, where that is less by what counts."""
-    search, chosen = judged.search, judged.chosen
-    if judged.verdict.doubts or not _may_count(judged.done):
+def with_spring(judged: Judged, again: Callable[[Ready], Judged]) -> Judged:
+    """The verdict beside a spring, where no name stands without it and no law explains more.
+
+    Else it is told, with what it would leave.
+
+    again  the verdict of a search
+    """
+    spring = None if judged.verdict.doubts else _spring_of(judged)
+    if spring is None:
         return judged
-    pair = _Beside.of(judged.done.ready).fitted(chosen.effects, chosen)
-    if pair is None:
-        return judged
-    before, after = (_left(search, model) for model in pair)
-    return judged.noted(
-        f"With {_words(pair[1])} (`fit: {{stiffness: ...}}`), {after} of the effort would be left "
-        f"held out, without it {before}."
-    )
+    by_law = judged.search.worth.matters(spring.model, judged.explained)
+    stands = by_law or judged.done.is_long or likely(judged.verdict.weighed)
+    if stands and not spring.instead:
+        return judged.noted(spring.said)
+    ready = judged.done.ready
+    ready.progress("once more, with a spring")
+    beside = again(ready.told(fit={**ready.rig.fit, "stiffness": spring.bounds}))
+    return beside.noted(f"{spring.said} {FITTED}")
 
 
-def _may_count(done: Searched) -> bool:
-    """Whether a spring is no number of the description, and enough is left for it to count."""
-    search = done.search
-    left = search.worth.possible(done.chosen, 0.0, search.models.promised)
-    return left and _is_open(done.ready.rig)
+def _spring_of(judged: Judged) -> Spring | None:
+    """A spring in the place of a name, of whose squared error it leaves half held out, or beside
+    what stands, where it leaves less by what counts."""
+    search, ready, chosen = judged.search, judged.done.ready, judged.chosen
+    left = search.worth.possible(chosen, 0.0, search.models.promised)
+    if not left or not _is_open(ready.rig):
+        return None
+    beside = _Beside.of(ready)
+    told = likely(judged.verdict.weighed)
+    for effect in (e for e in chosen.effects if e.name() in told):
+        others = tuple(e for e in chosen.effects if e is not effect)
+        pair = beside.fitted(others, chosen)
+        if pair and search.worth.refuted(chosen, pair[1]):
+            said = (
+                f"Not {effect.title}: {_words(pair[1])}, and a constant force in its place leave "
+                f"{_left(search, pair[1])} of the effort held out, and it {_left(search, chosen)}."
+            )
+            return Spring(beside.bounds, pair[1], said, instead=True)
+    if pair := beside.fitted(chosen.effects, chosen):
+        before, after = (_left(search, model) for model in pair)
+        said = (
+            f"With {_words(pair[1])} (`fit: {{stiffness: ...}}`), {after} of the effort would be "
+            f"left held out, without it {before}."
+        )
+        return Spring(beside.bounds, pair[1], said, instead=False)
+    return None
 
 
 def _is_open(rig: RigFile) -> bool:

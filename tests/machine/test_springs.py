@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.criteria import Criteria, Worth
+from spirob.diagnosis.model import Found
+from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects, find_effects
 from spirob.identify.intervals import Estimate
 from spirob.machine import springs
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.judging import Judged
 from spirob.machine.recording import prepare
 from spirob.machine.rig import Bounded, RigFile
 from tests.machine.rigs import description
@@ -20,12 +23,12 @@ KEPT = {"coulomb_friction", "constant_force", "current_offset", "quadratic_drag"
 OTHERS = set(all_effects()) - KEPT
 
 
-def log(name, tones, spring=0.0, rest=0.0, dry=0.0):
+def log(name, tones, spring=0.0, rest=0.0, dry=0.0, cubic=0.0):
     t = np.arange(0, 10, 5e-3)
     w = np.array(tones)[:, None]
     q = 0.2 * np.sum(np.sin(w * t), axis=0)
     v, a = 0.2 * np.sum(w * np.cos(w * t), axis=0), -0.2 * np.sum(w**2 * np.sin(w * t), axis=0)
-    u = 0.01 * a + 0.05 * v + spring * (q - rest) + dry * np.tanh(v / 0.02)
+    u = 0.01 * a + 0.05 * v + spring * (q - rest) + cubic * q**3 + dry * np.tanh(v / 0.02)
     u += 0.01 * np.random.default_rng(len(name)).normal(size=len(t))
     return prepare(name, {"t": t, "q": q, "u": u}, RIG)
 
@@ -68,9 +71,14 @@ def test_no_spring_is_told_where_friction_is_missing(tmp_path):
     assert told(document) == []
 
 
-@pytest.mark.parametrize(("left", "fitted"), [(0.05, True), (0.3, False), (None, False)])
-def test_a_spring_in_the_place_of_an_effect_has_to_leave_half(monkeypatch, left, fitted):
-    """left  squared error that a spring leaves in the effect's place, which leaves 0.4"""
+@pytest.mark.parametrize(
+    ("probability", "left", "fitted"),
+    [(0.7, 0.05, True), (0.7, 0.3, False), (0.7, None, False), (0.2, 0.05, False)],
+)
+def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
+    monkeypatch, probability, left, fitted
+):
+    """left  squared error that a spring leaves held out in the name's place, which leaves 0.4"""
     ripple = find_effects(["torque_ripple"])[0]
     bounds = Bounded(nominal=1.0, low=0.0, high=9.0)
     estimates = {"rig.stiffness": Estimate(2.0, 1.9, 2.1, "N·m/rad", False)}
@@ -83,12 +91,30 @@ def test_a_spring_in_the_place_of_an_effect_has_to_leave_half(monkeypatch, left,
     sprung = None if left is None else (None, model(left))
     beside = SimpleNamespace(fitted=lambda effects, _: None if effects else sprung, bounds=bounds)
     monkeypatch.setattr(springs._Beside, "of", lambda ready: beside)
-    search = SimpleNamespace(models=SimpleNamespace(promised=0.5), worth=Worth(Criteria(), 0.1))
+    monkeypatch.setattr(springs, "effort_rms", lambda problem: 1.0)
+    models = SimpleNamespace(promised=0.5, heldout=None)
+    search = SimpleNamespace(models=models, worth=Worth(Criteria(), 0.1))
+    weighed = {"torque_ripple": Weighed(probability, probability)}
+    verdict = SimpleNamespace(doubts=(), weighed=weighed)
     ready = SimpleNamespace(rig=RIG, progress=lambda text: None, told=lambda fit: fit)
-    done = SimpleNamespace(ready=ready, search=search, chosen=model(0.4), is_long=False)
+    done = SimpleNamespace(ready=ready, search=search, is_long=False)
+    judged = Judged(done, Found([model(0.4)]), verdict, None)
     asked = []
     again = SimpleNamespace(noted=lambda said: said)
-    found = springs.with_spring(done, lambda told: asked.append(told) or again)
+    found = springs.with_spring(judged, lambda told: asked.append(told) or again)
     assert [fit["stiffness"] for fit in asked] == [bounds] * fitted
-    said = "The logs show a spring of 2 N·m/rad (1.9 to 2.1), or a weight over a small angle"
-    assert found.startswith(said) if fitted else found is done
+    if not fitted:
+        assert found is judged
+        return
+    said = r"Not torque ripple.*: a spring of 2 N·m/rad .* leave 22\.4% .* and it 63\.2%"
+    assert re.match(said, found)
+    assert found.endswith(springs.FITTED)
+
+
+def test_a_spring_that_grows_with_the_way_is_a_law_of_its_own(tmp_path):
+    """A straight one takes most of it, and leaves more than the law."""
+    document = diagnosed(tmp_path, spring=0.3, cubic=20.0)
+    assert document["verdict"] == "unknown"
+    assert "stiffness" not in document["numbers"]
+    assert "cubic" in document["composed"]["terms"]
+    assert len(told(document)) == 1
