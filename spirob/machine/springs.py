@@ -20,6 +20,8 @@ from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import Bounded, RigFile
 
 FITTED = "It is fitted, as by `fit: {stiffness: ...}`."
+WEIGHT = "tip_payload"
+NO_WEIGHT = "beside a spring that is not described a weight makes a spring that grows with the way"
 WIDE = 100.0  # times the stiffness that makes all of the effort
 
 
@@ -50,10 +52,21 @@ def with_spring(judged: Judged, again: Callable[[Ready], Judged]) -> Judged:
     stands = by_law or judged.done.is_long or likely(judged.verdict.weighed)
     if stands and not spring.instead:
         return judged.noted(spring.said)
-    ready = judged.done.ready
-    ready.progress("once more, with a spring")
-    beside = again(ready.told(fit={**ready.rig.fit, "stiffness": spring.bounds}))
-    return beside.noted(f"{spring.said} {FITTED}")
+    judged.done.ready.progress("once more, with a spring")
+    return again(_beside_weights(judged, spring.bounds)).noted(f"{spring.said} {FITTED}")
+
+
+def _beside_weights(judged: Judged, spring: Bounded) -> Ready:
+    """The rig with a spring to fit, and no weight that was not found without it.
+
+    Of opposite signs the two are straight nowhere: they make what a spring does that grows with the
+    way.
+    """
+    ready = judged.done.ready.told(fit={**judged.done.ready.rig.fit, "stiffness": spring})
+    gone = {WEIGHT} - judged.chosen.names
+    possible = [e for e in ready.possible if e.name() not in gone]
+    excluded = ready.excluded | dict.fromkeys(gone, NO_WEIGHT)
+    return replace(ready, possible=possible, excluded=excluded)
 
 
 def _spring_of(judged: Judged) -> Spring | None:

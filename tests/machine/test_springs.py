@@ -14,20 +14,21 @@ from spirob.identify.intervals import Estimate
 from spirob.machine import springs
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.judging import Judged
+from spirob.machine.preparation import ready_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import Bounded, RigFile
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())
-KEPT = {"coulomb_friction", "constant_force", "current_offset", "quadratic_drag"}
+KEPT = {"coulomb_friction", "constant_force", "current_offset", "quadratic_drag", "tip_payload"}
 OTHERS = set(all_effects()) - KEPT
 
 
-def log(name, tones, spring=0.0, rest=0.0, dry=0.0, cubic=0.0):
+def log(name, tones, spring=0.0, rest=0.0, dry=0.0, cubic=0.0, size=0.2):
     t = np.arange(0, 10, 5e-3)
     w = np.array(tones)[:, None]
-    q = 0.2 * np.sum(np.sin(w * t), axis=0)
-    v, a = 0.2 * np.sum(w * np.cos(w * t), axis=0), -0.2 * np.sum(w**2 * np.sin(w * t), axis=0)
+    q = size * np.sum(np.sin(w * t), axis=0)
+    v, a = size * np.sum(w * np.cos(w * t), axis=0), -size * np.sum(w**2 * np.sin(w * t), axis=0)
     u = 0.01 * a + 0.05 * v + spring * (q - rest) + cubic * q**3 + dry * np.tanh(v / 0.02)
     u += 0.01 * np.random.default_rng(len(name)).normal(size=len(t))
     return prepare(name, {"t": t, "q": q, "u": u}, RIG)
@@ -92,17 +93,18 @@ def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
     beside = SimpleNamespace(fitted=lambda effects, _: None if effects else sprung, bounds=bounds)
     monkeypatch.setattr(springs._Beside, "of", lambda ready: beside)
     monkeypatch.setattr(springs, "effort_rms", lambda problem: 1.0)
+    monkeypatch.setattr(springs, "_beside_weights", lambda judged, bounds: bounds)
     models = SimpleNamespace(promised=0.5, heldout=None)
     search = SimpleNamespace(models=models, worth=Worth(Criteria(), 0.1))
     weighed = {"torque_ripple": Weighed(probability, probability)}
     verdict = SimpleNamespace(doubts=(), weighed=weighed)
-    ready = SimpleNamespace(rig=RIG, progress=lambda text: None, told=lambda fit: fit)
+    ready = SimpleNamespace(rig=RIG, progress=lambda text: None)
     done = SimpleNamespace(ready=ready, search=search, is_long=False)
     judged = Judged(done, Found([model(0.4)]), verdict, None)
     asked = []
     again = SimpleNamespace(noted=lambda said: said)
     found = springs.with_spring(judged, lambda told: asked.append(told) or again)
-    assert [fit["stiffness"] for fit in asked] == [bounds] * fitted
+    assert asked == [bounds] * fitted
     if not fitted:
         assert found is judged
         return
@@ -111,10 +113,24 @@ def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
     assert found.endswith(springs.FITTED)
 
 
-def test_a_spring_that_grows_with_the_way_is_a_law_of_its_own(tmp_path):
-    """A straight one takes most of it, and leaves more than the law."""
-    document = diagnosed(tmp_path, spring=0.3, cubic=20.0)
+@pytest.mark.parametrize("size", [0.2, 1.0])
+def test_a_spring_that_grows_with_the_way_is_no_straight_one_and_no_weight(tmp_path, size):
+    """A straight one takes most of it, and over a large angle a weight beside it the rest."""
+    document = diagnosed(tmp_path, spring=0.3, cubic=0.8 / size**2, size=size)
     assert document["verdict"] == "unknown"
-    assert "stiffness" not in document["numbers"]
+    assert document["effects"] == []
     assert "cubic" in document["composed"]["terms"]
-    assert len(told(document)) == 1
+
+
+@pytest.mark.parametrize("found", [set(), {"tip_payload"}])
+def test_a_weight_is_a_candidate_beside_a_spring_where_it_was_found_without(tmp_path, found):
+    ready = ready_of(RIG, tmp_path, [log("a", (3.0, 7.1), size=1.0)], [])
+    assert "tip_payload" in {e.name() for e in ready.possible}
+    judged = SimpleNamespace(
+        done=SimpleNamespace(ready=ready), chosen=SimpleNamespace(names=frozenset(found))
+    )
+    bounds = Bounded(nominal=1.0, low=0.0, high=9.0)
+    told = springs._beside_weights(judged, bounds)
+    assert told.rig.fit["stiffness"] == bounds
+    assert ("tip_payload" in {e.name() for e in told.possible}) is bool(found)
+    assert ("tip_payload" in told.excluded) is not bool(found)
