@@ -53,20 +53,18 @@ def with_spring(judged: Judged, again: Callable[[Ready], Judged]) -> Judged:
     if stands and not spring.instead:
         return judged.noted(spring.said)
     judged.done.ready.progress("once more, with a spring")
-    return again(_beside_weights(judged, spring.bounds)).noted(f"{spring.said} {FITTED}")
+    return again(_sprung(judged.done.ready, spring.bounds)).noted(f"{spring.said} {FITTED}")
 
 
-def _beside_weights(judged: Judged, spring: Bounded) -> Ready:
-    """The rig with a spring to fit, and no weight that was not found without it.
+def _sprung(ready: Ready, spring: Bounded) -> Ready:
+    """The rig with a spring to fit, and without a weight.
 
     Of opposite signs the two are straight nowhere: they make what a spring does that grows with the
     way.
     """
-    ready = judged.done.ready.told(fit={**judged.done.ready.rig.fit, "stiffness": spring})
-    gone = {WEIGHT} - judged.chosen.names
-    possible = [e for e in ready.possible if e.name() not in gone]
-    excluded = ready.excluded | dict.fromkeys(gone, NO_WEIGHT)
-    return replace(ready, possible=possible, excluded=excluded)
+    possible = [e for e in ready.possible if e.name() != WEIGHT]
+    told = ready.told(fit={**ready.rig.fit, "stiffness": spring})
+    return replace(told, possible=possible, excluded=ready.excluded | {WEIGHT: NO_WEIGHT})
 
 
 def _spring_of(judged: Judged) -> Spring | None:

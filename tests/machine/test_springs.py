@@ -93,7 +93,7 @@ def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
     beside = SimpleNamespace(fitted=lambda effects, _: None if effects else sprung, bounds=bounds)
     monkeypatch.setattr(springs._Beside, "of", lambda ready: beside)
     monkeypatch.setattr(springs, "effort_rms", lambda problem: 1.0)
-    monkeypatch.setattr(springs, "_beside_weights", lambda judged, bounds: bounds)
+    monkeypatch.setattr(springs, "_sprung", lambda ready, bounds: bounds)
     models = SimpleNamespace(promised=0.5, heldout=None)
     search = SimpleNamespace(models=models, worth=Worth(Criteria(), 0.1))
     weighed = {"torque_ripple": Weighed(probability, probability)}
@@ -122,15 +122,11 @@ def test_a_spring_that_grows_with_the_way_is_no_straight_one_and_no_weight(tmp_p
     assert "cubic" in document["composed"]["terms"]
 
 
-@pytest.mark.parametrize("found", [set(), {"tip_payload"}])
-def test_a_weight_is_a_candidate_beside_a_spring_where_it_was_found_without(tmp_path, found):
+def test_a_weight_is_no_candidate_beside_a_spring_that_is_not_described(tmp_path):
     ready = ready_of(RIG, tmp_path, [log("a", (3.0, 7.1), size=1.0)], [])
     assert "tip_payload" in {e.name() for e in ready.possible}
-    judged = SimpleNamespace(
-        done=SimpleNamespace(ready=ready), chosen=SimpleNamespace(names=frozenset(found))
-    )
     bounds = Bounded(nominal=1.0, low=0.0, high=9.0)
-    told = springs._beside_weights(judged, bounds)
+    told = springs._sprung(ready, bounds)
     assert told.rig.fit["stiffness"] == bounds
-    assert ("tip_payload" in {e.name() for e in told.possible}) is bool(found)
-    assert ("tip_payload" in told.excluded) is not bool(found)
+    assert {e.name() for e in told.possible} == {e.name() for e in ready.possible} - {"tip_payload"}
+    assert "tip_payload" in told.excluded
