@@ -220,12 +220,15 @@ def _computed(search: RigSearch, chosen: Model) -> str:
     """Whether a commanded effort follows the place as no machine does; empty where it does not.
 
     Neither inertia nor friction is told from none, though the motion is so fast that the given
-    inertia would be seen.  A geared axis may hide its inertia, but not its friction as well.
+    inertia would be seen.  A geared axis may hide its inertia, but not its friction as well.  What
+    the place does not make most of is not computed from it.
     """
     train, fit, names = search.models.train, chosen.fit, ("rig.inertia", "rig.viscous")
     nil = [n in fit.estimates and fit.estimates[n].low <= train.table.about[n].low for n in names]
     resists = not all(nil) or any(map(is_dry, chosen.effects))
     if train.rig.effort.origin != "command" or not chosen.effects or resists:
+        return ""
+    if chosen.mean_square > HALF * float(np.var(train.measured())):
         return ""
     inertia, nominal = fit.estimates["rig.inertia"], train.table.about["rig.inertia"].nominal
     given, none = (train(fit.changes | {"rig.inertia": value}) for value in (nominal, 0.0))

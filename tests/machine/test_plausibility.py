@@ -73,18 +73,20 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
 
 
 @pytest.mark.parametrize(
-    ("inertia", "viscous", "origin", "doubted"),
+    ("inertia", "viscous", "origin", "other", "doubted"),
     [
-        (0.0, 0.0, "command", True),
-        (0.0, 0.0, "measured", False),
-        (0.0, 0.05, "command", False),  # a geared axis
-        (0.01, 0.0, "command", False),
+        (0.0, 0.0, "command", 0.0, True),
+        (0.0, 0.0, "measured", 0.0, False),
+        (0.0, 0.05, "command", 0.0, False),  # a geared axis
+        (0.01, 0.0, "command", 0.0, False),
+        (0.0, 0.0, "command", 1.0, False),  # most of it follows something else
     ],
 )
 def test_a_commanded_effort_that_no_machine_would_ask_for_is_a_controllers_law(
-    inertia, viscous, origin, doubted
+    inertia, viscous, origin, other, doubted
 ):
     noise = 0.002 * np.random.default_rng(3).normal(size=5000)
+    noise += other * np.sin(0.08 * np.arange(5000))
 
     def asked(q, v, a):
         return inertia * a + viscous * v + 0.7 * np.sin(q) + noise
