@@ -166,8 +166,8 @@ def test_what_cannot_be_repaired_is_refused_in_a_sentence(log, sentence):
 
 
 def test_too_short_and_missing_columns_are_named():
-    with pytest.raises(DataError, match=r"0\.798 s long"):
-        prepare("log", good(0.8), RIG)
+    with pytest.raises(DataError, match=r"0\.4 s long"):
+        prepare("log", good(0.4), RIG)
     with pytest.raises(TooShort):
         prepare("log", good(0.05), RIG)
     log = good()
