@@ -204,9 +204,9 @@ class Search(Generic[M]):
 
     def _best_of(self, current: Model, sets: Sequence[tuple[Offer, ...]]) -> Model | None:
         """Fit each extension in full and take the simplest of the good ones."""
-        grown = [m for m in self._extended(current, sets) if self.models.plain(m)]
+        grown = self._extended(current, sets)
         current = self.models.tried[current.names]
-        passed = [m for m in grown if self.worth.matters(current, m)]
+        passed = [m for m in grown if self.worth.matters(current, m) and self.models.plain(m)]
         return self.worth.simplest(passed) if passed else None
 
     def _extended(self, current: Model, sets: Sequence[tuple[Offer, ...]]) -> list[Model]:

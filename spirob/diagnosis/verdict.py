@@ -310,7 +310,7 @@ class Words:
         models, bare = self.ended.search.models, self.ended.found.rungs[0]
         before, after = (float(np.sqrt(m.heldout_square)) for m in (bare, self._chosen))
         size = effort_rms(models.heldout)
-        way = "falls" if after < before else "rises"
+        way = "rises" if after > before else "falls"
         fall = (
             f"On held-out data the RMS error {way} from "
             f"{models.train.effort.shown(before, after)}, from {before / size:.1%} to "

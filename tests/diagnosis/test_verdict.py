@@ -24,7 +24,6 @@ from spirob.diagnosis.verdict import (
     weigh,
 )
 from spirob.effects import find_effects
-from spirob.identify.fit import Estimate
 from tests.diagnosis.machines import SAMPLES, Linear, ended, fit_of, model
 
 EFFECT, KIN, OTHER, FAR = find_effects(
@@ -67,15 +66,11 @@ def test_a_name_that_does_not_is_unknown(heldout):
 
 def test_of_effects_that_hide_each_other_the_one_that_is_needed_stays():
     """Both are vague, the needed one more so; alone each would be likely."""
-    vague, vaguer = 3.0, 4.0  # half intervals of numbers of size 1
-    pair = [OTHER, EFFECT]
-    both = model(pair, 0.01)
-    half = {e: vaguer if e is EFFECT else vague for e in pair}
-    told = {
-        n: Estimate(1.0, 1.0 - half[e], 1.0 + half[e], "1", False)
-        for e in pair
-        for n in fit_of([e], both.left).estimates
-    }
+    both = model([OTHER, EFFECT], 0.01)
+    half = {OTHER: 3.0, EFFECT: 4.0}  # of an interval, of numbers of size 1
+    told = {}
+    for effect, width in half.items():
+        told |= fit_of([effect], both.left, width).estimates
     both = replace(both, fit=replace(both.fit, estimates=told))
     one = ended(model([], 0.1), model([OTHER], 0.06), model([EFFECT], 0.02), both)
     assert not likely(weigh(one))
