@@ -198,9 +198,9 @@ def _once_more(done: Searched) -> Searched:
     known = any(_as_wide(none, other) for other in others)
     if not known and usual and not _begins_alike(done, none):
         others.append(none)
-    if others and done.is_long:
-        return done.noted(NOT_ELSEWHERE)
     for delay in others:
+        if done.is_long:
+            return done.noted(NOT_ELSEWHERE)
         done.ready.progress(
             f"once more, with the effort about {1e3 * delay.nominal:.2g} ms after the motion"
         )
@@ -256,9 +256,9 @@ def _about_its_law(judged: Judged) -> Judged:
     if judged.verdict.kind != "unknown" or judged.verdict.doubts or not done.ready.untold:
         return judged
     others = _other_delays(judged)
-    if others and done.is_long:
-        return judged.noted(NOT_ELSEWHERE)
     for delay in others:
+        if done.is_long:
+            return judged.noted(NOT_ELSEWHERE)
         again = judged_of(_searched(_about(done.ready, delay)))
         judged = again if _outdoes(again, judged) else judged
     return judged

@@ -1,19 +1,27 @@
-"""Names that do not hold when the motion is foretold: those of laws that swing by themselves.
+"""Names that do not hold when the motion is foretold.
 
-From the motion to the effort such a law is a filter, and under an effort of one line, a sine, a
-filter that smooths the motion takes what friction or noise leaves there.  Forward it is a load on a
-spring, which the measured effort has to move as the axis moved; where the filter leaves the motor
-no inertia, it runs away.
+From the motion to the effort a law may take what is none of it.  One that swings by itself is a
+filter there, and under an effort of one line, a sine, a filter that smooths the motion takes what
+friction or noise leaves.  Dry friction is the effort itself, up to a factor, where that has one
+size and the sign of the speed, as under a relay: it takes whatever the speed does besides.  Forward
+the measured effort has to move the axis as it moved; with a law that is none it does so far worse.
+Of other laws that is not asked: run forward, a good law of an axis that is hardly damped drifts
+away with the noise of its effort, and a bad one that resists too much stays where it is.
 """
 
 from collections.abc import Collection
 
+import numpy as np
+
 from spirob.diagnosis.criteria import HALVED
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Model, is_dry
 from spirob.effects import Effect
 from spirob.machine.forward import Forward
 from spirob.machine.forward.axis import PORTS
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
+
+SCATTER = 0.05  # of the squared efforts: what is no size with a sign, where they have one size
 
 
 def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list[str]:
@@ -21,7 +29,9 @@ def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list
 
     Far worse: without it half of the squared error is left, of the speed within half a second.
     """
-    asked = [e for e in chosen.effects if e.name() in names and _swings(e)]
+    named = [e for e in chosen.effects if e.name() in names]
+    relay = any(map(is_dry, named)) and _of_one_size(search.models.train)
+    asked = [e for e in named if _swings(e) or (relay and is_dry(e))]
     if not asked:
         return []
     run = Forward(search.models.heldout)
@@ -31,6 +41,12 @@ def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list
 def _swings(effect: type[Effect]) -> bool:
     """Whether it may begin with any state, and acts on the torque that moves the axis."""
     return bool(effect.free) and effect.port in PORTS
+
+
+def _of_one_size(problem: InverseProblem) -> bool:
+    """Whether the efforts that are compared are hardly more than a size with a sign."""
+    efforts = np.concatenate([p.raw[p.use] for r in problem.recordings for p in r.pieces])
+    return float(np.mean(np.abs(efforts)) ** 2) >= (1.0 - SCATTER) * float(np.mean(efforts**2))
 
 
 def _is_worse(run: Forward, without: Model, chosen: Model) -> bool:
