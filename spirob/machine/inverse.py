@@ -79,7 +79,7 @@ class InverseProblem:
             motion, effects, self._table, sizes, rest_speed, stiffness, body is not None, held_out
         )
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
-        self._measured = self._thin(self._smooth(motion.effort))
+        self._measured = self.smoothed(motion.effort)
         ends = np.cumsum([0, *(len(kept.along) for kept in kept_rows(self.recordings))])
         self._swings = Swings(self.asked, self._compared, ends)
         counts = {id(r): 0 for r in self.recordings}
@@ -135,13 +135,13 @@ class InverseProblem:
         torque = self.asked.added(effect, self._table.vector(changes))
         if torque is None:
             return self(changes) - without
-        return self._thin(self._smooth(torque))
+        return self.smoothed(torque)
 
     def shown(self, torque: np.ndarray, changes: Mapping[str, float]) -> np.ndarray:
         """What a further torque on the axis, (n,), changes of the residual, (N,)."""
         own = self.asked.own(self._table.vector(changes))
         moved = late(-torque / own["scale"], own["delay"], self.asked.motion)
-        return self._thin(self._smooth(moved))
+        return self.smoothed(moved)
 
     def many(self, points: Sequence[Mapping[str, float]]) -> list[np.ndarray]:
         """Residuals at several points."""
@@ -155,13 +155,13 @@ class InverseProblem:
         self.work.add(len(self.asked.motion.q))
         p = self._table.vector(changes)
         effort = self.asked.effort(p, near=True)
-        residual = self._thin(self._smooth(effort)) - self._measured
+        residual = self.smoothed(effort) - self._measured
         return self._swings.taken(residual, p, effort)
 
     def _compared(self, effort: np.ndarray) -> np.ndarray:
         """Of an effort that was played besides, (n,), what is compared, (N,)."""
         self.work.add(len(effort))
-        return self._thin(self._smooth(effort))
+        return self.smoothed(effort)
 
     def _model(self, changes: Mapping[str, float]) -> np.ndarray:
         return self._smooth(self.asked.effort(self._table.vector(changes)))
@@ -237,7 +237,11 @@ class InverseProblem:
             for piece in recording.pieces:
                 parts.append(recording.smooth(effort[k : k + len(piece.q)]))
                 k += len(piece.q)
-        return self._thin(self._smooth(np.concatenate(parts)))
+        return self.smoothed(np.concatenate(parts))
+
+    def smoothed(self, values: np.ndarray) -> np.ndarray:
+        """A signal at every sample of every piece, (n,), filtered as efforts are, (N,)."""
+        return self._thin(self._smooth(values))
 
     def thinned(self, values: np.ndarray) -> np.ndarray:
         """Of values at every sample of every piece, (n,), those that are compared, (N,)."""
@@ -253,8 +257,7 @@ class InverseProblem:
     def compared_motion(self) -> np.ndarray:
         """Position, speed and acceleration, filtered as the effort is compared, (N, 3)."""
         motion = self.asked.motion
-        signals = (motion.q, motion.v, motion.a)
-        return np.column_stack([self._thin(self._smooth(signal)) for signal in signals])
+        return np.column_stack([self.smoothed(x) for x in (motion.q, motion.v, motion.a)])
 
     def read(self, changes: Mapping[str, float]) -> dict[str, np.ndarray]:
         """What kernels read at every sample of every piece, (n,), the measured effort among it."""

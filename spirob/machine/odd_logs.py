@@ -132,7 +132,7 @@ class _Odd:
     """The log without which the plain columns fit the others best, all of them well.
 
     found   numbers of the plain columns fitted to the others;  logs  how many there are
-    shared  mean of all efforts
+    shared  mean of all efforts;  together  share of the poorest log by one set of numbers for all
     """
 
     name: str
@@ -141,6 +141,7 @@ class _Odd:
     found: np.ndarray
     logs: int
     shared: float
+    together: float
 
     @property
     def share(self) -> float:
@@ -149,8 +150,8 @@ class _Odd:
 
     def of_another_unit(self) -> str:
         """That its position or effort has another unit or sign; empty where neither has."""
-        mended = _of_another_unit(self.measured, self.design, self.found, self.share)
-        mended = mended or _of_another_sign(self.measured, self.design, self.found, self.share)
+        about = self.measured, self.design, self.found, max(self.share, self.together)
+        mended = _of_another_unit(*about) or _of_another_sign(*about)
         if mended and self.logs == PAIR:
             mended += " of one of the two logs"
         return self.said(mended) if mended else ""
@@ -174,8 +175,9 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     fits = {name: _fitted([log for other, log in logs.items() if other != name]) for name in logs}
     name = max(fits, key=lambda one: fits[one][1])
     found, poorest_other = fits[name]
-    odd = _Odd(name, *logs[name], found, len(logs), level(problems))
-    return None if poorest_other < FAMILIAR else odd
+    if poorest_other < FAMILIAR:
+        return None
+    return _Odd(name, *logs[name], found, len(logs), level(problems), _fitted([*logs.values()])[1])
 
 
 def _parts(problem: InverseProblem) -> list[tuple[str, slice]]:
@@ -212,7 +214,7 @@ def _of_another_unit(
 
     Not of its position where another force, payload or zero explains as much.
 
-    share  that they explain as it is logged
+    share  that they, or one set of numbers for all logs, explain as it is logged
     """
     own = design(1.0)
     by_unit = {("position", t): explained(measured, design(t) @ found) for t in UNITS_APART}
@@ -298,19 +300,18 @@ def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
 
 
 def plain_columns(problem: InverseProblem, times: float = 1.0) -> list[np.ndarray]:
-    """What inertia, viscous and dry friction make, and then what a force and a weight do.
+    """What inertia, viscous and dry friction make, then a force and a weight, (N,) each.
 
     times  factor of the motion, for a log whose unit may be another
     """
-    moved = ("position", "speed", "acceleration")
-    signals = {name: times * problem.signals()[name] for name in moved}
-    sliding = np.tanh(signals["speed"] / problem.rest_speed)
-    columns = [signals["acceleration"], signals["speed"], sliding, np.ones_like(sliding)]
+    motion = problem.asked.motion
+    q, v, a = times * motion.q, times * motion.v, times * motion.a
+    columns = [a, v, np.sign(v), np.ones_like(v)]
     if problem.rig.position is not None:
-        columns.append(signals["position"])
+        columns.append(q)
         if problem.sizes.axis_unit == "rad":
-            columns += [np.sin(signals["position"]), np.cos(signals["position"])]
-    return columns
+            columns += [np.sin(q), np.cos(q)]
+    return [problem.smoothed(column) for column in columns]
 
 
 def beside_plain(

@@ -277,3 +277,19 @@ def test_a_step_at_one_effort_that_the_model_foretells_is_no_other_machine(level
 def test_a_step_that_the_model_does_not_foretell_is_named(wrong):
     made = stepping(7.0, -7.0, 7.0, **wrong)
     assert strangers([made], [made(BY_ITS_FRICTION)]).startswith("log4: ")
+
+
+def starting(speed, rate=25.0):
+    """A log of a screw that starts, goes there, stops and goes back, five times: dry friction."""
+    t = np.arange(0, 30, 1 / rate)
+    v = speed * np.sign(np.sin(2 * np.pi * t / 3.0)) * (np.abs(np.sin(2 * np.pi * t / 3.0)) > 0.4)
+    q = np.concatenate([[0.0], np.cumsum(v[:-1])]) / rate
+    return {"t": t, "q": q, "u": 2.8e-3 * np.sign(v) + 3e-5 * v}
+
+
+def test_two_logs_of_steady_speeds_against_dry_friction_are_of_one_unit():
+    """Its column is filtered as the effort is: a square wave would fit less well than the speed."""
+    rig = RigFile.model_validate(description())
+    logs = [prepare(f"log{k}", starting(v), rig) for k, v in enumerate((21.0, 5.2))]
+    made = InverseProblem(rig, None, logs, [], SIZES, 0.2)
+    assert odd_one_out([made], [-0.1 * made.measured()]) == ""

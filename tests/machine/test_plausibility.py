@@ -174,7 +174,7 @@ def test_no_sign_is_blamed_where_what_was_found_explains_the_effort_as_logged():
     search = search_of(lambda q, v, a: -0.05 * v - 0.1 * np.tanh(v / 0.02))
     bare = search.models.fitted((), {})
     assert _turned(search, bare)
-    little = np.full_like(bare.left, 1e-3)
+    little = np.full_like(bare.left, 1e-6)
     assert _turned(search, replace(bare, left=little)) == ""
 
 
