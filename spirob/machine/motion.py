@@ -17,7 +17,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from spirob.machine.body import RigidBody
-from spirob.machine.filtering import earlier, rates
+from spirob.machine.filtering import HOLD, earlier, rates
 from spirob.machine.recording import Piece, Recording
 
 IN_GAP = 1000  # rows at most; a longer gap is gone through in longer steps
@@ -247,9 +247,10 @@ def _taps(by: float, period: float) -> np.ndarray:
     return impulse[REACH : 3 * REACH + 1]
 
 
-HOLD = 0.1  # s; a reversal is shorter, and says much of friction
 NOISE = 5.0  # rest speeds that a derivative's noise may reach while the axis stands
-LEAST = 0.2  # of the rows have to be left, else the log is one of holds and is used as it is
+SENSOR = 3.0  # deviations of a sensor's noise: of 400 rows at rest one is beyond
+LEAST = 0.2  # of the rows have to be left, or
+ENOUGH = 2.0  # s of them: else the log is one of holds and is used as it is
 
 
 def without_holds(
@@ -260,11 +261,11 @@ def without_holds(
     for recording in recordings:
         pieces, used, left = [], 0, 0
         for piece in recording.pieces:
-            use = piece.use & ~holds(piece.v, rest_speed, recording.period)
+            use = piece.use & ~holds(piece.v, rest_speed, recording.period, piece.still)
             pieces.append(replace(piece, use=use))
             used, left = used + int(piece.use.sum()), left + int(use.sum())
         pieces = recording.worth(pieces)
-        if not pieces or left < LEAST * used:
+        if not pieces or left < min(LEAST * used, ENOUGH / recording.period):
             kept.append(recording)
             said.append(f"{recording.name}: the axis stands most of the time.")
             continue
@@ -277,11 +278,17 @@ def without_holds(
     return kept, said
 
 
-def holds(v: np.ndarray, rest_speed: float, period: float) -> np.ndarray:
-    """Rows of an even grid that belong to a standstill of at least `HOLD`, (n,), v the speed."""
+def holds(
+    v: np.ndarray, rest_speed: float, period: float, noise: tuple[float, float] = (0.0, 0.0)
+) -> np.ndarray:
+    """Rows of an even grid that belong to a standstill of at least `HOLD`, (n,), v the speed.
+
+    noise  deviations of the sensor's noise in the speed, and in its mean over `HOLD`
+    """
     window = max(1, round(HOLD / period))
-    still = np.abs(uniform_filter1d(v, window)) < rest_speed
-    still &= np.abs(v) < NOISE * rest_speed
+    one, meant = (SENSOR * deviation for deviation in noise)
+    still = np.abs(uniform_filter1d(v, window)) < max(rest_speed, meant)
+    still &= np.abs(v) < max(NOISE * rest_speed, one)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         if stop - start < window:

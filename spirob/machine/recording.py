@@ -28,6 +28,7 @@ from spirob.machine.filtering import (
     rates,
     roomy_cutoff,
     smooth,
+    speed_noise,
     thinned,
     usual_cutoff,
 )
@@ -49,7 +50,7 @@ class Piece:
 
     seconds  since the trial began;  q, v, a  position, speed, acceleration [m or rad]
     effort   filtered;  raw  unfiltered effort;  use  rows that are compared
-    noise    deviation of the sensor's noise in `a`
+    noise    deviation of the sensor's noise in `a`;  still  in `v`, and in its mean over `HOLD`
     others   further joints by name, (n, 3): position, speed, acceleration
     reference  commanded position, where the rig has one
     """
@@ -62,6 +63,7 @@ class Piece:
     raw: np.ndarray
     use: np.ndarray
     noise: float = 0.0
+    still: tuple[float, float] = (0.0, 0.0)
     others: dict[str, np.ndarray] = field(default_factory=dict)
     reference: np.ndarray | None = None
 
@@ -263,10 +265,10 @@ def _piece(
             angle = smooth(values, cutoff, period)
             others[key.removeprefix("joint ")] = np.column_stack([angle, *rates(angle, period)])
     use = usable(full, v, grid[FILLED] > 0, rig, period, cutoff, lost)
-    noise = acceleration_noise(*_differentiated(grid), cutoff, period)
-    return Piece(
-        grid["time"], q, v, a, effort, grid["effort"], use, noise, others, grid.get("reference")
-    )
+    sensor = *_differentiated(grid), cutoff, period
+    noise = acceleration_noise(*sensor), speed_noise(*sensor)
+    compared = q, v, a, effort, grid["effort"], use
+    return Piece(grid["time"], *compared, *noise, others, grid.get("reference"))
 
 
 def _differentiated(grid: Mapping[str, np.ndarray]) -> tuple[np.ndarray, int]:

@@ -17,9 +17,10 @@ from tests.machine.rigs import description
 LIBRARY = all_effects()
 
 
-def recording(standing):
-    t = np.arange(0, 6, 2e-3)
+def recording(standing, seconds=6, noise=0.0):
+    t = np.arange(0, seconds, 2e-3)
     q = np.sin(np.pi * np.clip(t, 0, standing))
+    q += noise * np.random.default_rng(18700).normal(size=len(t))
     rig = RigFile.model_validate(description())
     return prepare("log", {"t": t, "q": q, "u": np.cos(t)}, rig)
 
@@ -29,6 +30,23 @@ def test_a_hold_is_left_out_and_said():
     (kept,), (sentence,) = without_holds([made], 0.03)
     gone = made.pieces[0].use & ~kept.pieces[0].use
     assert made.pieces[0].seconds[gone].min() > 4.3
+    assert "where the axis stands" in sentence
+
+
+def test_an_axis_stands_whatever_its_sensor_adds():
+    """A potentiometer's noise makes more than a hundredth of its speed in a tenth of a second."""
+    made = recording(4.5, noise=6e-3)
+    (kept,), (sentence,) = without_holds([made], 0.03)
+    stands = made.pieces[0].use & (made.pieces[0].seconds > 4.7)
+    assert kept.pieces[0].use[stands].mean() < 0.02
+    assert kept.pieces[0].use[made.pieces[0].seconds < 4.3].mean() > 0.9
+    assert "where the axis stands" in sentence
+
+
+def test_of_a_log_that_stands_two_seconds_of_motion_are_enough():
+    made = recording(4.5, seconds=60)
+    (kept,), (sentence,) = without_holds([made], 0.03)
+    assert kept.pieces[0].seconds[kept.pieces[0].use].max() < 5.0
     assert "where the axis stands" in sentence
 
 
