@@ -15,6 +15,7 @@ Its logs, made even, filtered, alike:
                                    the frame before
     filtering.py                   its filters
     positions.py, unwrapping.py    a position as the axis moved: jumps told, wraps undone
+    measured_speed.py              what a measured speed has to do with its derivative
     motion.py                      the motion of all trials in a row, and what remembers along it
 The inverse model, which tells the effort that a motion asks for:
     inverse.py, inverse_equations.py

@@ -2,12 +2,10 @@
 
 Every function takes and returns plain arrays; what it changed it appends to `said`, and what it
 cannot repair it raises as DataError.  A diagnosis from bad data would be believed like any other.
-`agreement` tells what a sensor's speed has to do with the derivative of its position.
 """
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -25,10 +23,6 @@ DIGITS = 2.0**24  # of a single-precision number: no sensor gives values as many
 TENFOLD = np.sqrt(10.0)  # times: nearer to ten than to one
 NINES = 10.0 ** np.arange(3, 16) - 1.0  # 999 and longer, which files hold for a missing number
 TEN = 10.0  # times beyond all others, for such a one
-ALIKE = 0.8  # correlation below which it is no derivative of the position
-LATE = 0.1  # s by which it may be late, and is looked for
-SURELY_SHIFTED = 0.5  # of what is missed: a shift that takes less is none
-NEAR = 0.03  # of 1: a scale this close is a right one
 
 
 def signed(where: str, name: str, raw: np.ndarray, said: list[str]) -> np.ndarray:
@@ -58,7 +52,7 @@ def enough(where: str, used: float, lost: str = "") -> None:
         raise NothingLeft(f"{where}: only {used:.2g} s are left after the row filters{why}")
 
 
-def moving(where: str, name: str, values: np.ndarray) -> None:
+def not_constant(where: str, name: str, values: np.ndarray) -> None:
     """Raise NothingLeft where a channel never changes, DataError where it holds no sizes."""
     known = values[np.isfinite(values)]
     if not len(known):
@@ -151,6 +145,7 @@ FULL = 0.98  # of the drive's limit counts as saturated
 # Of the rows at the ends, or of the others in runs of one value: that is the excitation, not what
 # cuts it off
 RELAY = 0.5
+TOP = 0.2  # of a top, that the next steps last
 TWO_STEPS = 2.0  # of a staircase may go to one value in a row, at its turn
 STUCK = 5  # equal extreme values in a row are a limit that nobody declared
 # Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
@@ -218,7 +213,7 @@ def saturated(
     full = [_stuck(effort, ends) for effort in efforts]
     share = float(np.mean(np.concatenate(full)))
     if share <= RELAY and not _is_staircase(efforts, full):
-        return full
+        return [_without_tops(*pair) for pair in zip(efforts, full, strict=True)]
     if (shown := f"{share:.0%}") != "0%":
         said.append(
             f"{where}: {shown} of the efforts are the largest or smallest of the log: taken as "
@@ -261,6 +256,22 @@ def _stuck(effort: np.ndarray, ends: Sequence[float]) -> np.ndarray:
     return full
 
 
+def _without_tops(effort: np.ndarray, full: np.ndarray) -> np.ndarray:
+    """The full rows (n,) without those that are tops of a curve in coarse steps.
+
+    Of a parabola the next steps last (√2 - 1)/2 of the top at least, of a clipped curve far less.
+    """
+    kept = full.copy()
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], full.astype(int), [0]])))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        long = stop - start
+        beside = [effort[max(start - long, 0) : start], effort[stop : stop + long]]
+        lasting = [int(_runs(part)[1].max()) for part in beside if len(part)]
+        if lasting and min(lasting) >= max(2, TOP * long):
+            kept[start:stop] = False
+    return kept
+
+
 def widened(mask: np.ndarray, reach: int) -> np.ndarray:
     """The rows of a mask (n,) and those within `reach` of them."""
     reached = np.convolve(mask, np.ones(2 * reach + 1))
@@ -283,63 +294,3 @@ def beside_gaps(filled: np.ndarray, cutoff: float) -> np.ndarray:
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         long[start:stop] = (stop - start) * cutoff > SHORT
     return smeared(long, cutoff)
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """How a speed follows from the motion: scale times it, `late` samples later.
-
-    alike  correlation when it is scaled and shifted
-    """
-
-    scale: float
-    late: float
-    alike: float
-
-
-def agreement(
-    given: Sequence[np.ndarray], derived: Sequence[np.ndarray], period: float
-) -> Agreement | None:
-    """What a given speed has to do with the derived one, over all pieces, equal lengths each.
-
-    None where nothing moves, or it is no derivative of the position within a tenth of a second.
-    """
-    most = min(max(2, round(LATE / period)), min(map(len, given)) // 4)
-    shifts = np.arange(-most, most + 1)
-    alike = np.array([_alike(given, derived, int(k)) for k in shifts])
-    best, late = int(np.argmax(np.abs(alike))), 0.0
-    if 1 - alike[best] ** 2 >= SURELY_SHIFTED * (1 - alike[most] ** 2):
-        best = most
-    elif 0 < best < len(shifts) - 1:
-        left, middle, right = np.abs(alike[best - 1 : best + 2])
-        late = float(shifts[best] + 0.5 * (left - right) / (left - 2 * middle + right))
-    else:
-        return None
-    at = alike[best]
-    if not abs(at) >= ALIKE:
-        return None
-    one, two, both = _powers(given, derived, int(shifts[best]))
-    low, high = both / two, one / both  # noise in the derivative, in the sensor
-    sure = low > 0 and low * (1 - NEAR) <= 1.0 <= high * (1 + NEAR)
-    return Agreement(1.0 if sure else float(np.sign(at) * np.sqrt(low * high)), late, float(at))
-
-
-def shifted(values: np.ndarray, samples: float) -> np.ndarray:
-    """A signal as it is so many samples later, same length; its end is held."""
-    index = np.arange(len(values))
-    return np.interp(index + samples, index, values)
-
-
-def _powers(
-    given: Sequence[np.ndarray], derived: Sequence[np.ndarray], shift: int
-) -> tuple[float, float, float]:
-    """Mean squares of both, and of their product, `given` taken so many samples later."""
-    pairs = [(a[max(shift, 0) :], b[max(-shift, 0) :]) for a, b in zip(given, derived, strict=True)]
-    one = np.concatenate([a[: len(b)] for a, b in pairs])
-    two = np.concatenate([b[: len(a)] for a, b in pairs])
-    return float(np.mean(one**2)), float(np.mean(two**2)), float(np.mean(one * two))
-
-
-def _alike(given: Sequence[np.ndarray], derived: Sequence[np.ndarray], shift: int) -> float:
-    one, two, both = _powers(given, derived, shift)
-    return both / float(np.sqrt(one * two)) if one > 0 and two > 0 else 0.0

@@ -175,12 +175,12 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
         if not key.endswith("position") and "joint " not in key:
             values[key] = checks.without_outliers(log.where, name, values[key], clock.period, said)
     for key in [key for key in values if key == "effort" or key.endswith("position")]:
-        checks.moving(log.where, log.columns[key].column, values[key])
+        checks.not_constant(log.where, log.columns[key].column, values[key])
     broken = np.zeros(len(clock.rows) - 1, bool)
     for key in [key for key in values if key.endswith("position") or key.startswith("joint ")]:
         values[key] = _once(log.where, log.columns[key].column, values[key], said)
         found, known = _moved(log, key, values, clock, said)
-        checks.moving(log.where, log.columns[key].column, found.values)  # without its spikes
+        checks.not_constant(log.where, log.columns[key].column, found.values)  # without its spikes
         if key == "position" and "reference" in values:
             values["reference"] = _followed(log, values, found, known, clock, said)
         if found.modulus:

@@ -15,7 +15,7 @@ from spirob.errors import MissingChannel, NothingLeft
 from spirob.logs.readers import Table
 from spirob.machine import checks
 from spirob.machine.broken_stretches import Grid, Looked, followed, without_bursts
-from spirob.machine.checks import agreement, shifted, stands, usable
+from spirob.machine.checks import stands, usable
 from spirob.machine.filtering import (
     ALIAS,
     BELOW,
@@ -33,6 +33,7 @@ from spirob.machine.filtering import (
     usual_cutoff,
 )
 from spirob.machine.grids import FILLED, Logged, even_grids
+from spirob.machine.measured_speed import agreement, shifted
 from spirob.machine.rig import Column, RigFile
 from spirob.units import UNITS
 

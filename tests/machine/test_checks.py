@@ -213,6 +213,17 @@ def test_a_drive_that_clips_loses_those_rows(share):
     assert not any("steps of the command" in said for said in made.said)
 
 
+@pytest.mark.parametrize("period", [2.0, 8.0])
+@pytest.mark.parametrize("top", [0.8, 0.797])  # of a step of 0.01
+def test_the_tops_of_a_slow_curve_in_coarse_steps_are_no_saturation(period, top):
+    log = good(24.0)
+    curve = np.round(top * np.sin(2 * np.pi / period * log["t"]), 2)
+    made = prepare("log", {**log, "u": curve}, RIG)
+    assert not any("where the drive saturates" in said for said in made.said)
+    clipped = prepare("log", {**log, "u": np.clip(curve, -0.6, 0.6)}, RIG)
+    assert any("where the drive saturates" in said for said in clipped.said)
+
+
 def held_for(u, rows):
     """An effort that its controller gives anew only once in so many rows."""
     return u[np.arange(len(u)) // rows * rows]
