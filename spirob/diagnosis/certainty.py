@@ -2,7 +2,7 @@
 
     p = 1/(1 + exp(-(w₀ + w_name + Σ w_k (x_k - m_k)/s_k)))
 
-x are figures of what a search shows of one chosen effect (`figures`), seven in all and six in each
+x are figures of what a search shows of one chosen effect (`figures`), six in all and five in each
 of three regressions: of the name itself, on rigs and on a simulated "arm", whose few trials and
 many numbers give intervals of another width; and of its kin, which is right where the name or one
 that says a part of the same is.  w_name is how much surer, or less sure, an effect is than others
@@ -18,7 +18,6 @@ left           ln of what still follows from the motion, or is far more than noi
                this effect took
 sharp          ln of an amplitude over half its interval's width, of the sharpest
 place          0 for the effect that takes most, then 1, 2, ...
-late           ln(1 + |delay| over the usual one)
 """
 
 import json
@@ -39,9 +38,9 @@ from spirob.identify.problem import Problem
 
 LEARNED = json.loads(Path(__file__).with_name("certainty.json").read_text())
 FIGURES = {
-    "name": ("fall_heldout", "ahead_heldout", "left", "sharp", "place", "late"),
-    "arm": ("fall_heldout", "ahead_heldout", "left", "sharp", "place", "late"),
-    "kin": ("fall_heldout", "ahead_of_kin", "left", "sharp", "place", "late"),
+    "name": ("fall_heldout", "ahead_heldout", "left", "sharp", "place"),
+    "arm": ("fall_heldout", "ahead_heldout", "left", "sharp", "place"),
+    "kin": ("fall_heldout", "ahead_of_kin", "left", "sharp", "place"),
 }
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
 TINY = 1e-300
@@ -159,7 +158,6 @@ def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
         "left": ratio(left.share * chosen.mean_square, max(fall, 0.0)),
         "sharp": sharp(search.models, chosen.fit, effect),
         "place": float(order.index(effect.name())),
-        "late": left.late,
     }
     return rounded(told)
 

@@ -95,13 +95,11 @@ class Left:
     """What is left of a model.
 
     share    of its squared error that is neither noise nor what such machines differ by
-    late     ln(1 + how far effort and motion are apart, over what is usual)
     said     a sentence, empty where there is nothing to say
     unknown  sentence and explanation of the verdict, where nothing that was found says it
     """
 
     share: float
-    late: float
     said: str
     unknown: tuple[str, str]
 

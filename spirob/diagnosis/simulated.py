@@ -297,7 +297,7 @@ class Simulated(Predictor):
             "error say what it depends on.",
         )
         above = max(0.0, square - complete(self.heldout, floor) ** 2) / max(square, 1e-300)
-        return Left(above, 0.0, said if share > least else "", unknown)
+        return Left(above, said if share > least else "", unknown)
 
     def lacks(self, bare: Model) -> bool:
         """Whether the fitted numbers alone leave more than noise and builds account for."""

@@ -17,7 +17,6 @@ from spirob.diagnosis.flexible import NOTHING, left_out, named, share, tree, wor
 from spirob.diagnosis.model import Left, Model
 from spirob.diagnosis.orders import spectrum
 from spirob.diagnosis.verdict import TWICE
-from spirob.machine.delays import DELAY, usual
 from spirob.machine.inverse import InverseProblem
 
 if TYPE_CHECKING:
@@ -108,12 +107,9 @@ def _features(problem: InverseProblem) -> dict[str, np.ndarray]:
 
 def left_of(models: "Models", model: Model, rest: RigCeiling) -> Left:
     """What is left of a model; `rest` is the ceiling over it."""
-    delay = model.fit.estimates.get(DELAY)
-    period = max(r.period for r in models.train.recordings)
-    late = float(np.log1p(abs(delay.value) / usual(period))) if delay else 0.0
     follows = max(rest.share, share(model.heldout, rest.heldout))
     told = _said(follows, rest), _unknown(models, model, follows, rest)
-    return Left(max(rest.share, _beyond_noise(models, model)), late, *told)
+    return Left(max(rest.share, _beyond_noise(models, model)), *told)
 
 
 def _beyond_noise(models: "Models", model: Model) -> float:

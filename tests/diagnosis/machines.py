@@ -83,7 +83,7 @@ class Known(Predictor):
         return self.tried[model.names]
 
     def left(self, model):
-        return Left(self.share, 0.0, self.said, ("It is not known.", "Nothing says what it is."))
+        return Left(self.share, self.said, ("It is not known.", "Nothing says what it is."))
 
     def lacks(self, bare):
         return self.missing

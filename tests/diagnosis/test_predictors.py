@@ -119,7 +119,6 @@ def test_a_chosen_model_is_finished_and_says_what_is_left_of_it(machine):
     bare, left = models.fitted((), {}), models.left(one)
     assert isinstance(left, Left)
     assert 0.0 <= left.share <= 1.0
-    assert left.late >= 0.0
     assert models.left(bare).share > 0.5, "much is left of the numbers alone"
     assert all(models.left(bare).unknown)
     assert models.lacks(bare)

@@ -233,7 +233,6 @@ def test_what_is_left_is_above_noise_and_floor_on_the_trials_that_choose_nothing
     models, one = known(Settings(), 0.006, effects=[FRICTION])
     left = models.left(one)
     assert left.share == pytest.approx(1.0 - 0.003**2 / 0.006**2)
-    assert left.late == 0.0, "logs of the arm are put right before"
     assert left.said.startswith("Beside it 0.6% of the motor current is left, more than the 0.3%")
     models, one = known(Settings(), 0.0029, effects=[FRICTION])
     assert (models.left(one).share, models.left(one).said) == (0.0, "")
