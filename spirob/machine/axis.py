@@ -4,29 +4,24 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from spirob.diagnosis.atlas import atlas
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Found, Model, alike
-from spirob.diagnosis.schema import checked
 from spirob.diagnosis.search import Search
 from spirob.diagnosis.verdict import TWICE, likely
 from spirob.effects import Effect
 from spirob.errors import NothingLeft
-from spirob.machine.composed.law import beyond
 from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
 from spirob.machine.differing import counted_alike, differing
-from spirob.machine.document import heldout, plain, rig_document, standing
+from spirob.machine.document import SHORTER, written
 from spirob.machine.inverse import Work
 from spirob.machine.judging import Judged, Searched, judged_of
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import another_unit
-from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
 from spirob.machine.plausibility import (
     AT_LOAD,
     fits_at_load,
     may_sit_at_load,
-    oddities,
     untaught,
 )
 from spirob.machine.preparation import Ready, moving, ready_of, search_of
@@ -37,10 +32,8 @@ from spirob.machine.selection import ASIDE, ends_aside
 from spirob.machine.springs import with_spring
 from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
 
-SHORTER = "fewer or slower rows make it shorter."
 NOT_ELSEWHERE = f"Not looked for about another delay: {SHORTER}"
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"
-CUT = f"The search took so long that no more than three effects were tried together: {SHORTER}"
 
 
 def diagnose_recordings(
@@ -75,7 +68,7 @@ def diagnose_recordings(
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, judged.done.ready, [*train, *test], said)
             judged = again if again and _says_more(again, judged) else judged.noted(said)
-        return _written(with_spring(judged, lambda told: judged_of(_once_more(_searched(told)))))
+        return written(with_spring(judged, lambda told: judged_of(_once_more(_searched(told)))))
 
 
 def _says_more(again: Judged, judged: Judged) -> bool:
@@ -139,7 +132,10 @@ def _with_sensor_at_load(done: Searched) -> Searched:
 
 
 def _set_free(done: Searched) -> Searched:
-    """Searched with wider bounds of the numbers that ended at those that the description gives."""
+    """Searched with wider bounds of the numbers that ended at those that the description gives.
+
+    Not where that ends with twice the squared error of the held-out logs.
+    """
     given, now = done.ready.given.fit, done.ready.rig.fit
     at_bound = beyond_bounds(done.search, done.chosen)
     free = [name for name in at_bound if name in given and now[name] == given[name]]
@@ -151,7 +147,9 @@ def _set_free(done: Searched) -> Searched:
     search, gate = search_of(ready)
     again = search.models.fitted(done.chosen.effects, done.chosen.fit.changes)
     more = done.search.worth.matters(done.chosen, again)
-    return Searched(ready, search, gate, search.run() if more else search.settled(again))
+    found = search.run() if more else search.settled(again)
+    worse = done.search.worth.refuted(found.chosen, done.chosen)
+    return done if worse else Searched(ready, search, gate, found)
 
 
 def _searched(ready: Ready) -> Searched:
@@ -315,35 +313,3 @@ def _better(done: Searched, wider: Searched, said: str) -> Searched:
     if not done.search.worth.matters(done.chosen, wider.chosen):
         return done
     return replace(wider.noted(said), plain=done)
-
-
-def _written(judged: Judged) -> Diagnosis:
-    found, verdict, rest = judged.found, judged.verdict, judged.rest
-    ready, search, gate = judged.done.ready, judged.search, judged.done.gate
-    problems = search.models.train, search.models.heldout
-    bare, chosen = found.rungs[0], found.chosen
-    law = judged.law
-    notes = [*ready.said, *[CUT] * search.models.cut]
-    notes += oddities(search, chosen, gate, ready.given, not verdict.doubts)
-    notes += beyond(problems, ready.own, chosen.fit.changes)
-    regimes = atlas(search.models.train, bare.fit.residual)
-    written = rig_document(ready.rig, search, found, verdict, rest, regimes, notes, ready.excluded)
-    ranked = [c["name"] for c in written["candidates"]]
-    written["switches"] = plain(switches(search, found, ranked))
-    written["composed"] = plain(law.document) if law else None
-    stands = chosen if verdict.kind == "named" else bare
-    written["model"] = plain(standing(search, stands, ready.body))
-    curves = None
-    if ready.rig.predict != "effort":
-        motion, curves = predicted(search, found)
-        written["motion"] = plain(motion)
-    return Diagnosis(
-        checked(written),
-        overlay(search, bare.fit, chosen.fit),
-        parameters(search, bare.fit),
-        gate.sentence,
-        laws(problems[1], chosen.effects, chosen.fit.changes, problems[1].sizes.axis_unit),
-        curves,
-        law,
-        heldout(search, stands),
-    )

@@ -29,6 +29,7 @@ from spirob.diagnosis.model import Model
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LEVER
 from spirob.machine.models import RigSearch
+from spirob.machine.odd_logs import RESISTING, plain_columns
 from spirob.machine.preparation import Ready, search_of
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
@@ -108,7 +109,8 @@ def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> boo
     """Whether a kind of number may differ between the training logs, by what is left of a model.
 
     It may where its columns, one set for each log, take more of the squared residual than the least
-    share of an effect beyond what the same columns take for all logs together.
+    share of an effect beyond what the same columns take for all logs together.  Both stand beside
+    inertia and friction: where each log goes one way, dry friction is a force of each.
     """
     logs = {r.log for r in search.models.train.recordings}
     if rig.per_log is not None or rig.logs or len(logs) < 2:
@@ -116,9 +118,10 @@ def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> boo
     columns = _first_order(kind, rig, search)
     if columns is None:
         return False
-    residual, edges = chosen.fit.residual, search.models.train.edges
-    together = _left(columns, residual)
-    apart = sum(_left(columns[a:b], residual[a:b]) for a, b in pairwise(edges))
+    train, residual = search.models.train, chosen.fit.residual
+    shared = np.column_stack([residual, *plain_columns(train)[:RESISTING]])
+    together = _left([(columns, shared)])
+    apart = _left([(columns[a:b], shared[a:b]) for a, b in pairwise(train.edges)])
     return together - apart > search.criteria.share * float(np.dot(residual, residual))
 
 
@@ -137,9 +140,16 @@ def _first_order(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | Non
     return np.column_stack(weight if kind == "zero" else [signals["acceleration"], *weight])
 
 
-def _left(columns: np.ndarray, residual: np.ndarray) -> float:
-    found = np.linalg.lstsq(columns, residual, rcond=None)[0]
-    return float(np.sum((residual - columns @ found) ** 2))
+def _left(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
+    """Squares that columns (n, k), each part's own, and what all parts share leave of a residual.
+
+    parts  columns, and the residual with what is shared beside it, (n, 1 + m)
+    """
+    rest = [both - own @ np.linalg.lstsq(own, both, rcond=None)[0] for own, both in parts]
+    residual, shared = np.split(np.concatenate(rest), [1], axis=1)
+    return float(
+        np.sum((residual - shared @ np.linalg.lstsq(shared, residual, rcond=1e-9)[0]) ** 2)
+    )
 
 
 @dataclass(frozen=True)

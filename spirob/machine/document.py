@@ -14,43 +14,74 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from spirob.diagnosis.atlas import Regime, lateness, worst
+from spirob.diagnosis.atlas import atlas, lateness, worst
 from spirob.diagnosis.criteria import half_seconds, noise_floor
 from spirob.diagnosis.document import CEILING, candidates, findings, numbers
 from spirob.diagnosis.flexible import worth
 from spirob.diagnosis.model import Found, Model
+from spirob.diagnosis.schema import checked
 from spirob.diagnosis.spectrum import orders
-from spirob.diagnosis.verdict import Verdict
 from spirob.effects import Effect
 from spirob.identify.intervals import Interval, covariance_of, score, score_interval
 from spirob.identify.problem import rms
 from spirob.machine.body import RigidBody
+from spirob.machine.composed.law import beyond
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.judging import Judged
 from spirob.machine.laws import by_module
 from spirob.machine.leftovers import RigCeiling
 from spirob.machine.models import RigSearch
 from spirob.machine.numbers import USUAL
 from spirob.machine.odd_logs import way_of
-from spirob.machine.rig import NUMBERS, RigFile
+from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
+from spirob.machine.plausibility import oddities
+from spirob.machine.result import Diagnosis
+from spirob.machine.rig import NUMBERS
 from spirob.ports import PORTS
 
+SHORTER = "fewer or slower rows make it shorter."
+CUT = f"The search took so long that no more than three effects were tried together: {SHORTER}"
 
-def rig_document(
-    rig: RigFile,
-    search: RigSearch,
-    found: Found,
-    verdict: Verdict,
-    rest: RigCeiling,
-    regimes: Sequence[Regime],
-    repairs: Sequence[str],
-    excluded: dict[str, str],
-) -> dict[str, Any]:
+
+def written(judged: Judged) -> Diagnosis:
+    """What was found of a rig, as plain data and for its page."""
+    search, found, law = judged.search, judged.found, judged.law
+    ready, gate, named = judged.done.ready, judged.done.gate, judged.verdict.kind == "named"
+    train, held = search.models.train, search.models.heldout
+    bare, chosen = found.rungs[0], found.chosen
+    notes = [*ready.said, *[CUT] * search.models.cut]
+    notes += oddities(search, chosen, gate, ready.given, not judged.verdict.doubts)
+    notes += beyond((train, held), ready.own, chosen.fit.changes)
+    document = _document(judged, notes)
+    ranked = [c["name"] for c in document["candidates"]]
+    document["switches"] = switches(search, found, ranked)
+    document["composed"] = law.document if law else None
+    stands = chosen if named else bare
+    document["model"] = standing(search, stands, ready.body)
+    curves = None
+    if ready.rig.predict != "effort":
+        document["motion"], curves = predicted(search, found)
+    return Diagnosis(
+        checked(plain(document)),
+        overlay(search, bare.fit, chosen.fit),
+        parameters(search, bare.fit),
+        gate.sentence,
+        laws(held, chosen.effects, chosen.fit.changes, held.sizes.axis_unit),
+        curves,
+        law,
+        heldout(search, stands),
+    )
+
+
+def _document(judged: Judged, notes: Sequence[str]) -> dict[str, Any]:
     """All of a diagnosis, in SI; a number that is not finite becomes null."""
-    effort = search.models.train.effort
+    search, found, verdict, rest = judged.search, judged.found, judged.verdict, judged.rest
+    effort, ready = search.models.train.effort, judged.done.ready
     pieces, bare = search.models.train.stretches(), found.rungs[0].fit.residual
-    written = {
-        "rig": rig.name,
-        "predict": rig.predict,
+    regimes = atlas(search.models.train, bare)
+    return {
+        "rig": ready.rig.name,
+        "predict": ready.rig.predict,
         "verdict": verdict.kind,
         "sentence": verdict.sentence,
         "explanation": verdict.explanation,
@@ -67,12 +98,11 @@ def rig_document(
         "unit": effort.unit,
         "effort": effort.name,
         "effort_rms": {"train": search.models.size, "test": rms(search.models.heldout.measured())},
-        "repairs": list(repairs),
-        "excluded": excluded,
+        "repairs": list(notes),
+        "excluded": ready.excluded,
         "numbers": numbers(found.chosen, "rig"),
         "left": {"share": rest.share, "alone": rest.alone},
     }
-    return plain(written)  # type: ignore[no-any-return]
 
 
 def _ladder(search: RigSearch, found: Found) -> list[dict[str, Any]]:

@@ -221,14 +221,15 @@ def _computed(search: RigSearch, chosen: Model) -> str:
 
     Neither inertia nor friction is told from none, though the motion is so fast that the given
     inertia would be seen.  A geared axis may hide its inertia, but not its friction as well.  What
-    the place does not make most of is not computed from it.
+    a spring, a weight and a constant do not make most of is not computed from the place.
     """
     train, fit, names = search.models.train, chosen.fit, ("rig.inertia", "rig.viscous")
     nil = [n in fit.estimates and fit.estimates[n].low <= train.table.about[n].low for n in names]
     resists = not all(nil) or any(map(is_dry, chosen.effects))
     if train.rig.effort.origin != "command" or not chosen.effects or resists:
         return ""
-    if chosen.mean_square > HALF * float(np.var(train.measured())):
+    effort, place = train.measured(), np.column_stack(plain_columns(train)[RESISTING:])
+    if explained(effort, place @ np.linalg.lstsq(place, effort, rcond=None)[0]) < HALF:
         return ""
     inertia, nominal = fit.estimates["rig.inertia"], train.table.about["rig.inertia"].nominal
     given, none = (train(fit.changes | {"rig.inertia": value}) for value in (nominal, 0.0))

@@ -8,9 +8,10 @@ import pytest
 
 from spirob.errors import ConfigError
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.differing import tells
+from spirob.machine.differing import may_differ, tells
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.numbers import log_numbers, with_payload
+from spirob.machine.preparation import ready_of, search_of
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -158,3 +159,23 @@ def test_logs_differ_where_the_intervals_of_their_numbers_lie_apart(kind, number
     assert tells(kind, model) == told
     idle = numbers.get("rig.payload_inertia") == (0.0, 22.0)
     assert tells(kind, model, alone=True) == (not idle)
+
+
+def one_way(k, dry=0.3):
+    """A screw that goes one way at a speed that comes and goes a little, odd logs back."""
+    t = np.arange(0, 8, 4e-3)
+    v = (-1) ** k * (1.0 + 0.5 * k) * (1.0 + 0.2 * np.sin(2 * np.pi * (0.4 + 0.1 * k) * t))
+    noise = np.random.default_rng(k).normal(0, 2e-3, len(t))
+    effort = INERTIA * np.gradient(v, t) + VISCOUS * v + dry * np.sign(v) + 0.05 + noise
+    return {"t": t, "q": np.cumsum(v) * 4e-3, "u": effort}
+
+
+@pytest.mark.parametrize(
+    ("forces", "differ"), [([0.05] * 6, False), ([0.3, 0, 0.2, -0.2, 0, 0.1], True)]
+)
+def test_a_force_of_each_log_that_goes_one_way_is_dry_friction(forces, differ, tmp_path):
+    made = recordings([one_way(k) for k in range(8)], rig())
+    for k, force in enumerate(forces):
+        made[k].pieces[0].effort += force
+    search, _ = search_of(ready_of(rig(), tmp_path, made[:6], made[6:]))
+    assert may_differ("offset", rig(), search, search.models.fitted((), {})) is differ
