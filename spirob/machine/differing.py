@@ -42,6 +42,7 @@ MOST = 20  # turns that a log is looked for, either way
 PASSES = 3  # over fits of the numbers
 ROUNDS = 2  # the logs that come first have seen little of the way
 TELLS = 0.5  # of the squared residual: less says nothing of the turn
+WITHIN = 0.1  # of the squares of all logs together
 PRIOR = 1e-3  # of the columns' mean square, against what few rows tell
 
 
@@ -109,20 +110,28 @@ def may_differ(kind: str, rig: RigFile, search: RigSearch, chosen: Model) -> boo
     """Whether a kind of number may differ between the training logs, by what is left of a model.
 
     It may where its columns, one set for each log, take more of the squared residual than the least
-    share of an effect beyond what the same columns take for all logs together.  Both stand beside
-    inertia and friction: where each log goes one way, dry friction is a force of each.
+    share of an effect beyond what the same columns take for all logs together.  A force may not
+    where no log shows by itself how friction follows the speed: it would be that friction.
     """
     logs = {r.log for r in search.models.train.recordings}
     if rig.per_log is not None or rig.logs or len(logs) < 2:
         return False
     columns = _first_order(kind, rig, search)
-    if columns is None:
+    if columns is None or (kind == PLAINEST and not _shows_friction(search.models.train)):
         return False
-    train, residual = search.models.train, chosen.fit.residual
-    shared = np.column_stack([residual, *plain_columns(train)[:RESISTING]])
-    together = _left([(columns, shared)])
-    apart = _left([(columns[a:b], shared[a:b]) for a, b in pairwise(train.edges)])
+    residual, edges = chosen.fit.residual, search.models.train.edges
+    together = _left(columns, residual)
+    apart = sum(_left(columns[a:b], residual[a:b]) for a, b in pairwise(edges))
     return together - apart > search.criteria.share * float(np.dot(residual, residual))
+
+
+def _shows_friction(train: InverseProblem) -> bool:
+    """Whether direction and speed differ within the logs, by a tenth of what they do in all."""
+    for column in plain_columns(train)[1:RESISTING]:
+        within = [np.var(column[a:b]) * (b - a) for a, b in pairwise(train.edges)]
+        if sum(within) < WITHIN * np.var(column) * len(column):
+            return False
+    return True
 
 
 def _first_order(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | None:
@@ -140,16 +149,9 @@ def _first_order(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | Non
     return np.column_stack(weight if kind == "zero" else [signals["acceleration"], *weight])
 
 
-def _left(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
-    """Squares that columns (n, k), each part's own, and what all parts share leave of a residual.
-
-    parts  columns, and the residual with what is shared beside it, (n, 1 + m)
-    """
-    rest = [both - own @ np.linalg.lstsq(own, both, rcond=None)[0] for own, both in parts]
-    residual, shared = np.split(np.concatenate(rest), [1], axis=1)
-    return float(
-        np.sum((residual - shared @ np.linalg.lstsq(shared, residual, rcond=1e-9)[0]) ** 2)
-    )
+def _left(columns: np.ndarray, residual: np.ndarray) -> float:
+    found = np.linalg.lstsq(columns, residual, rcond=None)[0]
+    return float(np.sum((residual - columns @ found) ** 2))
 
 
 @dataclass(frozen=True)

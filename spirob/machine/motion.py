@@ -249,6 +249,7 @@ def _taps(by: float, period: float) -> np.ndarray:
 
 NOISE = 5.0  # rest speeds that a derivative's noise may reach while the axis stands
 SENSOR = 3.0  # deviations of a sensor's noise: of 400 rows at rest one is beyond
+MOSTLY = 0.5  # of a log's rows
 LEAST = 0.2  # of the rows have to be left, or
 ENOUGH = 2.0  # s of them: else the log is one of holds and is used as it is
 
@@ -259,11 +260,12 @@ def without_holds(
     """The trials without the rows at standstill, and a sentence for each that lost some."""
     kept, said = [], []
     for recording in recordings:
-        pieces, used, left = [], 0, 0
-        for piece in recording.pieces:
-            use = piece.use & ~holds(piece.v, rest_speed, recording.period, piece.still)
-            pieces.append(replace(piece, use=use))
-            used, left = used + int(piece.use.sum()), left + int(use.sum())
+        stands = _standing(recording, rest_speed)
+        pieces = [
+            replace(p, use=p.use & ~still)
+            for p, still in zip(recording.pieces, stands, strict=True)
+        ]
+        used, left = (sum(int(p.use.sum()) for p in ps) for ps in (recording.pieces, pieces))
         pieces = recording.worth(pieces)
         if not pieces or left < min(LEAST * used, ENOUGH / recording.period):
             kept.append(recording)
@@ -276,6 +278,19 @@ def without_holds(
                 "stands (rows.standstill: keep would use them)."
             )
     return kept, said
+
+
+def _standing(recording: Recording, rest_speed: float) -> list[np.ndarray]:
+    """Rows of each piece at which the axis stands, (n,).
+
+    Where most rows are as slow as the sensor's noise lets a standing axis look, it stands in them.
+    Where few are, they are slow motion, of which an encoder's counts are noise, too.
+    """
+    period = recording.period
+    by_noise = [holds(p.v, rest_speed, period, p.still) for p in recording.pieces]
+    if np.mean(np.concatenate(by_noise)) > MOSTLY:
+        return by_noise
+    return [holds(p.v, rest_speed, period) for p in recording.pieces]
 
 
 def holds(

@@ -35,12 +35,25 @@ def test_a_hold_is_left_out_and_said():
 
 def test_an_axis_stands_whatever_its_sensor_adds():
     """A potentiometer's noise makes more than a hundredth of its speed in a tenth of a second."""
-    made = recording(4.5, noise=6e-3)
+    made = recording(2.5, noise=6e-3)
     (kept,), (sentence,) = without_holds([made], 0.03)
-    stands = made.pieces[0].use & (made.pieces[0].seconds > 4.7)
-    assert kept.pieces[0].use[stands].mean() < 0.02
-    assert kept.pieces[0].use[made.pieces[0].seconds < 4.3].mean() > 0.9
+    stands = made.pieces[0].use & (made.pieces[0].seconds > 2.7)
+    assert kept.pieces[0].use[stands].mean() < 0.05
+    assert kept.pieces[0].use[made.pieces[0].seconds < 2.3].mean() > 0.8
     assert "where the axis stands" in sentence
+
+
+def test_slow_motion_in_coarse_counts_is_no_hold():
+    t = np.arange(0, 20, 2e-3)
+    counts = np.round(np.sin(0.6 * t) / 0.05)
+    log = {"t": t, "q": 0.05 * counts, "u": np.cos(t)}
+    made = prepare("log", log, RigFile.model_validate(description()))
+    (piece,) = made.pieces
+    slow = holds(piece.v, 0.006, made.period, piece.still)
+    assert slow.mean() > holds(piece.v, 0.006, made.period).mean() + 0.05
+    (kept,), _ = without_holds([made], 0.006)
+    expected = piece.use & ~holds(piece.v, 0.006, made.period)
+    np.testing.assert_array_equal(kept.pieces[0].use, expected)
 
 
 def test_of_a_log_that_stands_two_seconds_of_motion_are_enough():

@@ -161,21 +161,30 @@ def test_logs_differ_where_the_intervals_of_their_numbers_lie_apart(kind, number
     assert tells(kind, model, alone=True) == (not idle)
 
 
-def one_way(k, dry=0.3):
-    """A screw that goes one way at a speed that comes and goes a little, odd logs back."""
+def at_one_speed(k, forces, back, changing):
+    """A screw against dry friction at a speed of its own in each log, one way or both."""
     t = np.arange(0, 8, 4e-3)
-    v = (-1) ** k * (1.0 + 0.5 * k) * (1.0 + 0.2 * np.sin(2 * np.pi * (0.4 + 0.1 * k) * t))
+    way = np.sign(np.sin(np.pi / 4 * t + 0.1)) if back else (-1) ** k
+    v = way * (1.0 + 0.5 * k) * (1.0 + changing * np.sin(2 * np.pi * 0.4 * t))
     noise = np.random.default_rng(k).normal(0, 2e-3, len(t))
-    effort = INERTIA * np.gradient(v, t) + VISCOUS * v + dry * np.sign(v) + 0.05 + noise
+    friction = VISCOUS * v + 0.3 * np.tanh(v / 0.02)
+    effort = INERTIA * np.gradient(v, t) + friction + forces[k] + noise
     return {"t": t, "q": np.cumsum(v) * 4e-3, "u": effort}
 
 
 @pytest.mark.parametrize(
-    ("forces", "differ"), [([0.05] * 6, False), ([0.3, 0, 0.2, -0.2, 0, 0.1], True)]
+    ("apart", "back", "changing", "differ"),
+    [
+        (False, False, 0.2, False),  # each goes one way: a force of each is the dry friction
+        (True, False, 0.9, False),
+        (False, True, 0.0, False),
+        (True, True, 0.5, True),
+    ],
 )
-def test_a_force_of_each_log_that_goes_one_way_is_dry_friction(forces, differ, tmp_path):
-    made = recordings([one_way(k) for k in range(8)], rig())
-    for k, force in enumerate(forces):
-        made[k].pieces[0].effort += force
+def test_a_force_of_each_log_is_none_where_it_would_be_friction(
+    apart, back, changing, differ, tmp_path
+):
+    forces = np.array([0.3, 0.0, 0.2, -0.2, 0.0, 0.1, 0.0, 0.2]) * apart
+    made = recordings([at_one_speed(k, forces, back, changing) for k in range(8)], rig())
     search, _ = search_of(ready_of(rig(), tmp_path, made[:6], made[6:]))
     assert may_differ("offset", rig(), search, search.models.fitted((), {})) is differ
