@@ -17,6 +17,7 @@ motion resets it.
 log at once serve to try many thresholds on many trials; a test holds one against the other.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,7 +100,7 @@ class ContactDetector:
 
         Raises DataError where the sample is not finite.
         """
-        if not np.isfinite(current):
+        if not math.isfinite(current):
             raise DataError(f"contact: sample {self._count} of the current is {current}")
         place = self._count % self._length
         self._seen[place] = self._seen[place + self._length] = current
@@ -122,9 +123,10 @@ class ContactDetector:
 
     def _levels(self, seen: np.ndarray) -> tuple[float, float, float]:
         recent = seen[self._baseline :]
-        baseline = float(seen[: self._baseline].mean())
+        # sums, for a mean by numpy takes three times as long as what it has to do
+        baseline = float(np.add.reduce(seen[: self._baseline])) / self._baseline
         side = 1.0 if baseline >= 0.0 else -1.0
-        level = float(recent[-self._smoothing :].mean())
+        level = float(np.add.reduce(recent[-self._smoothing :])) / self._smoothing
         return baseline, side * (level - baseline), side * float(self._line @ recent)
 
 
