@@ -31,14 +31,14 @@ def _size(root: Path) -> None:
     tests = {"simulation": features_of(root, "unseen"), "robot": features_of(root, "robot")}
     metrics: dict[str, dict[str, Any]] = {}
     rows = []
+    others = rivals(model, known, listed)
     for domain, features in tests.items():
         true, found = features[TARGET].to_numpy(), predict(model, features)
-        others = rivals(model, known, listed, features)
         metrics[domain] = {
             **rounded(scored(true, found)),
             "unit": "mm",
             "samples": len(true),
-            "other": {name: rival(true, values, found) for name, values in others.items()},
+            "other": {name: rival(true, other(features), found) for name, other in others.items()},
         }
         columns = {"true_mm": 1e3 * true, "predicted_mm": 1e3 * found}
         rows.append(pd.DataFrame({"domain": domain, **columns}))

@@ -15,8 +15,9 @@ extrapolations.  No wrap that is tested has a say in it.
 """
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -177,28 +178,28 @@ def _errors(model: SizeModel, table: pd.DataFrame) -> dict[str, float]:
     return {"mae": score(true, found)["mae"], "mae_low": low, "mae_high": high}
 
 
-def rivals(
-    shipped: SizeModel, known: pd.DataFrame, listed: pd.DataFrame, wraps: pd.DataFrame
-) -> dict[str, np.ndarray]:
-    """Every rival's diameters [m] of some wraps, (n,) each.
+Predictor = Callable[[pd.DataFrame], np.ndarray]  # features of wraps -> diameters [m], (n,)
+
+
+def rivals(shipped: SizeModel, known: pd.DataFrame, listed: pd.DataFrame) -> dict[str, Predictor]:
+    """Every rival, trained.
 
     known   features that the shipped model was trained on;  listed  those of the paper's samples
     """
     # the shipped settings are those of many samples
     few = train(listed, SizeSettings(seed=shipped.settings.seed), "remainder")
+    mean = float(known[TARGET].mean())
     return {
-        **{name: predict(shipped, wraps, name) for name in BASES},
-        "paper": predict(few, wraps, "paper"),
-        "few": predict(few, wraps),
-        "gaussian_process": gaussian_process(known, wraps, shipped.settings),
-        "mean": np.full(len(wraps), float(known[TARGET].mean())),
+        **{name: partial(predict, shipped, predictor=name) for name in BASES},
+        "paper": partial(predict, few, predictor="paper"),
+        "few": partial(predict, few),
+        "gaussian_process": gaussian_process(known, shipped.settings),
+        "mean": lambda wraps: np.full(len(wraps), mean),
     }
 
 
-def gaussian_process(
-    known: pd.DataFrame, wraps: pd.DataFrame, settings: SizeSettings | None = None
-) -> np.ndarray:
-    """Diameters [m] by a Gaussian process with an RBF kernel and noise, (n,).
+def gaussian_process(known: pd.DataFrame, settings: SizeSettings | None = None) -> Predictor:
+    """A Gaussian process with an RBF kernel and noise, trained.
 
     It gets the features of the base models, prepared as theirs are.
     """
@@ -221,7 +222,7 @@ def gaussian_process(
         # a hyperparameter at its bound is a fit all the same
         warnings.simplefilter("ignore", ConvergenceWarning)
         model.fit(feature_matrix(known, names), known[TARGET].to_numpy(float))
-    return np.asarray(model.predict(feature_matrix(wraps, names)))
+    return lambda wraps: np.asarray(model.predict(feature_matrix(wraps, names)))
 
 
 def chosen(
