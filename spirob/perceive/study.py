@@ -8,10 +8,10 @@ few                 the shipped kind of predictor on the paper's samples
 gaussian_process    on the same samples as the shipped predictor, hyperparameters by likelihood
 mean                the mean diameter of the training, whatever was wrapped
 
-Numbers of the stack are chosen by the training alone.  Of every combination the stack is trained,
-and the one with the least out-of-fold error is taken: the mean absolute error of the blend on
-diameters that its folds held out, between the smallest and the largest, as those of the ends are
-extrapolations.  No wrap that is tested has a say in it.
+Numbers of the stack are chosen by the training alone.  Of every combination the base models are
+trained on the folds, and the one with the least out-of-fold error is taken: the mean absolute error
+of the blend on diameters that its folds held out, between the smallest and the largest, as those of
+the ends are extrapolations.  No wrap that is tested has a say in it.
 """
 
 import warnings
@@ -34,8 +34,10 @@ from spirob.perceive.size import (
     MonotoneFeatures,
     SizeModel,
     SizeSettings,
+    between,
     blended,
     feature_matrix,
+    first_level,
     predict,
     train,
 )
@@ -235,7 +237,7 @@ def chosen(
 
     table     features with the true `diameter` [m]
     among     values of each number to choose; the others stay as in `settings`
-    threads   that train combinations side by side; how many changes no bit
+    threads   that try combinations side by side; how many changes no bit
     Of equal ones the first is taken.  Nothing to choose leaves the settings as they are.
     Raises ConfigError on an unknown number, one without values or out of range, and what `train`
     raises.
@@ -246,8 +248,8 @@ def chosen(
 
     def one(values: Sequence[float]) -> dict[str, float]:
         numbers = dict(zip(among, map(float, values), strict=True))
-        found = train(table, _with(settings, numbers))
-        return {**numbers, "mae": out_of_fold_error(found, table)}
+        found = first_level(table, _with(settings, numbers))
+        return {**numbers, "mae": out_of_fold_error(table, *found)}
 
     with ThreadPoolExecutor(threads) as pool:
         tried = list(pool.map(one, product(*among.values())))
@@ -264,12 +266,14 @@ def require_choices(among: Mapping[str, Sequence[float]]) -> None:
             SizeSettings.from_mapping({name: value})
 
 
-def out_of_fold_error(model: SizeModel, table: pd.DataFrame) -> float:
-    """Mean absolute error of the blend on the held-out diameters of its training table [mm]."""
+def out_of_fold_error(table: pd.DataFrame, level_one: np.ndarray, weight: float) -> float:
+    """Mean absolute error of the blend on the held-out diameters of its training table [mm].
+
+    level_one, weight  of `first_level`
+    """
     true = table[TARGET].to_numpy(float)
-    between = (true > model.sizes[0]) & (true < model.sizes[1])
-    found = blended(model.out_of_fold, model.weight)
-    return float(MILLIMETRES * np.abs(found - true)[between].mean())
+    found = blended(level_one, weight)
+    return float(MILLIMETRES * np.abs(found - true)[between(true)].mean())
 
 
 def _with(settings: SizeSettings, numbers: Mapping[str, float]) -> SizeSettings:
