@@ -84,8 +84,9 @@ def rig_ceiling(
     guess = trees.predict(np.column_stack([held[n] for n in names]))
     rest = other - worth(residual, residual - whole) * guess
     orders, power = spectrum(residual, train.signals()["angle"], 0.01, 100.0)
-    top = int(np.argmax(power)) if len(power) else 0
-    order, wave = (float(orders[top]), float(power[top])) if len(power) else (0.0, 0.0)
+    known = train.rig.position is not None and len(power)  # a speed tells no place to come back to
+    top = int(np.argmax(power)) if known else 0
+    order, wave = (float(orders[top]), float(power[top])) if known else (0.0, 0.0)
     return RigCeiling(whole, rest, share(residual, whole), order, wave, by_signal)
 
 

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from spirob.machine.inverse import InverseProblem
+from spirob.machine.leftovers import rig_ceiling
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
+from spirob.machine.scaling import Sizes
 from tests.machine.rigs import description
 
 T = np.arange(0, 8, 2e-3)
@@ -122,3 +125,18 @@ def test_the_effort_of_a_controller_follows_from_its_gains_and_error(control):
         made.pieces[0].effort[inside], given.pieces[0].effort[inside], atol=3e-3
     )
     assert any("computed from the controller's gains" in said for said in made.said)
+
+
+@pytest.mark.parametrize("placed", [True, False])
+def test_only_a_position_has_waves(placed):
+    """What a wave over the turns would be, a speed that is summed up has no place for."""
+    turning = np.cumsum(3.0 + V) * 2e-3
+    columns = {"q": turning, "v": 3.0 + V, "u": np.sin(4.0 * turning)}
+    velocity = {"velocity": {"column": "v", "unit": "rad/s"}, "position": None}
+    made = read(columns, **({} if placed else velocity))
+    rig = RigFile.model_validate(description(**({} if placed else velocity)))
+    sizes = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
+    problem = InverseProblem(rig, None, [made], [], sizes, 0.02)
+    residual, folds = -problem.measured(), np.arange(len(problem.measured())) // 200 % 2
+    found = rig_ceiling(problem, problem, residual, residual, folds)
+    assert (found.wave > 0.5) is placed
