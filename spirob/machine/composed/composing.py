@@ -122,11 +122,17 @@ def _drives(one: _Fitted) -> bool:
     """Whether a law leaves as much of a strong effort as can be told from none.
 
     A scale that grows as the law takes would explain any effort: what is left is counted in it.
+    Nor does a term of it take or give more than all: such ones only cancel one another.
     """
     problem, changes = one.models.train, one.model.fit.changes
     made = np.abs(problem.read(changes)["motor.current"])
     strong = made > np.sqrt(np.mean(made**2))
-    return float(np.mean(problem.passed(one.effect, changes)[strong])) > LEAST
+    sizes = [f"{one.name}.amplitude_{k + 1}" for k in range(one.law.terms)]
+    without = [changes | {n: 0.0 for n in sizes if n != own} for own in sizes]
+    left, *each = (
+        float(np.mean(problem.passed(one.effect, at)[strong])) for at in (changes, *without)
+    )
+    return left > LEAST and all(abs(1.0 - alone) <= 1.0 for alone in each)
 
 
 @dataclass(frozen=True)

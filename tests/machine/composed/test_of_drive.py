@@ -96,17 +96,29 @@ def test_a_sensor_behind_the_drive_tells_nothing_of_what_it_loses(origin, made):
     assert ("current" in track.signals) is made
 
 
-@pytest.mark.parametrize(("kept", "may"), [(1e-3, False), (0.5, True), (1.0, True)])
-def test_a_drive_that_a_scale_would_have_to_make_up_for_is_no_law(kept, may):
-    """A loss of all but a thousandth, beside a scale a thousand times as large, fits any effort."""
+@pytest.mark.parametrize(
+    ("shares", "may"),
+    [
+        ([0.999], False),  # beside a scale a thousand times as large it fits any effort
+        ([0.5], True),
+        ([0.0], True),
+        ([-0.5, 0.7], True),
+        ([79.0, -73.0, -6.0], False),  # cancel one another
+        ([1.4, -0.7], False),
+    ],
+)
+def test_a_law_takes_no_more_than_all_of_a_drives_torque(shares, may):
     effort = np.random.default_rng(2).normal(size=SAMPLES)
+    sizes = {f"law.amplitude_{k}": share for k, share in enumerate(shares, 1)}
     problem = SimpleNamespace(
         read=lambda changes: {"motor.current": effort},
-        passed=lambda effect, changes: np.where(np.abs(effort) > 0.1, kept, 0.0),  # a dead band
+        passed=lambda effect, changes: np.full(SAMPLES, 1.0 - sum(changes.values())),
     )
     fitted = SimpleNamespace(
         models=SimpleNamespace(train=problem),
-        model=SimpleNamespace(fit=SimpleNamespace(changes={})),
+        model=SimpleNamespace(fit=SimpleNamespace(changes=sizes)),
+        law=SimpleNamespace(terms=len(shares)),
+        name="law",
         effect=None,
     )
     assert _drives(fitted) == may
