@@ -194,10 +194,8 @@ class Search(Generic[M]):
             return None
         pairs = self.models.pairs(current, offers)
         pairs = [p for p in pairs if not self.models.related(p[1].effect, [p[2].effect])]
-        return self._best_of(
-            current,
-            [(a, b) for error, a, b in pairs[:PAIRS] if self._possible(current, error)],
-        )
+        tried = [(a, b) for error, a, b in pairs[:PAIRS] if self._possible(current, error)]
+        return self._best_of(current, tried)
 
     def _possible(self, current: Model, error: float) -> bool:
         return self.worth.possible(current, error, self.models.promised)
@@ -274,10 +272,11 @@ class Search(Generic[M]):
         return [m for m in self._extended(lesser, pairs[:PAIRS]) if self.models.plain(m)]
 
     def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
-        """Exchanges that are neither richer nor clearly worse, held out neither."""
-        others = self._exchanges(model, effect)
-        poorer = [m for m in others if m.numbers <= model.numbers and self.rivals_with(m, model)]
-        return [*poorer, *self._richer(model, effect)]
+        """Exchanges not clearly worse, nor richer; how dry friction turns round is not counted."""
+        plainest = min(filter(is_dry, self.candidates), key=richness, default=None)
+        others = [m for m in self._exchanges(model, effect) if self.rivals_with(m, model)]
+        found = [m for m in others if m.numbers <= model.numbers or plainest in m.effects]
+        return [*found, *self._richer(model, effect)]
 
     def _same(self, model: Model, effect: type[Effect]) -> list[str]:
         """Laws as rich as an effect, or the plainest dry friction, that these data show as it.

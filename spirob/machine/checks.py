@@ -137,7 +137,7 @@ def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> No
     if not scaled and np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
         raise DataError(
             f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: "
-            "these are counts; give their size as 'factor'"
+            "are these counts? Give their size as 'factor' (1 where they are in that unit)"
         )
 
 

@@ -147,6 +147,7 @@ class Logged:
              are `left.position` and so on
     cells    of each as they were logged, (N,);  values  of each in its unit, (N,)
     moduli   of positions that wrap, in their units; told by `even_grids`
+    commanded  whether the effort is what was asked for
     """
 
     where: str
@@ -156,6 +157,7 @@ class Logged:
     cells: Mapping[str, np.ndarray]
     values: Mapping[str, np.ndarray]
     moduli: dict[str, float] = field(default_factory=dict)
+    commanded: bool = False
 
 
 def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.ndarray]]]:
@@ -175,7 +177,9 @@ def even_grids(log: Logged, said: list[str]) -> tuple[float, list[dict[str, np.n
         if not key.endswith("position") and "joint " not in key:
             values[key] = checks.without_outliers(log.where, name, values[key], clock.period, said)
     for key in [key for key in values if key == "effort" or key.endswith("position")]:
-        checks.not_constant(log.where, log.columns[key].column, values[key])
+        stepped = key == "effort" and log.commanded and np.any(values[key])
+        if not stepped:  # a command may be one step, at which its log begins
+            checks.not_constant(log.where, log.columns[key].column, values[key])
     broken = np.zeros(len(clock.rows) - 1, bool)
     for key in [key for key in values if key.endswith("position") or key.startswith("joint ")]:
         values[key] = _once(log.where, log.columns[key].column, values[key], said)
@@ -241,7 +245,7 @@ def _moved(
 ) -> tuple[Repaired, np.ndarray]:
     """A position as the axis moved, and the rows, among those of the clock, that tell it."""
     column, known = log.columns[key], np.flatnonzero(np.isfinite(values[key]))
-    if column.unit != TICK:
+    if column.unit != TICK and "factor" not in column.model_fields_set:
         checks.not_counts(log.where, column.column, log.values[key], log.cells[key])
     size = abs(column.factor)
     turn = 2 * np.pi / ANGLES[column.unit] if column.unit in ANGLES else None

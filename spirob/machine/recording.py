@@ -152,7 +152,8 @@ def prepare(
     cells = {key: np.asarray(columns[c.column], float) for key, c in inside.items()}
     values = {key: _scaled(column, columns) for key, column in inside.items()}
     stamps = np.asarray(columns[rig.time.column], float)
-    log = Logged(name, rig.time, stamps, inside, cells, values)
+    commanded = rig.effort.origin == "command"
+    log = Logged(name, rig.time, stamps, inside, cells, values, commanded=commanded)
     period, grids = even_grids(log, said)
     turn = abs(_si(rig, "position")) * log.moduli.get("position", 0.0)
     for grid in grids:

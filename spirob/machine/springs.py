@@ -12,7 +12,7 @@ import numpy as np
 from spirob.diagnosis.model import Model
 from spirob.diagnosis.verdict import likely
 from spirob.effects import Effect
-from spirob.identify.problem import effort_rms
+from spirob.identify.problem import effort_rms, rms
 from spirob.machine.inverse import InverseProblem, Work
 from spirob.machine.judging import CONSTANT, Judged
 from spirob.machine.models import RigSearch
@@ -156,6 +156,6 @@ class _Beside:
 def _stiffness(problem: InverseProblem) -> Bounded:
     """A spring of any size, that begins where it makes a tenth of the effort."""
     scale = problem.table.values[problem.table.position("rig.scale")]
-    ratio = float(np.std(problem.measured()) / np.std(problem.signals()["position"]))
+    ratio = rms(problem.measured()) / float(np.std(problem.signals()["position"]))
     size = abs(float(scale)) * ratio
     return Bounded(nominal=0.1 * size, low=0.0, high=WIDE * size)

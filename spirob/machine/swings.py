@@ -23,6 +23,7 @@ from spirob.machine.motion import late
 
 KEPT = 8  # laws whose swings are kept
 LITTLE = 1e-6  # of the mean square, where nothing is known of the noise yet
+TINY = float(np.finfo(float).tiny)  # below it a quotient overflows
 SMALL = 1e-3  # of a state of a pipe, whose effect is taken to first order
 SURELY = 0.9  # of the squared error that another scale leaves: heat leaves less
 HOT = 4.0  # times the heat, of twice the current
@@ -114,7 +115,7 @@ class Swings:
         Where a piece begins they do about as much as the law does; the noise is what is left.
         """
         sizes = np.max(np.abs(free), axis=1, keepdims=True)
-        columns = free * (np.sqrt(np.mean(law**2)) / np.where(sizes > 0.0, sizes, 1.0))
+        columns = free * (np.sqrt(np.mean(law**2)) / np.where(sizes > TINY, sizes, 1.0))
         left, noise = residual, LITTLE * float(np.mean(residual**2))
         for _ in range(2):
             parts = [_left(residual[a:b], columns[:, a:b], noise) for a, b in self._pieces]

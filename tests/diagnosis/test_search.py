@@ -195,6 +195,18 @@ def test_who_takes_the_place_about_as_well_is_a_rival_and_who_says_the_same_an_e
     assert clearly, "who is no rival explains clearly less"
 
 
+def test_the_plainest_dry_friction_is_a_rival_of_a_law_with_fewer_numbers():
+    """How it turns round is no law: a dead band in logs of one way is dry friction there."""
+    dead, coulomb, stribeck = find_effects(
+        ["driver_dead_band", "coulomb_friction", "stribeck_friction"]
+    )
+    near = {dead: A, coulomb: A + 0.014 * B, stribeck: A + 0.014 * C}
+    search, found = searched(Linear(0.1 * A, near, noise=0.005))
+    assert found.chosen.effects == (dead,)
+    assert search.models.fitted((coulomb,), {}).numbers > found.chosen.numbers
+    assert found.rivals == {dead.name(): [coulomb.name()]}
+
+
 def ranked(machine):
     """How often all candidates were ranked beside the numbers alone."""
     return sum(not model for model, _ in machine.screened)

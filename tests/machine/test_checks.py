@@ -154,7 +154,7 @@ def changed(**columns):
         (changed(q=1e300 * good()["q"]), r"'q' reaches 2\.\de\+300"),
         (changed(t=1e3 * good()["t"]), "is the unit of time right"),
         (changed(t=1e-3 * good()["t"]), "is the unit of time right"),
-        (changed(q=np.round(1e4 * good()["q"])), "these are counts"),
+        (changed(q=np.round(1e4 * good()["q"])), "are these counts"),
         (changed(q=np.full(2000, 1.0)), "'q' is constant"),
         (changed(u=np.zeros(2000)), "'u' is constant"),
         (changed(q=good()["q"] + np.cumsum(np.arange(2000) % 90 == 0)), "'q' jumps by"),
@@ -297,7 +297,7 @@ def test_counts_with_a_factor_are_no_counts_any_more():
     rig = RigFile.model_validate(description(position=turns))
     log["q"] = np.round(log["q"] / (2 * np.pi) * 4096)
     assert prepare("log", log, rig).pieces[0].v.max() > 5.0
-    with pytest.raises(DataError, match="these are counts"):
+    with pytest.raises(DataError, match="are these counts"):
         prepare("log", log, RIG)
 
 

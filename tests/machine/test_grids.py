@@ -167,3 +167,17 @@ def test_a_position_that_stands_but_for_spikes_is_left_out():
     still["q"][[1000, 4000]] = [70.0, -40.0]
     with pytest.raises(NothingLeft, match="'q' is constant at 1"):
         prepare("log", still, RIG)
+
+
+@pytest.mark.parametrize(("origin", "kept"), [("command", True), ("measured", False)])
+def test_a_log_of_one_step_of_its_command_is_used(origin, kept):
+    """It begins at the switch-on; a measured effort that never changes is a sensor that stands."""
+    t = np.arange(0, 4, 2e-3)
+    log = {"t": t, "q": t - 0.2 * (1.0 - np.exp(-t / 0.2)), "u": np.full_like(t, 0.5)}
+    effort = {"column": "u", "unit": "N·m", "kind": "torque", "origin": origin}
+    rig = RigFile.model_validate(description(effort=effort))
+    if kept:
+        assert prepare("log", log, rig).pieces[0].use.mean() > 0.5
+        return
+    with pytest.raises(NothingLeft, match="'u' is constant at 0.5"):
+        prepare("log", log, rig)
