@@ -179,5 +179,5 @@ def test_a_log_of_one_step_of_its_command_is_used(origin, kept):
     if kept:
         assert prepare("log", log, rig).pieces[0].use.mean() > 0.5
         return
-    with pytest.raises(NothingLeft, match="'u' is constant at 0.5"):
+    with pytest.raises(NothingLeft, match=r"'u' is constant at 0\.5"):
         prepare("log", log, rig)
