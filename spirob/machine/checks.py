@@ -130,11 +130,10 @@ def _outweighing(alone: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return order[: outweigh[-1] + 1] if len(outweigh) else order[:0]
 
 
-def not_counts(where: str, name: str, values: np.ndarray, raw: np.ndarray) -> None:
-    """Raise where a position holds whole numbers that no factor scales; raw is as logged."""
-    raw, values = raw[np.isfinite(raw)], values[np.isfinite(raw)]
-    scaled = abs(np.ptp(values) / np.ptp(raw) - 1.0) > 1e-6
-    if not scaled and np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
+def not_counts(where: str, name: str, raw: np.ndarray) -> None:
+    """Raise where a position as it is logged, for which no factor is given, is whole numbers."""
+    raw = raw[np.isfinite(raw)]
+    if np.all(raw == np.round(raw)) and len(np.unique(raw)) > COUNTS:
         raise DataError(
             f"{where}: '{name}' holds whole numbers only, {raw.min():g} to {raw.max():g}: "
             "are these counts? Give their size as 'factor' (1 where they are in that unit)"

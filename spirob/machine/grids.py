@@ -246,7 +246,7 @@ def _moved(
     """A position as the axis moved, and the rows, among those of the clock, that tell it."""
     column, known = log.columns[key], np.flatnonzero(np.isfinite(values[key]))
     if column.unit != TICK and "factor" not in column.model_fields_set:
-        checks.not_counts(log.where, column.column, log.values[key], log.cells[key])
+        checks.not_counts(log.where, column.column, log.cells[key])
     size = abs(column.factor)
     turn = 2 * np.pi / ANGLES[column.unit] if column.unit in ANGLES else None
     modulus = column.modulus if isinstance(column, PositionColumn) else None

@@ -301,6 +301,14 @@ def test_counts_with_a_factor_are_no_counts_any_more():
         prepare("log", log, RIG)
 
 
+def test_whole_degrees_with_the_factor_one_are_degrees():
+    log = good()
+    whole = {**log, "q": np.round(np.degrees(log["q"]))}
+    degrees = {"column": "q", "unit": "deg", "factor": 1.0}
+    made = prepare("log", whole, RigFile.model_validate(description(position=degrees)))
+    assert np.ptp(made.pieces[0].q) == pytest.approx(np.ptp(log["q"]), rel=0.05)
+
+
 def test_a_signed_register_read_as_unsigned_is_read_as_negative():
     true = np.round(300 * np.sin(np.arange(200) / 9.0))
     said: list[str] = []
