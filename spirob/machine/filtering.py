@@ -12,7 +12,6 @@ from math import comb
 import numpy as np
 import scipy
 from numba import njit
-from scipy.ndimage import uniform_filter1d
 
 from spirob.errors import DataError
 from spirob.machine.checks import EDGE, beside_gaps
@@ -170,7 +169,6 @@ CLEAN = 0.01  # noise over RMS acceleration at which a cutoff is low enough
 SLOWEST = 4.0  # times the frequency below which most of the effort lies
 MOST = 0.9  # of its variance
 MOSTLY = 0.75  # of an acceleration's variance that may count as noise
-HOLD = 0.1  # s that an axis stands at least; a reversal is shorter, and says much of friction
 STEPS = 8  # from the fastest cutoff to the slowest
 
 
@@ -190,18 +188,6 @@ def acceleration_noise(values: np.ndarray, order: int, cutoff: float, period: fl
     Compared is what passes the last filter.
     """
     return sensor_noise(values) * _passed(order, BELOW * cutoff, period)
-
-
-def speed_noise(
-    values: np.ndarray, order: int, cutoff: float, period: float
-) -> tuple[float, float]:
-    """Deviations of the noise in a speed and in its mean over `HOLD`, from a position or velocity.
-
-    The speed passes the first filter alone.
-    """
-    one, meant = _seen_at_rest(order, cutoff, period)
-    noise = sensor_noise(values)
-    return noise * one, noise * meant
 
 
 def possible_cutoff(
@@ -329,14 +315,6 @@ def _band(effort: np.ndarray, period: float) -> float:
 def _passed(order: int, cutoff: float, period: float) -> float:
     """Deviation of the acceleration for white noise of deviation 1 on what is differentiated."""
     return float(np.std(_derived(smooth(_white(), cutoff, period), order, period)))
-
-
-@cache
-def _seen_at_rest(order: int, cutoff: float, period: float) -> tuple[float, float]:
-    """Deviations of the speed, and of its mean over `HOLD`, for such noise."""
-    speed = _derived(smooth(_white(), cutoff, period), order - 1, period)
-    meant = uniform_filter1d(speed, max(1, round(HOLD / period)))
-    return float(np.std(speed)), float(np.std(meant))
 
 
 def _white() -> np.ndarray:

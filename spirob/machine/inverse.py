@@ -3,7 +3,7 @@
 Measured and modelled effort pass the same filters; the equations are in `inverse_equations`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from spirob.machine.body import RigidBody
 from spirob.machine.inverse_equations import AskedEffort
 from spirob.machine.motion import Kept, kept_rows, late, motion_of
 from spirob.machine.numbers import NONE, LogNumbers, profiled, table_of
-from spirob.machine.recording import Recording
+from spirob.machine.recording import Filter, Recording
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
 from spirob.machine.swings import Swings
@@ -79,6 +79,7 @@ class InverseProblem:
             motion, effects, self._table, sizes, rest_speed, stiffness, body is not None, held_out
         )
         self._kept = np.concatenate([kept.along for kept in kept_rows(self.recordings)])
+        self._filters = list(_filters(self.recordings))
         self._measured = self.smoothed(motion.effort)
         ends = np.cumsum([0, *(len(kept.along) for kept in kept_rows(self.recordings))])
         self._swings = Swings(self.asked, self._compared, ends)
@@ -281,16 +282,21 @@ class InverseProblem:
 
     def _smooth(self, values: np.ndarray) -> np.ndarray:
         out = np.empty_like(values)
-        k = 0
-        for recording in self.recordings:
-            for piece in recording.pieces:
-                rows = slice(k, k + len(piece.q))
-                out[rows] = recording.last(values[rows])
-                k += len(piece.q)
+        for rows, last in self._filters:
+            out[rows] = last(values[rows])
         return out
 
     def _thin(self, values: np.ndarray) -> np.ndarray:
         return values[self._kept]
+
+
+def _filters(recordings: Sequence[Recording]) -> Iterator[tuple[slice, Filter]]:
+    """The rows of each piece among those of all, and its last filter."""
+    k = 0
+    for recording in recordings:
+        for piece in recording.pieces:
+            yield slice(k, k + len(piece.q)), recording.last_of(piece)
+            k += len(piece.q)
 
 
 def _commanded(kept: Kept) -> dict[str, np.ndarray]:

@@ -1,8 +1,4 @@
-"""The measured motion of all trials in a row, what the body asks for on it, and where it stands.
-
-Where the axis stands, dry friction may take any value below its level.  A law of friction by speed
-says nothing there, yet such rows can outnumber the moving ones: whatever
-effect follows the drift of a hold would then be named in place of none.
+"""The measured motion of all trials in a row, and what the body asks for on it.
 
 A `Way` is what effects remember along, from one piece of a log to the next.  Through a gap a memory
 takes up a straight line from the signals before it to those behind it: heat, bristles and lags go
@@ -14,10 +10,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from spirob.machine.body import RigidBody
-from spirob.machine.filtering import HOLD, earlier, rates
+from spirob.machine.filtering import earlier, rates
 from spirob.machine.recording import Piece, Recording
 
 IN_GAP = 1000  # rows at most; a longer gap is gone through in longer steps
@@ -245,67 +240,3 @@ def _moved(values: np.ndarray, by: float, period: float) -> np.ndarray:
 def _taps(by: float, period: float) -> np.ndarray:
     impulse = earlier(np.eye(1, 4 * REACH + 1, 2 * REACH)[0], by, period)
     return impulse[REACH : 3 * REACH + 1]
-
-
-NOISE = 5.0  # rest speeds that a derivative's noise may reach while the axis stands
-SENSOR = 3.0  # deviations of a sensor's noise: of 400 rows at rest one is beyond
-MOSTLY = 0.5  # of a log's rows
-LEAST = 0.2  # of the rows have to be left, or
-ENOUGH = 2.0  # s of them: else the log is one of holds and is used as it is
-
-
-def without_holds(
-    recordings: list[Recording], rest_speed: float
-) -> tuple[list[Recording], list[str]]:
-    """The trials without the rows at standstill, and a sentence for each that lost some."""
-    kept, said = [], []
-    for recording in recordings:
-        stands = _standing(recording, rest_speed)
-        pieces = [
-            replace(p, use=p.use & ~still)
-            for p, still in zip(recording.pieces, stands, strict=True)
-        ]
-        used, left = (sum(int(p.use.sum()) for p in ps) for ps in (recording.pieces, pieces))
-        pieces = recording.worth(pieces)
-        if not pieces or left < min(LEAST * used, ENOUGH / recording.period):
-            kept.append(recording)
-            said.append(f"{recording.name}: the axis stands most of the time.")
-            continue
-        kept.append(replace(recording, pieces=pieces))
-        if left < used:
-            said.append(
-                f"{recording.name}: {1 - left / used:.1%} of the rows left out, where the axis "
-                "stands (rows.standstill: keep would use them)."
-            )
-    return kept, said
-
-
-def _standing(recording: Recording, rest_speed: float) -> list[np.ndarray]:
-    """Rows of each piece at which the axis stands, (n,).
-
-    Where most rows are as slow as the sensor's noise lets a standing axis look, it stands in them.
-    Where few are, they are slow motion, of which an encoder's counts are noise, too.
-    """
-    period = recording.period
-    by_noise = [holds(p.v, rest_speed, period, p.still) for p in recording.pieces]
-    if np.mean(np.concatenate(by_noise)) > MOSTLY:
-        return by_noise
-    return [holds(p.v, rest_speed, period) for p in recording.pieces]
-
-
-def holds(
-    v: np.ndarray, rest_speed: float, period: float, noise: tuple[float, float] = (0.0, 0.0)
-) -> np.ndarray:
-    """Rows of an even grid that belong to a standstill of at least `HOLD`, (n,), v the speed.
-
-    noise  deviations of the sensor's noise in the speed, and in its mean over `HOLD`
-    """
-    window = max(1, round(HOLD / period))
-    one, meant = (SENSOR * deviation for deviation in noise)
-    still = np.abs(uniform_filter1d(v, window)) < max(rest_speed, meant)
-    still &= np.abs(v) < max(NOISE * rest_speed, one)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        if stop - start < window:
-            still[start:stop] = False
-    return still

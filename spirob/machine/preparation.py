@@ -19,9 +19,9 @@ from spirob.machine.inverse import InverseProblem, Work
 from spirob.machine.laws import LEVER, for_axis, shares_inertia
 from spirob.machine.loading import chosen, files
 from spirob.machine.models import Models
-from spirob.machine.motion import without_holds
 from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.recording import Recording
+from spirob.machine.rests import without_rests
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes, parameters, sizes_of
 from spirob.machine.selection import in_stretches, split
@@ -145,7 +145,7 @@ def moving(
     What of them is held out is to be a part of what is compared, and no rest.
     """
     kept = rig.rows.standstill == "keep" or rig.rows.minimum_speed is not None
-    return (logs, []) if kept else without_holds(logs, rest_speed)
+    return (logs, []) if kept else without_rests(logs, rest_speed)
 
 
 def library(

@@ -5,7 +5,7 @@ zero-phase Butterworth filter of 4th order; products are built from what it leav
 """
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -28,7 +28,6 @@ from spirob.machine.filtering import (
     rates,
     roomy_cutoff,
     smooth,
-    speed_noise,
     thinned,
     usual_cutoff,
 )
@@ -43,28 +42,33 @@ CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
 LEAST = 8  # rows of a piece that are compared
 OWN = np.sqrt(2.0)  # times the noise of a derivative: half of a speed's is then its own
 FEWEST = 20  # rows of a trial that are compared
+MOVES = 0.5  # of what the last filter makes a compared row of is motion
+Filter = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass
 class Piece:
     """An uninterrupted stretch of a trial on an even grid, each array (n,).
 
-    seconds  since the trial began;  q, v, a  position, speed, acceleration [m or rad]
-    effort   filtered;  raw  unfiltered effort;  use  rows that are compared
-    noise    deviation of the sensor's noise in `a`;  still  in `v`, and in its mean over `HOLD`
+    seconds  since the trial began;  path  unfiltered position
+    q, v, a  position, speed, acceleration [m or rad]
+    effort   filtered;  raw  unfiltered effort
+    use      rows that are compared;  stands  those of a rest, which are none of them
+    noise    deviation of the sensor's noise in `a`
     others   further joints by name, (n, 3): position, speed, acceleration
     reference  commanded position, where the rig has one
     """
 
     seconds: np.ndarray
+    path: np.ndarray
     q: np.ndarray
     v: np.ndarray
     a: np.ndarray
     effort: np.ndarray
     raw: np.ndarray
     use: np.ndarray
+    stands: np.ndarray
     noise: float = 0.0
-    still: tuple[float, float] = (0.0, 0.0)
     others: dict[str, np.ndarray] = field(default_factory=dict)
     reference: np.ndarray | None = None
 
@@ -76,7 +80,7 @@ class Piece:
         return replace(self, **plain, others=others, reference=reference)
 
 
-ALONG = ("seconds", "q", "v", "a", "effort", "raw", "use")
+ALONG = ("seconds", "path", "q", "v", "a", "effort", "raw", "use", "stands")
 
 
 @dataclass
@@ -116,6 +120,17 @@ class Recording:
             return before_thinning(values, self.every)
         out = smooth(values, edge, self.period)
         return before_thinning(out, self.every) if alias < CLOSE * edge else out
+
+    def moving(self, piece: Piece) -> np.ndarray:
+        """Share of the last filter that lies on rows of a piece at which the axis moves, (n,)."""
+        return self.last(np.where(piece.stands, 0.0, 1.0))
+
+    def last_of(self, piece: Piece) -> Filter:
+        """The last filter of a piece, over the rows at which the axis moves: Σ w x / Σ w."""
+        if not piece.stands.any():
+            return self.last
+        moves, share = ~piece.stands, np.maximum(self.moving(piece), MOVES)
+        return lambda values: np.asarray(self.last(values * moves) / share)
 
 
 def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recording:
@@ -267,10 +282,9 @@ def _piece(
             angle = smooth(values, cutoff, period)
             others[key.removeprefix("joint ")] = np.column_stack([angle, *rates(angle, period)])
     use = usable(full, v, grid[FILLED] > 0, rig, period, cutoff, lost)
-    sensor = *_differentiated(grid), cutoff, period
-    noise = acceleration_noise(*sensor), speed_noise(*sensor)
-    compared = q, v, a, effort, grid["effort"], use
-    return Piece(grid["time"], *compared, *noise, others, grid.get("reference"))
+    noise = acceleration_noise(*_differentiated(grid), cutoff, period)
+    measured = grid["time"], grid["position"], q, v, a, effort, grid["effort"]
+    return Piece(*measured, use, np.zeros_like(use), noise, others, grid.get("reference"))
 
 
 def _differentiated(grid: Mapping[str, np.ndarray]) -> tuple[np.ndarray, int]:

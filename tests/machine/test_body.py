@@ -13,7 +13,7 @@ from tests.machine.rigs import PENDULUM
 def piece(n=50):
     t = np.linspace(0, 1, n)
     q, v, a = np.sin(3 * t), 3 * np.cos(3 * t), -9 * np.sin(3 * t)
-    return Piece(t, q, v, a, np.zeros(n), np.zeros(n), np.ones(n, bool))
+    return Piece(t, q, q, v, a, np.zeros(n), np.zeros(n), np.ones(n, bool), np.zeros(n, bool))
 
 
 def body(tmp_path, text=PENDULUM, **changes):

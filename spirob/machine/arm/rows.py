@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from spirob.errors import DataError, SimulationError, TooShort
 from spirob.identify.builds import hinges
@@ -25,11 +26,13 @@ from spirob.identify.residual import BLOCK, STILL, Residual
 from spirob.machine import checks
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.checks import FULL, widened
-from spirob.machine.motion import LEAST, holds
+from spirob.machine.rests import LEAST
 from spirob.machine.selection import KEPT, SHORTEST_DIVIDED
 from spirob.robot import MOTORS
 
 CYCLE = 1e-3  # s, of the model
+HOLD = 0.1  # s that a motor stands at least; a reversal is shorter, and says much of friction
+NOISE = 5.0  # times `STILL` that the noise of a derivative may reach while it stands
 STANDS = "where the working motor stands"
 CHOOSING = 0.2  # of a log that is the only one to fit: it chooses between effects
 
@@ -157,9 +160,21 @@ def _left_out(
     if rig.rows.minimum_speed is not None:
         yield speed < rig.rows.minimum_speed, "as too slow"
     elif rig.rows.standstill == "drop":
-        yield holds(v, STILL, CYCLE), STANDS
+        yield holds(v), STANDS
     if rig.rows.maximum_speed is not None:
         yield speed > rig.rows.maximum_speed, "as too fast"
+
+
+def holds(v: np.ndarray) -> np.ndarray:
+    """Cycles of a speed (T,) [m/s] that belong to a standstill of at least `HOLD`, (T,)."""
+    window = round(HOLD / CYCLE)
+    still = np.abs(uniform_filter1d(v, window)) < STILL
+    still &= np.abs(v) < NOISE * STILL
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        if stop - start < window:
+            still[start:stop] = False
+    return still
 
 
 BUILDS = 8

@@ -101,7 +101,8 @@ class BodyTable:
         q = np.tile(self._nodes, sum(len(rows) for rows in self._rows))
         nothing = np.zeros_like(q)
         speed, rate = np.full_like(q, v), np.full_like(q, a)
-        return Piece(nothing, q, speed, rate, nothing, nothing, nothing, others=others)
+        motion = nothing, q, q, speed, rate
+        return Piece(*motion, nothing, nothing, nothing, nothing, others=others)
 
     @cached_property
     def _speeds(self) -> tuple[float, float]:
