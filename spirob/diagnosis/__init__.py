@@ -9,6 +9,7 @@ The search:
     orders.py, spectrum.py     waves that come round with a turn
     regression.py              linear regression within bounds, fold by fold
     search.py                  what is added, taken back, exchanged
+    rivals.py                  which laws could stand in the place of another
     criteria.py                when an effect is worth its place: errors on trials that no fit has
                                seen, above the sensors' noise, and what they have to show
 The verdict:

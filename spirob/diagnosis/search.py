@@ -10,16 +10,15 @@ from typing import Generic, TypeVar
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.model import (
     ABSORBED,
-    ALIKE,
     Found,
     Model,
     Offer,
     Predictor,
     equivalents,
-    is_dry,
     label,
     richness,
 )
+from spirob.diagnosis.rivals import alike, rivals
 from spirob.effects import Effect
 from spirob.progress import Steps
 
@@ -62,15 +61,12 @@ class Search(Generic[M]):
             if not afresh and self._elsewhere(current, again, grown):
                 afresh, current = True, again
                 self.models.tried = {again.names: again}  # others began beside the poor fit
-                first = offers = self._offers(current, self.absent(current))
+                first = offers = self.offers(current, self.absent(current))
                 continue
             current = again
             if grown is None:
                 break
-            kept = self._pruned(grown)
-            if not _further(current, kept) and len(grown.effects) == len(current.effects) + 1:
-                # what the held-out trials deny alone, they may confirm beside another
-                kept = self._pruned(self._paired(current, offers) or current)
+            kept = self._confirmed(current, grown, offers)
             if not _further(current, kept):
                 break
             current = self._exchanged(kept)
@@ -80,7 +76,7 @@ class Search(Generic[M]):
             self.progress(f"chosen so far: {label(current.effects)}")
             self.progress.expect(_steps(len(current.effects), self.criteria))
             if len(current.effects) < self.criteria.most and not self.models.complete(current):
-                offers = self._offers(current, self.absent(current))
+                offers = self.offers(current, self.absent(current))
         self.progress.expect(_last(len(current.effects)))
         return self._found(self._pruned(current, whole=True), first)
 
@@ -93,10 +89,25 @@ class Search(Generic[M]):
     def _begun(self) -> tuple[Model, list[Offer]]:
         """The bare model, and what may be missing of it: never what its numbers say themselves."""
         bare = self.models.fitted((), {})
-        offers = self._offers(bare, self.candidates)
+        offers = self.offers(bare, self.candidates)
         possible = {o.effect for o in offers}
         self.candidates = [e for e in self.candidates if e in possible]
         return bare, offers
+
+    def _confirmed(self, current: Model, grown: Model, offers: Sequence[Offer]) -> Model:
+        """What the held-out trials leave of a grown model, or else of the next one, or pair."""
+        tried: Model | None = grown
+        while tried is not None:
+            known = len(self.vetoed)
+            kept = self._pruned(tried)
+            if not _further(current, kept) and len(tried.effects) == len(current.effects) + 1:
+                # what the held-out trials deny alone, they may confirm beside another
+                kept = self._pruned(self._paired(current, offers) or current)
+            if _further(current, kept) or len(self.vetoed) == known:
+                return kept
+            offers = [o for o in offers if o.effect.name() not in self.vetoed]
+            tried = self._grown(current, offers)
+        return current
 
     def _elsewhere(self, model: Model, again: Model, grown: Model | None) -> bool:
         """Whether candidates were ranked beside a poor fit of a model, and rank otherwise now."""
@@ -111,7 +122,7 @@ class Search(Generic[M]):
     ) -> list[Model]:
         """Models of a set with each of the others that could matter beside it."""
         current = self.models.fitted(effects, start)
-        offers = [o for o in self._offers(current, others) if self._possible(current, o.error)]
+        offers = [o for o in self.offers(current, others) if self._possible(current, o.error)]
         return [
             self.models.fitted((*effects, o.effect), current.fit.changes | dict(o.values))
             for o in offers
@@ -160,8 +171,8 @@ class Search(Generic[M]):
         chosen = self.models.finished(chosen)
         found = Found(self.rungs(chosen), offers, vetoed=sorted(self.vetoed - chosen.names))
         for effect in chosen.effects:
-            same, other = equivalents(chosen, self._rivals(chosen, effect), self.worth.least)
-            same = sorted({*same, *self._same(chosen, effect)})
+            same, other = equivalents(chosen, rivals(self, chosen, effect), self.worth.least)
+            same = sorted({*same, *alike(self, chosen, effect)})
             found.equivalents[effect.name()] = same
             found.rivals[effect.name()] = [name for name in other if name not in same]
         return found
@@ -175,7 +186,7 @@ class Search(Generic[M]):
             if e.name() not in out and not self.models.related(e, model.effects)
         ]
 
-    def _offers(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
+    def offers(self, model: Model, effects: Sequence[type[Effect]]) -> list[Offer]:
         return [o for o in self.models.offers(model, effects) if o.new > ABSORBED]
 
     def _grown(self, current: Model, offers: Sequence[Offer]) -> Model | None:
@@ -237,7 +248,7 @@ class Search(Generic[M]):
         for _ in range(self.criteria.most):
             if self.models.complete(model):
                 return model
-            others = [m for e in model.effects for m in self._exchanges(model, e)]
+            others = [m for e in model.effects for m in self.exchanges(model, e)]
             others += [m for e in model.effects for m in self._divided(model, e)]
             chosen = self.worth.simplest([model, *others])
             if chosen is model:
@@ -245,10 +256,10 @@ class Search(Generic[M]):
             model = chosen
         return model
 
-    def _exchanges(self, model: Model, effect: type[Effect]) -> list[Model]:
+    def exchanges(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Models with another effect in the place of this one."""
         lesser = self.without(model, effect)
-        offers = self._offers(lesser, self.absent(lesser))
+        offers = self.offers(lesser, self.absent(lesser))
         others = [(o,) for o in offers if o.effect is not effect][:EXCHANGES]
         return [m for m in self._extended(lesser, others) if self.models.plain(m)]
 
@@ -259,7 +270,7 @@ class Search(Generic[M]):
         to dry friction and a drag.  The two have no more numbers than it.
         """
         lesser, room = self.without(model, effect), richness(effect)
-        offers = [o for o in self._offers(lesser, self.absent(lesser)) if o.effect is not effect]
+        offers = [o for o in self.offers(lesser, self.absent(lesser)) if o.effect is not effect]
         kin = {o.effect for o in offers if self.models.related(o.effect, [effect])}
         if not kin or len(model.effects) == self.criteria.most:
             return []
@@ -270,50 +281,6 @@ class Search(Generic[M]):
             and richness(a.effect) + richness(b.effect) <= room
         ]
         return [m for m in self._extended(lesser, pairs[:PAIRS]) if self.models.plain(m)]
-
-    def _rivals(self, model: Model, effect: type[Effect]) -> list[Model]:
-        """Exchanges not clearly worse, nor richer; how dry friction turns round is not counted."""
-        plainest = min(filter(is_dry, self.candidates), key=richness, default=None)
-        others = [m for m in self._exchanges(model, effect) if self.rivals_with(m, model)]
-        found = [m for m in others if m.numbers <= model.numbers or plainest in m.effects]
-        return [*found, *self._richer(model, effect)]
-
-    def _same(self, model: Model, effect: type[Effect]) -> list[str]:
-        """Laws as rich as an effect, or the plainest dry friction, that these data show as it.
-
-        They promise as much, and the model with the effect can make what they do, without it it
-        cannot.  A richer law that contains the chosen one would say the same always.  Dry friction
-        contains no law but its own kind: where it is the same, as in logs of one direction, the
-        data say so.
-        """
-        lesser, own = self.without(model, effect), richness(effect)
-        other = [e for e in self.absent(lesser) if richness(e) == own or is_dry(e)]
-        errors = {o.effect: o.error for o in self._offers(lesser, [effect, *other])}
-        enough = errors.pop(effect, 0.0) + (ALIKE * self.worth.least) ** 2
-        as_good = [e for e, error in errors.items() if error <= enough]
-        made = [e for e in as_good if self.models.absorbs(model, e)]
-        dry = [] if is_dry(effect) else sorted(filter(is_dry, made), key=richness)[:1]
-        return [e.name() for e in made if richness(e) == own or e in dry]
-
-    def rivals_with(self, other: Model, model: Model) -> bool:
-        """Whether another model is not clearly worse, held out neither."""
-        return not self.worth.clearly(other, model) and not self.worth.refuted(other, model)
-
-    def _richer(self, model: Model, effect: type[Effect]) -> list[Model]:
-        """Models with another law of dry friction that halve what is left, though it is small.
-
-        What they gain is too little to name them by, and too much to be sure of the simpler law.
-        """
-        made = []
-        for other in self.candidates if is_dry(effect) else ():
-            if not is_dry(other) or other.name() in model.names:
-                continue
-            rest = tuple(e for e in model.effects if e is not effect)
-            related = self.models.related
-            kept = model.effects if not related(other, model.effects) else rest
-            if not related(other, kept):
-                made.append(self.models.fitted((*kept, other), model.fit.changes))
-        return [m for m in made if self.models.plain(m) and self.worth.halves(model, m)]
 
     def rungs(self, model: Model) -> list[Model]:
         """From the bare model upward, each time the effect that takes most off the error."""

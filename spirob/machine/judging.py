@@ -16,6 +16,7 @@ import numpy as np
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Found, Model, is_dry, richness
+from spirob.diagnosis.rivals import is_worse
 from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain, weigh
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
@@ -235,7 +236,7 @@ def with_dry(
         if search.models.related(dry[0], rest):
             continue
         other = search.models.fitted((*rest, *dry), chosen.fit.changes)
-        if search.rivals_with(other, chosen):
+        if not is_worse(search, other, chosen):
             one, name = weighed[constant.name()], dry[0].name()
             rivals = [n for n in one.rivals if n != name]
             same = sorted({*one.equivalents, name})

@@ -174,6 +174,17 @@ def test_what_held_out_trials_deny_is_told_and_not_chosen():
     assert found.vetoed == [ONE.name()]
 
 
+def test_where_held_out_trials_deny_the_best_the_next_is_asked():
+    """Two imitates what one does on the fitted trials alone; with it out of the way one is found."""
+    imitation = A + 0.2 * B
+    imitation[SAMPLES:] = -A[SAMPLES:]
+    other = A + 0.6 * C
+    machine = Linear(0.1 * A, {TWO: imitation, ONE: other})
+    _, found = searched(machine)
+    assert names(found.chosen) == {ONE.name()}
+    assert found.vetoed == [TWO.name()]
+
+
 def test_what_held_out_trials_deny_alone_they_may_confirm_beside_another():
     """Two laws that go together where they are fitted, and against each other held out."""
     both = np.r_[A[:SAMPLES], -2.0 * A[SAMPLES:]] + 0.5 * C
