@@ -18,6 +18,7 @@ from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Found, Model, is_dry, richness
 from spirob.diagnosis.rivals import is_worse
 from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain, weigh
+from spirob.effects import Effect
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
@@ -202,6 +203,7 @@ def with_instant(
     """The weighed, dry friction that flips at once beside one whose way no log shows; what is said.
 
     A bristle that has turned round before the filter answers fits the sensor, not the friction.
+    Another law of dry friction that does clearly better than the one that flips at once is a rival.
     """
     unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
     instant = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
@@ -211,14 +213,27 @@ def with_instant(
         if not (is_dry(effect) and found and max(found) < unseen) or name not in weighed:
             continue
         one, unit = weighed[name], search.models.train.sizes.axis_unit
-        same, rivals = {*one.equivalents, other}, [n for n in one.rivals if n != other]
-        told[name] = replace(one, equivalents=sorted(same), rivals=rivals)
+        better = _better_dry(search, chosen, effect, instant[0])
+        same, rivals = {*one.equivalents, other}, {*one.rivals, *better} - {other}
+        told[name] = replace(one, equivalents=sorted(same - rivals), rivals=sorted(rivals))
         said = (
             f"{effect.title} would turn round within {max(found):.2g} {unit} of a reversal. The "
             f"axis goes {unseen:.2g} {unit} before the filter answers: these logs cannot tell it "
             f"from {plain(other)}."
         )
     return told, said
+
+
+def _better_dry(
+    search: RigSearch, chosen: Model, effect: type[Effect], plainest: type[Effect]
+) -> list[str]:
+    """Laws of dry friction that do clearly better than the plainest in the place of an effect."""
+    rest = tuple(e for e in chosen.effects if e is not effect)
+    others = [e for e in search.candidates if is_dry(e) and e not in (effect, plainest)]
+    least, *made = (
+        search.models.fitted((*rest, e), chosen.fit.changes) for e in (plainest, *others)
+    )
+    return [e.name() for e, m in zip(others, made, strict=True) if search.worth.clearly(least, m)]
 
 
 def with_dry(

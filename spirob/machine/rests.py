@@ -17,7 +17,7 @@ from spirob.machine.recording import MOVES, Recording
 TURNS = 2.0  # times as long as a reversal is within the way that a rest spans
 COUNT = np.sqrt(12.0)  # deviations of what counting adds
 LONGER = (1.0, 2.0, 4.0)  # times: the noise of as many rows as a second holds spans 7 deviations
-SMEAR = 0.5  # periods of the cutoff, over which the first filter carries a rest into the motion
+SMEAR = 0.25  # periods of the cutoff, over which the first filter carries a rest into the motion
 LEAST = 0.2  # of the rows have to be left, or
 ENOUGH = 2.0  # s of them: else the log is one of holds and is used as it is
 

@@ -223,24 +223,35 @@ def test_what_is_unlikely_anyway_stays_the_nearest():
     assert confirmed(ended, told) == (ended, told)
 
 
-@pytest.mark.parametrize(("way", "same"), [(1e-4, ["coulomb_friction"]), (1e-2, [])])
-def test_dry_friction_is_told_beside_a_bristle_whose_way_no_log_shows(way, same):
+@pytest.mark.parametrize(
+    ("way", "left", "same", "rivals"),
+    [
+        (1e-4, 0.2, ["coulomb_friction"], []),
+        (1e-4, 0.1, ["coulomb_friction"], ["stribeck_friction"]),
+        (1e-2, 0.1, [], ["coulomb_friction"]),
+    ],
+)
+def test_dry_friction_is_told_beside_a_bristle_whose_way_no_log_shows(way, left, same, rivals):
+    """The one that flips at once is the same; what does clearly better than that is a rival."""
     library = all_effects()
-    candidates = [library["stribeck_friction"], library["coulomb_friction"], PreslidingFriction]
-    sizes = SimpleNamespace(unseen=1e-3, axis_unit="rad")
-    models = SimpleNamespace(train=SimpleNamespace(sizes=sizes))
-    search = SimpleNamespace(candidates=candidates, models=models)
-    fit = SimpleNamespace(changes={"presliding_friction.presliding": way, "cogging.order": 1e-9})
-    chosen = SimpleNamespace(effects=(library["cogging"], PreslidingFriction), fit=fit)
-    others = ["coulomb_friction", "stribeck_friction"]
+    stribeck, coulomb, cogging = (
+        library[n] for n in ("stribeck_friction", "coulomb_friction", "cogging")
+    )
+    made = machines.model([cogging, PreslidingFriction], 0.05)
+    made.fit.changes["presliding_friction.presliding"] = way
+    others = machines.model([cogging, coulomb], 0.2), machines.model([cogging, stribeck], left)
+    search = machines.ended(machines.model([], 1.0), machines.model([cogging], 0.9), *others, made)
+    search = search.search
+    search.candidates = [stribeck, coulomb, PreslidingFriction]
+    search.models.train = SimpleNamespace(sizes=SimpleNamespace(unseen=1e-3, axis_unit="rad"))
     weighed = {
         "cogging": Weighed(0.9, 0.9),
-        "presliding_friction": Weighed(0.8, 0.8, [], others),
+        "presliding_friction": Weighed(0.8, 0.8, [], ["coulomb_friction"]),
     }
-    told, said = with_instant(search, chosen, weighed)
+    told, said = with_instant(search, made, weighed)
     assert told["cogging"] == weighed["cogging"]
     assert told["presliding_friction"].equivalents == same
-    assert told["presliding_friction"].rivals == [n for n in others if n not in same]
+    assert told["presliding_friction"].rivals == rivals
     assert told["presliding_friction"].probability == 0.8
     assert bool(said) == bool(same)
     assert not same or ("0.0001 rad" in said and "0.001 rad" in said)
