@@ -219,12 +219,12 @@ def few():
     return residuals, begun(residuals["train"], NAMES[:2], {}, brief)
 
 
-@pytest.mark.parametrize("floor", [0.003, 0.02])
-def test_what_the_screening_promises_little_of_is_fitted_all_the_same(few, floor):
-    """The offset makes 4.6 % of the effort once it is fitted, of which the screening sees 0.6 %."""
+def test_what_the_screening_promises_little_of_is_fitted_all_the_same(few):
+    """The offset makes 4.6 % of the effort once it is fitted, of which the screening sees 0.6 %,
+    less than the 2 % that count."""
     (residuals, start), names, effects = few, NAMES[:2], find_effects(CANDIDATES)
     settings = replace(SETTINGS, finalists=3, intervals=False)
-    models = Simulated(residuals, names, settings, start, lambda found: Floor(floor, ""))
+    models = Simulated(residuals, names, settings, start, lambda found: Floor(0.02, ""))
     verdict = searched(models, effects, settings)[1]
     assert (verdict.kind, verdict.named) == ("named", ["current_offset"])
 
