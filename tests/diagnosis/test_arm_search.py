@@ -1,14 +1,17 @@
 """The search names the effect that made an arm's data, and nothing where nothing is missing."""
 
+import json
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from spirob.diagnosis.atlas import survey
 from spirob.diagnosis.criteria import Settings, floor_at, noise_floor
 from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.fitting import Begun, begun
+from spirob.diagnosis.schema import FORMAT, checked, unknown
 from spirob.diagnosis.simulated import ROLES, Simulated
 from spirob.diagnosis.verdict import SENSELESS, judge, searched, weigh
 from spirob.effects import find_effects
@@ -87,6 +90,23 @@ def test_the_missing_effect_is_named_and_the_error_falls(request, hidden, value,
     assert {c["name"] for c in told["candidates"]} == set(CANDIDATES)
     few = metrics(ended, verdict)
     assert (few["effect"], few["before"]) == (name, told["ladder"][0]["heldout"])
+
+
+def test_what_is_written_is_a_document(found_offset, monkeypatch):
+    """As the pipeline writes it, of a floor that was measured; before and after it was a file."""
+    ended, verdict = found_offset
+    models, base = ended.search.models, ended.found.rungs[0].fit.changes
+    train, floor = models.train, Floor(0.01, "measured.")
+    monkeypatch.setattr(models, "measure", lambda found: floor)
+    monkeypatch.setattr(models, "floor_of", lambda model: floor)
+    plain = train.unweighted()
+    where = survey(plain, base, plain(base)[plain.rows])
+    told = checked(document(ended, verdict, where, noise_floor(train)))
+    assert (told["format"], told["verdict"]) == (FORMAT, "named")
+    assert told["floor"] == {"share": 0.01, "reason": "measured."}
+    assert unknown(json.loads(json.dumps(told))) == ""
+    for part in ("floor", "depends", "vague", "effects", "atlas"):
+        assert unknown({**told, part: 1}).startswith(f"{part}: ")
 
 
 def test_whoever_doubts_gets_no_name_and_the_document_says_why(found_offset):
