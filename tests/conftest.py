@@ -29,6 +29,7 @@ COSTLY = (  # the costliest first; where one moves, the order is worth a little 
     "diagnosis/test_arm_search.py",
     "machine/test_what_logs_hold.py",
     "docs/test_docs.py",
+    "machine/forward/test_identity.py",  # where nothing is compiled yet
     "emulator/test_hidden.py",
     "campaign/test_cases.py",
     "machine/arm/test_preparation.py",
@@ -44,6 +45,8 @@ COSTLY = (  # the costliest first; where one moves, the order is worth a little 
     "pipeline/test_recorded.py",
     "machine/test_damaged_logs.py",
     "machine/composed/test_arm.py",
+    "machine/test_effort_by_itself.py",
+    "tests/test_ending.py",  # which waits more than it works, and would be the last
 )
 
 

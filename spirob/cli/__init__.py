@@ -2,7 +2,7 @@
 
 main.py        the entry: finds the subcommands, turns errors into sentences
 project.py     the folder of the pipeline's commands, and the choices in params.yaml
-reproduce.py   runs the pipeline;  progress.py  shows how far it is
+reproduce.py   runs the pipeline
 doc_tables.py  tables of the docs that are made from the program
 """
 

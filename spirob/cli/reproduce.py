@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from spirob.cli import BUG, DONE, MISTAKE, STOPPED
-from spirob.cli.progress import Progress
 from spirob.cli.project import (
     Kept,
     alone,
@@ -31,6 +30,7 @@ from spirob.cli.project import (
 )
 from spirob.errors import ConfigError
 from spirob.files import write_text
+from spirob.progress import Progress
 
 
 def add_choices(parser: argparse.ArgumentParser) -> None:

@@ -25,7 +25,7 @@ As a MuJoCo model:
 And its proof:
     exporting.py    writes the files, each whole or not at all, and proves them
     heldout.py      held-out logs of a rig, or trials of an arm, played in what was written
-    alone.py        runs a target's `play` where this project cannot be imported
+    targets/        runs a target's `play` where this project cannot be imported
 """
 
 import importlib

@@ -12,13 +12,13 @@ from typing import Any
 
 from spirob.errors import ExportError
 from spirob.export import targets
-from spirob.export.alone import played_alone
 from spirob.export.arm import CorrectedArm, corrected_arm
 from spirob.export.axis import equations
 from spirob.export.body import AXIS
 from spirob.export.code import c_name
 from spirob.export.corrected import Corrected, corrected, read_document
 from spirob.export.heldout import PLAYED, Errors, Heldout, played_arm, there
+from spirob.export.targets import played_alone
 from spirob.files import may_hold_results, write_text
 
 LOSS = 0.01  # of the effects' size, which an export may lose in silence

@@ -16,11 +16,11 @@ import numpy as np
 from spirob.control import CURRENT
 from spirob.effects import Effect
 from spirob.errors import ExportError
-from spirob.export.alone import played_alone
 from spirob.export.arm import CorrectedArm, lever_of, motor_of, reported_lever
 from spirob.export.axis import equations
 from spirob.export.code import c_name, python_text
 from spirob.export.corrected import Corrected, Held
+from spirob.export.targets import played_alone
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import rms
 from spirob.logs.trace import read_table

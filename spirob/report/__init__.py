@@ -9,23 +9,30 @@ say they stand there.
     sections/       the parts of the page, one file each, with a file in templates/
 What they share:
     words.py        numbers and fits as people read them
-    figures.py      figures as plotly describes them, and when each regime of the atlas holds
-    embed.py        data and plotly.js inside the page
+    figures.py      figures as plotly describes them, their signals, and when each regime holds
     arm.py          the arm's motion for the page;  clip.py  the same, rendered
+
+plotly.js names no other host here.  The library names map servers, a chart editor and its own home
+page.  The page draws nothing of the kind, so those addresses are made unusable; what is left are
+XML namespaces, which are names and never fetched.  They are written with escaped slashes, the same
+string to JavaScript, so that the finished page can be checked by searching it for '://'.
 """
 
+import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
+from plotly.offline import get_plotlyjs
 
 from spirob.files import write_text
 from spirob.report.data import ReportData, load, with_clip
-from spirob.report.embed import json_script, plotly_script
 from spirob.report.provenance import collect
 from spirob.report.sections import Section, discover
 from spirob.report.words import prose
@@ -46,6 +53,9 @@ SCRIPTS = (
     "bar.js",
     "start.js",
 )
+NAMESPACE = re.compile(r"(https?:)//(?=www\.w3\.org/)")
+ADDRESS = re.compile(r"https?://")
+OFFLINE = "offline:"
 
 
 def build(data: ReportData, out: Path | str) -> Path:
@@ -92,6 +102,19 @@ def _environment() -> Environment:
 
 def _asset(name: str) -> str:
     return resources.files("spirob.report").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def json_script(name: str, value: Any) -> Markup:
+    """`value` as a script element of type JSON with the id `name`."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    text = text.replace("</", "<\\/").replace("<!--", "<\\u0021--")
+    return Markup(f'<script type="application/json" id="{name}">{text}</script>')
+
+
+@cache
+def plotly_script() -> str:
+    """The library, to be inlined once."""
+    return ADDRESS.sub(OFFLINE, NAMESPACE.sub(r"\1\\/\\/", get_plotlyjs()))
 
 
 def build_rig_page(found: "Diagnosis") -> str:

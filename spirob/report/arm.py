@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from spirob.geometry import PUBLISHED, SpiralArm
-from spirob.report.embed import pack, stride
+from spirob.report.figures import pack, stride
 from spirob.unit_table import Geometry
 
 MOST_FRAMES = 900  # of one trial: half a minute at 30 frames a second

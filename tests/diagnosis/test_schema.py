@@ -8,18 +8,8 @@ import pytest
 
 import spirob
 from spirob.campaign.case import Case, drawn
-from spirob.diagnosis.atlas import survey
-from spirob.diagnosis.criteria import Settings, noise_floor
-from spirob.diagnosis.document import document as document_of_arm
-from spirob.diagnosis.fitting import begun
 from spirob.diagnosis.schema import FORMAT, LONGEST, Part, checked, unknown
-from spirob.diagnosis.simulated import ROLES, Simulated
-from spirob.diagnosis.verdict import searched
-from spirob.effects import find_effects
-from spirob.identify.builds import Floor
 from spirob.machine.diagnosis import failures_told
-from tests.identify.known import residual
-from tests.identify.known import spirob as plant
 
 
 @pytest.fixture(scope="module")
@@ -34,25 +24,6 @@ def test_a_rigs_document_is_one(document):
     assert document["format"] == FORMAT
     assert unknown(document) == ""
     assert checked(document) == document
-
-
-def test_an_arms_document_is_one():
-    """As the pipeline writes it, before and after it was a file."""
-    effects = find_effects(["current_offset"])
-    others = {"winch.efficiency": 0.72, "motor.rotor_damping": 7e-5, "arm.base_stiffness": 0.17}
-    true = {**others, "current_offset.offset": 0.06}
-    residuals = {role: residual(plant(effects), true, role) for role in ROLES}
-    names, settings = list(others), Settings(finalists=1, most=1, iterations=4, patience=6)
-    start = begun(residuals["train"], names, {}, settings)
-    models = Simulated(residuals, names, settings, start, lambda found: Floor(0.01, "measured."))
-    ended, verdict = searched(models, effects, settings)
-    plain, base = residuals["train"].unweighted(), ended.found.rungs[0].fit.changes
-    where = survey(plain, base, plain(base)[plain.rows])
-    written = checked(document_of_arm(ended, verdict, where, noise_floor(residuals["train"])))
-    assert (written["format"], written["verdict"]) == (FORMAT, "named")
-    assert unknown(json.loads(json.dumps(written))) == ""
-    for part in ("floor", "depends", "vague", "effects", "atlas"):
-        assert unknown({**written, part: 1}).startswith(f"{part}: ")
 
 
 def parts(of=Part):

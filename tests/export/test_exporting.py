@@ -11,9 +11,9 @@ import pytest
 from spirob.cli.main import main
 from spirob.errors import ExportError
 from spirob.export import exporting, listed, targets
-from spirob.export.alone import ALONE, alone
 from spirob.export.corrected import corrected, read_document
 from spirob.export.exporting import export
+from spirob.export.targets import ALONE, alone
 from tests.export.machines import exported_model
 
 OWN = '''

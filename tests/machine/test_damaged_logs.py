@@ -123,20 +123,21 @@ def _missed(seconds, heard, true):
     """
     sizes = true.std(axis=1)
 
-    def errors(begins: np.ndarray, every: int = 1) -> np.ndarray:
-        """Of each begin, (2, B), by every n-th row."""
-        times = seconds[::every] + np.reshape(begins, (-1, 1))
-        at = np.array([np.interp(times, FINE, values) for values in true])
-        apart = at - heard[:, None, ::every]
-        return np.sqrt(np.mean(apart**2, axis=2)) / sizes[:, None]
-
-    def off(begin: float) -> float:
-        return float(np.hypot(*errors(begin)[:, 0]))
+    def errors(begin: float) -> np.ndarray:
+        at = np.array([np.interp(seconds + begin, FINE, values) for values in true])
+        return np.sqrt(np.mean((at - heard) ** 2, axis=1)) / sizes
 
     tried = np.arange(-1.0 - seconds[0], LENGTH - seconds[-1] + 1.0, 0.02)
     few = max(1, len(seconds) // FEW)
-    near = tried[int(np.argmin(np.hypot(*errors(tried, few))))]
-    best = minimize_scalar(off, bounds=(near - 0.03, near + 0.03), method="bounded").x
+    # at the nearest time of FINE: what is tried lies much farther apart
+    rows = np.rint((seconds[::few] + tried[:, None] - FINE[0]) / (FINE[1] - FINE[0])).astype(int)
+    apart = true[:, np.minimum(rows, len(FINE) - 1)] - heard[:, None, ::few]
+    near = tried[int(np.argmin(np.mean((apart / sizes[:, None, None]) ** 2, axis=(0, 2))))]
+    best = minimize_scalar(
+        lambda begin: float(np.hypot(*errors(begin))),
+        bounds=(near - 0.03, near + 0.03),
+        method="bounded",
+    ).x
     return float(errors(best).max()), float(best)
 
 

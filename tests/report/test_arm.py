@@ -12,7 +12,7 @@ import pytest
 
 from spirob.report import render, with_clip
 from spirob.report.arm import NoClip, apart, film, payload
-from spirob.report.embed import unpack
+from spirob.report.figures import unpack
 
 
 def motion(hinges, angle, rate=30.0, trial="a"):

@@ -2,8 +2,7 @@
 
 import re
 
-from spirob.report import build, render
-from spirob.report.embed import json_script, plotly_script
+from spirob.report import build, json_script, plotly_script, render
 
 LARGEST = 8_000_000  # bytes
 

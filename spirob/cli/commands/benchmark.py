@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Measure one thing after the other."""
     from spirob.benchmark import MEASURES
     from spirob.benchmark.timing import TINY, Size
-    from spirob.cli.progress import Progress
+    from spirob.progress import Progress
 
     chosen = arguments.only or list(MEASURES)
     if unknown := [name for name in chosen if name not in MEASURES]:

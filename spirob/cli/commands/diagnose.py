@@ -37,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and write."""
-    from spirob.cli.progress import SearchProgress
     from spirob.machine.diagnosis import diagnose
+    from spirob.progress import SearchProgress
 
     out = Path(named(arguments.out))
     may_hold_results(out)

@@ -21,7 +21,7 @@ from spirob.files import write_text
 
 if TYPE_CHECKING:
     from spirob.campaign.running import Line
-    from spirob.cli.progress import Progress
+    from spirob.progress import Progress
 
 HELP = "how often the diagnosis names what was hidden"
 ORDER = 75
@@ -82,8 +82,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Play the cases and print the rates."""
     from spirob.campaign.arm.rates import rates
     from spirob.campaign.arm.running import cases, known, left, play
-    from spirob.cli.progress import Progress
     from spirob.emulator.build import require_build
+    from spirob.progress import Progress
 
     seeds = _seeds(arguments.seeds)
     if arguments.out and arguments.out.is_dir():
@@ -172,7 +172,7 @@ def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
     from spirob.campaign.case import Case, cases
     from spirob.campaign.running import Line, known, play
     from spirob.campaign.scoring import law_lines, laws, lines, rates
-    from spirob.cli.progress import Progress
+    from spirob.progress import Progress
 
     for name in ROBOTS_ONLY:
         if getattr(arguments, name):

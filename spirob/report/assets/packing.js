@@ -1,5 +1,5 @@
 "use strict";
-// The other half of embed.py: 16-bit or, coarse, 8-bit integers in base64 to numbers.
+// The other half of figures.py: 16-bit or, coarse, 8-bit integers in base64 to numbers.
 function readJson(id) {
   const element = document.getElementById(id);
   return element ? JSON.parse(element.textContent) : null;

@@ -12,8 +12,18 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
-from spirob.report.embed import pack, stride
-from spirob.report.figures import BASE, INK, MEASURED, NAMED, Plot, blank, driven, spans
+from spirob.report.figures import (
+    BASE,
+    INK,
+    MEASURED,
+    NAMED,
+    Plot,
+    blank,
+    driven,
+    pack,
+    spans,
+    stride,
+)
 from spirob.report.sections import Section
 from spirob.report.sections.switches import played, switchable
 from spirob.report.words import column, fixed, shown

@@ -6,8 +6,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from spirob.report.data import ReportData
-from spirob.report.embed import stride
-from spirob.report.figures import Plot
+from spirob.report.figures import Plot, stride
 from spirob.report.sections import Section, laws
 from spirob.report.sections.laws import Against, Law
 from spirob.report.words import EFFORT, number

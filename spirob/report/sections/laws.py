@@ -18,8 +18,7 @@ import plotly.graph_objects as go
 from spirob.effects import all_effects
 from spirob.effects.effect import Effect
 from spirob.report.data import ReportData
-from spirob.report.embed import stride
-from spirob.report.figures import INK, NAMED, NEUTRAL, Plot, blank, driven
+from spirob.report.figures import INK, NAMED, NEUTRAL, Plot, blank, driven, stride
 from spirob.report.sections import Section
 from spirob.report.sections.switches import names
 from spirob.report.words import column, is_number, percent

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spirob.report.embed import pack, stride, unpack
+from spirob.report.figures import pack, stride, unpack
 
 
 @given(st.lists(st.floats(-1e4, 1e4), min_size=1, max_size=50), st.booleans())

@@ -10,8 +10,7 @@ from contextlib import suppress
 import pytest
 
 from spirob.cli.commands import trial
-from spirob.cli.progress import Progress, SearchProgress, TimeLeft, clock
-from spirob.progress import Steps
+from spirob.progress import Progress, SearchProgress, Steps, TimeLeft, clock
 
 
 def test_elsewhere_one_plain_line_for_each_unit():
@@ -142,7 +141,7 @@ def test_elsewhere_plain_lines_and_quiet_none():
 def test_on_a_terminal_a_bar_with_the_time_left_at_most(monkeypatch):
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("spirob.cli.progress.time.monotonic", lambda: 60.0)
+    monkeypatch.setattr("spirob.progress.time.monotonic", lambda: 60.0)
     leader, follower = os.openpty()
     with open(follower, "w") as stream, SearchProgress(stream) as progress:
         progress._begun = 0.0
