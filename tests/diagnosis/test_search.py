@@ -175,7 +175,7 @@ def test_what_held_out_trials_deny_is_told_and_not_chosen():
 
 
 def test_where_held_out_trials_deny_the_best_the_next_is_asked():
-    """Two imitates what one does on the fitted trials alone; with it out of the way one is found."""
+    """Two does what is missing on the fitted trials alone; with it out of the way one is found."""
     imitation = A + 0.2 * B
     imitation[SAMPLES:] = -A[SAMPLES:]
     other = A + 0.6 * C
