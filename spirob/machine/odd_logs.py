@@ -13,14 +13,13 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
+from spirob.diagnosis.verdict import TWICE
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.recording import Recording
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 PAIR, FEWEST = 2, 3  # logs that may differ by a unit, and of which one can be told as the odd one
 ALIKE = 0.1  # by which a factor between two logs counts as none
 HALF = 0.5  # of the squared error that another unit takes: of any other log it takes nothing
-FAR = 20.0  # between a stroke and that of all other logs
 RESISTING = 3  # plain columns that only resist: inertia, viscous and dry friction
 UNITS_APART = tuple(f for u in (np.pi / 180, 2 * np.pi, 1e3) for f in (u, 1 / u))
 EFFORTS_APART = (1e3, 1e-3)  # amperes among milliamperes
@@ -41,14 +40,19 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
     logs, shared, rest = {}, level(problems), problems[0].rest_speed
     for name, part in parts.items():
         measured, own, speeds = np.concatenate(part, axis=1)
-        logs[name] = _fitting(measured, own, shared), _mended(measured, own), way_of(speeds, rest)
-    strange = {name: log for name, log in logs.items() if log[0] < STRANGE}
-    if not strange or max(share for share, _, _ in logs.values()) < FAMILIAR:
+        share, missed = _fitting(measured, own, shared), float(np.mean((own - measured) ** 2))
+        logs[name] = share, missed, _mended(measured, own), way_of(speeds, rest)
+    if max(log[0] for log in logs.values()) < FAMILIAR:
+        return ""
+    usual = float(np.mean([missed for share, missed, *_ in logs.values() if share >= STRANGE]))
+    far = TWICE**2 * usual  # one at nearly one effort is missed by more than that varies
+    strange = {name: log for name, log in logs.items() if log[0] < STRANGE and log[1] > far}
+    if not strange:
         return ""
     said = [f"{', '.join(strange)}: what fits the other logs does not fit this at all."]
-    said += [f"{name}: {text}." for name, (_, text, _) in strange.items() if text]
-    others = {way for name, (_, _, way) in logs.items() if name not in strange}
-    if {way for _, _, way in strange.values()} == {-way for way in others} != {0}:
+    said += [f"{name}: {text}." for name, (_, _, text, _) in strange.items() if text]
+    others = {way for name, (*_, way) in logs.items() if name not in strange}
+    if {way for *_, way in strange.values()} == {-way for way in others} != {0}:
         said.append("It moves a way that no other log does: what these say of friction ends there.")
     return " ".join(said)
 
@@ -99,7 +103,7 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
     if odd is None or (said := odd.of_another_unit()):
         return "" if odd is None else said
     mended = _mended(odd.measured, odd.design(1.0) @ odd.found)
-    strange = odd.share < STRANGE or (odd.share < FAMILIAR and mended)
+    strange = (odd.share < STRANGE and odd.far) or (odd.share < FAMILIAR and mended)
     left = poorest(problems, residuals) < FAMILIAR
     return odd.said(mended) if strange and left and odd.logs > PAIR else ""
 
@@ -133,6 +137,7 @@ class _Odd:
 
     found   numbers of the plain columns fitted to the others;  logs  how many there are
     shared  mean of all efforts;  together  share of the poorest log by one set of numbers for all
+    far     whether these numbers miss it by more than twice what they miss the others by
     """
 
     name: str
@@ -142,6 +147,7 @@ class _Odd:
     logs: int
     shared: float
     together: float
+    far: bool
 
     @property
     def share(self) -> float:
@@ -177,7 +183,10 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     found, poorest_other = fits[name]
     if poorest_other < FAMILIAR:
         return None
-    return _Odd(name, *logs[name], found, len(logs), level(problems), _fitted([*logs.values()])[1])
+    missed = {n: np.mean((effort - of(1.0) @ found) ** 2) for n, (effort, of) in logs.items()}
+    far = bool(missed.pop(name) > TWICE**2 * np.mean([*missed.values()]))
+    together = _fitted([*logs.values()])[1]
+    return _Odd(name, *logs[name], found, len(logs), level(problems), together, far)
 
 
 def _parts(problem: InverseProblem) -> list[tuple[str, slice]]:
@@ -334,17 +343,3 @@ def beside_plain(
     found = scipy.optimize.lsq_linear(design / size, effort, (low, high)).x
     left = float(np.mean((effort - design / size @ found) ** 2))
     return (found / size)[:count], left
-
-
-def far_movers(recordings: Sequence[Recording]) -> list[str]:
-    """Logs in which the axis moves many times as far as in all others."""
-    strokes = {r.name: max(float(np.ptp(p.q[p.use])) for p in r.pieces) for r in recordings}
-    said = []
-    for name, stroke in strokes.items() if len(strokes) >= FEWEST else ():
-        most = max(other for rest, other in strokes.items() if rest != name)
-        if stroke > FAR * most > 0.0:
-            said.append(
-                f"{name}: the axis moves {stroke / most:.3g} times as far as in any other log: is "
-                "the unit of its position another?"
-            )
-    return said

@@ -7,6 +7,8 @@ A sensor at the motor and one at the load, behind an elastic gear or one with pl
 motions.  What is left of the model chosen for the one may be what the laws of the other take.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
 
@@ -20,9 +22,9 @@ from spirob.machine.leftovers import RigCeiling, drifting
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (
     FAMILIAR,
+    FEWEST,
     RESISTING,
     explained,
-    far_movers,
     level,
     odd_one_out,
     one_way,
@@ -30,10 +32,11 @@ from spirob.machine.odd_logs import (
     strangers,
     ways_apart,
 )
+from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 from spirob.machine.wrong_numbers import out_of_scale, set_free, without_sign
 
-FAR = 20.0  # between a number and its nominal one
+FAR = 20.0  # between a number and its nominal one, a stroke and that of all other logs
 SENSE = 0.3  # R² below which the effort does not follow from this motion
 HALF = 0.5  # of the squared error: mending the sign takes more than that
 WEAK = 1e4  # ratio of directions beyond which the numbers cannot be told apart
@@ -87,7 +90,7 @@ def oddities(
     said += [*_of_another_size(search, chosen), *_by_noise(search, chosen)]
     said += one_way(search.models.train, search.models.heldout)
     said += drifting(search.models.train, search.models.heldout, chosen, search.worth.least)
-    said += far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
+    said += _far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
     signals = search.models.train.signals()
     stroke, speed = float(np.ptp(signals["position"])), float(np.max(np.abs(signals["speed"])))
     if search.models.train.sizes.axis_unit == "m" and stroke > LONG:
@@ -110,6 +113,20 @@ def aligned(delay: Estimate, period: float) -> str:
         return f"The effort {way} the motion by {size} in the logs; aligned."
     ends = " to ".join(f"{x:.3g}" for x in sorted((sign * delay.low, sign * delay.high)))
     return f"The effort {way} the motion by {size} ({ends}) in the logs; aligned.{UNUSUAL}"
+
+
+def _far_movers(recordings: Sequence[Recording]) -> list[str]:
+    """Logs in which the axis moves many times as far as in all others."""
+    strokes = {r.name: max(float(np.ptp(p.q[p.use])) for p in r.pieces) for r in recordings}
+    said = []
+    for name, stroke in strokes.items() if len(strokes) >= FEWEST else ():
+        most = max(other for rest, other in strokes.items() if rest != name)
+        if stroke > FAR * most > 0.0:
+            said.append(
+                f"{name}: the axis moves {stroke / most:.3g} times as far as in any other log: is "
+                "the unit of its position another?"
+            )
+    return said
 
 
 def _without_zeros(chosen: Model) -> list[str]:

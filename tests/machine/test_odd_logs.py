@@ -293,3 +293,19 @@ def test_two_logs_of_steady_speeds_against_dry_friction_are_of_one_unit():
     logs = [prepare(f"log{k}", starting(v), rig) for k, v in enumerate((21.0, 5.2))]
     made = InverseProblem(rig, None, logs, [], SIZES, 0.2)
     assert odd_one_out([made], [-0.1 * made.measured()]) == ""
+
+
+@pytest.mark.parametrize(("speed", "strange"), [(0.2, ""), (1.0, "log2")])
+def test_a_log_at_nearly_one_effort_is_strange_only_where_it_is_missed_by_more(speed, strange):
+    """Of the others a model misses as much, which is little beside what they vary by."""
+    rig, t = RigFile.model_validate(description()), np.arange(0, 6, 2e-3)
+    logs, disturbed = [], 0.2 * np.sin(20.0 * t)
+    for k in range(3):
+        v = (1.0 if k < 2 else speed) * np.cos((4.0 + k) * t)
+        effort = v + disturbed if k < 2 else 0.05 * np.cos(11.0 * t)
+        logs.append(prepare(f"log{k}", {"t": t, "q": np.cumsum(v) * 2e-3, "u": effort}, rig))
+    made = InverseProblem(rig, None, logs, [], SIZES, 0.02)
+    said = strangers([made], [made({"rig.inertia": 0.0, "rig.viscous": 1.0})])
+    assert said.partition(":")[0] == strange
+    said = odd_one_out([made], [-0.9 * made.measured()])
+    assert said.partition(":")[0] == strange
