@@ -34,7 +34,7 @@ from spirob.machine.odd_logs import (
 )
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
-from spirob.machine.wrong_numbers import out_of_scale, set_free, without_sign
+from spirob.machine.wrong_numbers import found_of, out_of_scale, set_free, without_sign
 
 FAR = 20.0  # between a number and its nominal one, a stroke and that of all other logs
 SENSE = 0.3  # R² below which the effort does not follow from this motion
@@ -210,7 +210,7 @@ def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
 def _turned(search: RigSearch, chosen: Model) -> str:
     """Whether inertia and friction, which only resist, fit with the other sign alone.
 
-    Not where as much of the effort as it is logged follows from what was found.
+    Not where as much of the effort as it is logged follows from what was found, held out as well.
     """
     effort, columns = search.models.train.measured(), plain_columns(search.models.train)
     design = np.column_stack(columns)
@@ -222,8 +222,7 @@ def _turned(search: RigSearch, chosen: Model) -> str:
         found = scipy.optimize.lsq_linear(design / size, sign * effort, bounds)
         shares.append(explained(sign * effort, design / size @ found.x))
     as_logged, turned = shares
-    found = 1.0 - chosen.mean_square / max(float(np.var(effort)), 1e-300)
-    as_logged = max(as_logged, found)
+    as_logged = max(as_logged, found_of(search, chosen))
     if turned < FAMILIAR or 1.0 - turned > HALF * (1.0 - as_logged):
         return ""
     return (

@@ -25,6 +25,8 @@ from spirob.machine.odd_logs import (
     RARE,
     RESISTING,
     beside_plain,
+    explained,
+    level,
     plain_columns,
 )
 from spirob.machine.preparation import Ready
@@ -177,10 +179,20 @@ def out_of_scale(search: RigSearch, chosen: Model) -> str:
     best = max([whole, *bodies], key=lambda tried: tried.share)
     if 1.0 - best.share > HALF * (1.0 - whole.share):
         best = whole
-    found = 1.0 - chosen.mean_square / max(float(np.var(measured)), 1e-300)
-    enough = 1.0 - best.share <= HALF * (1.0 - max(as_described, found))
+    enough = 1.0 - best.share <= HALF * (1.0 - max(as_described, found_of(search, chosen)))
     far = best.factor > 0.0 and not 1.0 / TENFOLD < best.factor < TENFOLD
     return best.said(as_described) if far and enough and best.share >= FAMILIAR else ""
+
+
+def found_of(search: RigSearch, chosen: Model) -> float:
+    """Share of the effort's variance that what was found explains, of held-out logs as well.
+
+    These count about the level of all: a log at nearly one effort has no variance of its own.
+    """
+    train, heldout = search.models.train, search.models.heldout
+    held, spread = heldout.measured(), max(float(np.var(train.measured())), 1e-300)
+    confirmed = explained(held, held + chosen.heldout, level((train, heldout)))
+    return min(1.0 - chosen.mean_square / spread, confirmed)
 
 
 def _tried(
@@ -235,7 +247,8 @@ def without_sign(search: RigSearch, chosen: Model) -> str:
     logged, signed = (beside_plain(e, plain, RESISTING, none)[1] for e in (effort, directed))
     size = float(np.mean(effort**2))
     fits = signed <= (1.0 - FAMILIAR) * size and signed <= HALF * logged
-    if not fits or chosen.mean_square < HALF * signed:
+    left = (1.0 - found_of(search, chosen)) * float(np.var(effort))
+    if not fits or left < HALF * signed:
         return ""
     return (
         "The effort has one sign while the axis moves both ways. With the sign of the speed "

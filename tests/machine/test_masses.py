@@ -71,7 +71,7 @@ def test_a_mass_that_is_ten_times_off_is_told_with_both_figures(told, said, tmp_
     assert float(factor) == pytest.approx(float(number), rel=0.01)
     assert "100% of the" in found
     assert "as described" in found
-    fits = replace(model, left=1e-6 * model.left)
+    fits = replace(model, left=1e-6 * model.left, heldout=1e-6 * model.heldout)
     assert out_of_scale(search, fits) == ""  # a law that fits as well
 
 

@@ -144,8 +144,9 @@ def test_an_effort_without_its_sign_is_told_only_where_that_of_the_speed_makes_i
 def test_no_sign_is_missed_where_the_axis_moves_one_way_or_what_was_found_fits():
     search = search_of(lambda *motion: np.abs(dragged(*motion)))
     bare = search.models.fitted((), {})
-    little = replace(bare, left=np.full_like(bare.left, 1e-6))
-    assert without_sign(search, little) == ""
+    little = np.full_like(bare.left, 1e-6)
+    assert without_sign(search, replace(bare, left=little))  # which no held-out log confirms
+    assert without_sign(search, replace(bare, left=little, heldout=little)) == ""
     onward = search_of(lambda q, v, a: dragged(q, v + 6.0, a), onward=6.0)
     assert without_sign(onward, onward.models.fitted((), {})) == ""
 
@@ -176,7 +177,14 @@ def test_no_sign_is_blamed_where_what_was_found_explains_the_effort_as_logged():
     bare = search.models.fitted((), {})
     assert _turned(search, bare)
     little = np.full_like(bare.left, 1e-6)
-    assert _turned(search, replace(bare, left=little)) == ""
+    assert _turned(search, replace(bare, left=little, heldout=little)) == ""
+
+
+def test_what_held_out_logs_deny_shields_no_wrong_sign():
+    search = search_of(lambda q, v, a: -0.05 * v - 0.1 * np.tanh(v / 0.02))
+    bare = search.models.fitted((), {})
+    fits = replace(bare, left=np.full_like(bare.left, 1e-6))
+    assert "factor -1" in _turned(search, fits)
 
 
 @pytest.mark.parametrize(
