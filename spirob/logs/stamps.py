@@ -170,6 +170,7 @@ FASTER = 0.5  # of the time that they take in all: else samples are lost between
 STAMPS_BESIDE = 31  # stamps by which a period is told, and whether a line fits
 FIT_ROUNDS = 4  # of a fit to the middle of the stamps, from which a few may be far
 CLOSEST = 0.1  # of a period: rows follow one another by at least that
+HALF = 0.5  # of a period, by which they do where their stamps are as far apart
 
 
 @dataclass(frozen=True)
@@ -237,7 +238,9 @@ def _straightened(stamps: np.ndarray, first: np.ndarray, at: np.ndarray) -> Even
         # the first row of a block need not begin its stamp
         known = slice(left + 1 if right - left > 3 else left, right)
         even[rows] = _lines(begun[known], told[known], period, at[rows])
-    least = CLOSEST * period * np.arange(len(stamps))
+    # where lines meet, rows are as far apart as their stamps, up to half a period, not closer
+    apart = np.clip(np.diff(given), CLOSEST * period, HALF * period)
+    least = np.concatenate([[0.0], np.cumsum(apart)])
     even = np.maximum.accumulate(even - least) + least
     return EvenClock(float(np.median(np.diff(even))), float(np.median(np.diff(first))), given, even)
 

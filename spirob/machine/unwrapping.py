@@ -54,8 +54,11 @@ class Track:
         return np.diff(self.seconds)
 
     def rates(self) -> np.ndarray:
-        """Change of the value over a period, (n - 1,); across gaps that of the rows beside."""
-        found = np.diff(self.values) * self.period / self.apart
+        """Change of the value over a period, (n - 1,); across gaps that of the rows beside.
+
+        Of rows closer than a period it is their way: a jump between them is no larger for that.
+        """
+        found = np.diff(self.values) * self.period / np.maximum(self.apart, self.period)
         index, far = np.arange(len(found)), self.apart > self.longest
         return np.where(far, np.interp(index, index[~far], found[~far]), found)
 

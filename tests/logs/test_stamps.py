@@ -171,3 +171,13 @@ def test_a_gap_in_a_coarse_clock_stays(rate, rows, gap):
         return
     tick = rows / rate
     assert off(tick * np.floor(true / tick + 1e-9), true, 1 / rate) < 1.0 * rows
+
+
+def test_where_two_lines_meet_rows_stay_as_far_apart_as_their_stamps_up_to_half_a_period():
+    late = 0.3 * np.random.default_rng(0).random(1000)
+    late[:500] += 2.0  # on a line that ends behind where the next one begins
+    late[499:504] = 2.0, 1.7, 1.2, 0.7, 0.2
+    found = even_clock(1e-2 * (np.arange(1000) + late))
+    assert found.even is not None
+    steps = np.diff(found.even)[490:510] / found.period
+    assert steps.min() == pytest.approx(0.5, abs=0.01)

@@ -232,3 +232,15 @@ def test_a_few_counts_to_and_fro_are_no_modulus(seed):
     assert modulus_of(track) is None
     turns = np.floor(np.mod(0.011 * np.arange(3000), 1.0) * 40.0)
     assert modulus_of(replace(track, values=turns)) == pytest.approx(40.0, rel=0.05)
+
+
+def test_two_rows_that_the_clock_has_close_are_no_jump():
+    """A way as long as those beside, over a tenth of their time, is ten times their speed."""
+    seconds = 0.01 * np.arange(1000.0)
+    values = np.sin(2.0 * seconds)
+    seconds[500:] -= 0.009
+    said: list[str] = []
+    assert not len(repaired("log", "q", Track(values, seconds, 0.01, 0.055), said).jumps)
+    assert said == []
+    values[500:] += 0.3
+    assert list(repaired("log", "q", Track(values, seconds, 0.01, 0.055), said).jumps) == [500]
