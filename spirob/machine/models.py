@@ -34,7 +34,7 @@ from spirob.machine.leftovers import (
     unexplained,
 )
 from spirob.machine.screening import Screening, room
-from spirob.machine.shapes import repeated_waves, same_wave, seldom_seen
+from spirob.machine.shapes import repeated_waves, same_wave, seldom_seen, turned_round
 
 BENT = 0.1  # of the residual: by so much it may differ from what its slopes told of a step
 WORST = 1e6  # of the largest residual: by how much more a fold is missed says nothing
@@ -180,9 +180,9 @@ class Models(Predictor):
         return all(offer.new <= ABSORBED for offer in self.offers(model, [effect]))
 
     def plain(self, model: Model) -> bool:
-        """Whether a model is no wave twice or seldom seen, and no delay in other words."""
+        """Whether no wave is there twice, seldom seen or a share beyond 1, and no delay is one."""
         sizes, period = self.train.sizes, max(r.period for r in self.train.recordings)
-        waves = same_wave(model, sizes) or seldom_seen(model)
+        waves = same_wave(model, sizes) or seldom_seen(model) or turned_round(model)
         return not waves and not only_aligns(model, self.train.rig, period)
 
     def complete(self, model: Model) -> bool:

@@ -235,3 +235,20 @@ def seldom_seen(model: Model) -> bool:
         if slowest and not reads_a_disc(effect):
             return True
     return False
+
+
+def turned_round(model: Model) -> bool:
+    """Whether waves that are shares of what they ripple together reach 1, or end at their bounds.
+
+    An ampere whose torque turns round with the angle is no motor: other loads look so.
+    """
+    told = model.fit.estimates
+    for effect in model.effects:
+        about, whole = effect.parameters(), 0.0
+        for amplitudes, _ in waves(effect):  # type: ignore[arg-type] # a class is hashable
+            shares = [f"{effect.name()}.{f}" for f in amplitudes if about[f].unit == "1"]
+            found = [told[name] for name in shares if name in told]
+            whole += float(np.linalg.norm([one.value for one in found]))
+            if whole >= 1.0 or any(one.at_bound for one in found):
+                return True
+    return False

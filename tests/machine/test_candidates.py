@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from spirob.effects import all_effects
@@ -11,7 +12,7 @@ from spirob.identify.intervals import Estimate
 from spirob.machine.laws import for_axis, related
 from spirob.machine.preparation import with_room
 from spirob.machine.scaling import Sizes, parameters
-from spirob.machine.shapes import repeated_waves, seldom_seen
+from spirob.machine.shapes import repeated_waves, seldom_seen, turned_round
 
 
 def sizes(stroke, gear=1.0):
@@ -119,3 +120,24 @@ def test_how_much_a_motor_warms_is_bounded_by_the_length_of_its_trials(seconds, 
     assert heating.low == 0.0 < heating.nominal < heating.high
     assert time.low <= 0.1 * seconds
     assert time.low <= time.nominal <= time.high
+
+
+@pytest.mark.parametrize(
+    ("shares", "at_bound", "turned"),
+    [
+        ((0.03, 0.0, 0.02, 0.01), False, False),
+        ((0.5, 0.0, 0.0, -0.4), False, False),
+        ((0.5, 0.0, 0.0, -0.6), False, True),
+        ((0.0, 0.0, -0.995, 0.0), True, True),
+    ],
+)
+def test_a_ripple_that_turns_the_torque_round_is_none(shares, at_bound, turned):
+    ripple, cogging = all_effects()["torque_ripple"], all_effects()["cogging"]
+    told = {
+        f"{effect.name()}.{f}": Estimate(value, value - 0.1, value + 0.1, "1", at_bound)
+        for effect, size in ((ripple, 1.0), (cogging, 3.0))
+        for f, value in zip(effect.neutral, np.multiply(size, shares), strict=False)
+    }
+    fit = SimpleNamespace(estimates=told)
+    assert turned_round(SimpleNamespace(effects=(ripple,), fit=fit)) is turned
+    assert not turned_round(SimpleNamespace(effects=(cogging,), fit=fit))
