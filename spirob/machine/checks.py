@@ -49,7 +49,8 @@ def enough(where: str, used: float, lost: str = "") -> None:
     """
     if used < SHORTEST:
         why = f" ({lost})" if lost else ""
-        raise NothingLeft(f"{where}: only {used:.2g} s are left after the row filters{why}")
+        left = f"only {used:.3g} s are left after the row filters, {SHORTEST:g} s are needed"
+        raise NothingLeft(f"{where}: {left}{why}")
 
 
 def not_constant(where: str, name: str, values: np.ndarray) -> None:

@@ -15,6 +15,7 @@ from numba import njit
 
 from spirob.errors import DataError
 from spirob.machine.checks import EDGE, beside_gaps
+from spirob.machine.clock import SHORTEST
 
 BELOW = 0.5  # of the cutoff: edge of the last filter, where the first one passes 99.6 %
 PAD = 2.0  # periods of the cutoff by which a signal is continued beyond its ends
@@ -232,12 +233,12 @@ def least_cutoff(effort: np.ndarray, period: float) -> float:
 
 
 def roomy_cutoff(cutoff: float, least: float, filled: Sequence[np.ndarray], period: float) -> float:
-    """The cutoff [Hz], or the next one to it that leaves most rows of a log to be compared.
+    """The cutoff [Hz], or the next one to it that leaves enough rows, and most of a log's.
 
     A filter smears what is beside the ends of pieces and beside rows that the log does not hold:
-    where it is set low for the noise, little may be left, which tells less than noise does.  Where
-    no cutoff above leaves most, as gaps come again and again, one below may, beside which they are
-    short, down to the `least`.
+    where it is set low for the noise, little may be left, which tells less than noise does: most
+    of a short log's rows are less than a trial lasts.  Where no cutoff above leaves most, as gaps
+    come again and again, one below may, beside which they are short, down to the `least`.
 
     filled  rows of each piece that the log does not hold
     """
@@ -245,10 +246,11 @@ def roomy_cutoff(cutoff: float, least: float, filled: Sequence[np.ndarray], peri
     highest = max(cutoff, min(FASTEST, 1.0 / (LEAST * period)))
     above = np.geomspace(cutoff, highest, STEPS)
     below = np.geomspace(cutoff, min(cutoff, least), STEPS)
-    for other in map(float, (*above, *below)):
-        if sum(_clear(piece, other * period) for piece in filled) > 0.5 * rows:
-            return other
-    return cutoff
+    tried = [float(other) for other in (*above, *below)]
+    left = [sum(_clear(piece, other * period) for piece in filled) for other in tried]
+    enough = min(SHORTEST / period, max(left))
+    fit = (c for c, n in zip(tried, left, strict=True) if n > 0.5 * rows and n >= enough)
+    return next(fit, cutoff)
 
 
 def _clear(filled: np.ndarray, cutoff: float) -> int:

@@ -349,7 +349,8 @@ def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
     span = max(float(np.ptp(p.q)) for p in made.pieces)
     moves = [p for p in made.pieces if rig.rows.standstill == "keep" or not stands(p.q, span)]
     used = sum(int(p.use.sum()) for p in moves) * made.period
-    checks.enough(made.name, used, "; ".join(shares))
+    ends = f"of {rows * made.period:.3g} s a filter of {made.cutoff:.3g} Hz smears both ends"
+    checks.enough(made.name, used, "; ".join([ends, *shares]))
     kept = made.worth(moves)
     compared = sum(int(p.use[:: made.every].sum()) for p in kept)
     if compared < FEWEST:

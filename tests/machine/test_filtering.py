@@ -6,6 +6,7 @@ from scipy import signal
 
 from spirob.errors import ConfigError, DataError
 from spirob.machine.checks import EDGE, beside_gaps
+from spirob.machine.clock import SHORTEST
 from spirob.machine.filtering import (
     BELOW,
     PAD,
@@ -157,6 +158,26 @@ def test_rows_beside_a_short_gap_are_kept_and_beside_a_long_one_left_out():
 def test_a_log_that_no_cutoff_leaves_room_is_filtered_as_usual():
     assert roomy_cutoff(0.5, 0.1, [np.ones(400, bool)], 0.01) == 0.5
     assert roomy_cutoff(60.0, 60.0, [np.ones(400, bool)], 0.01) == 60.0
+
+
+@pytest.mark.parametrize("slow", [5.0, 25.0])
+def test_a_short_log_is_filtered_so_that_a_trial_is_left(slow):
+    """Most of its rows would be left by a lower cutoff, but less than half a second."""
+    filled = [np.zeros(330, bool)]
+    found = roomy_cutoff(slow, 0.1, filled, 0.002)
+    ends = 2 * round(EDGE / (found * 0.002))
+    assert found > slow
+    assert (330 - ends) * 0.002 >= SHORTEST
+    assert roomy_cutoff(slow, 0.1, [np.zeros(3300, bool)], 0.002) == slow
+
+
+def test_a_short_log_that_a_given_cutoff_leaves_too_little_of_is_told_both():
+    t = np.arange(0, 0.66, 2e-3)
+    log = {"t": t, "q": np.sin(20 * t), "u": np.cos(20 * t)}
+    rig = RigFile.model_validate(description(filter={"cutoff": 20.0}))
+    told = r"only 0\.412 s are left .*, 0\.5 s are needed \(of 0\.66 s a filter of 20 Hz smears"
+    with pytest.raises(DataError, match=told):
+        prepare("log", log, rig)
 
 
 @pytest.mark.parametrize("asked", [200, 10**9])
