@@ -213,15 +213,20 @@ def with_instant(
         if not (is_dry(effect) and found and max(found) < unseen) or name not in weighed:
             continue
         one, unit = weighed[name], search.models.train.sizes.axis_unit
-        better = _better_dry(search, chosen, effect, instant[0])
-        same, rivals = {*one.equivalents, other}, {*one.rivals, *better} - {other}
-        told[name] = replace(one, equivalents=sorted(same - rivals), rivals=sorted(rivals))
+        better = {*one.rivals, *_better_dry(search, chosen, effect, instant[0])}
+        told[name] = _with_same(replace(one, rivals=sorted(better)), other)
         said = (
             f"{effect.title} would turn round within {max(found):.2g} {unit} of a reversal. The "
             f"axis goes {unseen:.2g} {unit} before the filter answers: these logs cannot tell it "
             f"from {plain(other)}."
         )
     return told, said
+
+
+def _with_same(one: Weighed, name: str) -> Weighed:
+    """The weighed, where another says the same."""
+    rivals = [n for n in one.rivals if n != name]
+    return replace(one, equivalents=sorted({*one.equivalents, name}), rivals=rivals)
 
 
 def _better_dry(
@@ -239,23 +244,23 @@ def _better_dry(
 def with_dry(
     search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
 ) -> dict[str, Weighed]:
-    """The weighed, dry friction beside a constant of logs of one way, where it does about as well.
+    """The weighed, dry friction and a constant of logs of one way beside each other.
 
-    It has a number more, which tells how it turns round: what such logs hold of that is no motion.
+    Where the other does about as well in its place.  Dry friction has a number more, which tells
+    how it turns round: what such logs hold of that is no motion.
     """
-    told, train = dict(weighed), search.models.train
+    told, models = dict(weighed), search.models
+    if not one_way(models.train, models.heldout):
+        return told
     dry = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
-    constants = [e for e in chosen.effects if e.name() in CONSTANT and e.name() in weighed]
-    for constant in constants if dry and one_way(train, search.models.heldout) else ():
-        rest = tuple(e for e in chosen.effects if e is not constant)
-        if search.models.related(dry[0], rest):
-            continue
-        other = search.models.fitted((*rest, *dry), chosen.fit.changes)
-        if not is_worse(search, other, chosen):
-            one, name = weighed[constant.name()], dry[0].name()
-            rivals = [n for n in one.rivals if n != name]
-            same = sorted({*one.equivalents, name})
-            told[constant.name()] = replace(one, equivalents=same, rivals=rivals)
+    constants = [e for e in search.candidates if e.name() in CONSTANT]
+    for effect in (e for e in chosen.effects if e.name() in weighed):
+        name, rest = effect.name(), tuple(e for e in chosen.effects if e is not effect)
+        for other in dry if name in CONSTANT else constants if is_dry(effect) else ():
+            if other in rest or models.related(other, rest):
+                continue
+            if not is_worse(search, models.fitted((*rest, other), chosen.fit.changes), chosen):
+                told[name] = _with_same(told[name], other.name())
     return told
 
 

@@ -274,3 +274,21 @@ def test_dry_friction_is_told_beside_a_constant_of_logs_of_one_way(
     one = with_dry(ended.search, ended.found.chosen, weighed)["constant_force"]
     same = ["coulomb_friction", "current_offset"] if told else ["current_offset"]
     assert (one.equivalents, bool(one.rivals)) == (same, not told)
+
+
+@pytest.mark.parametrize(
+    ("one_way", "left", "told"),
+    [([""], 0.1, True), ([], 0.1, False), ([""], 0.2, False)],
+)
+def test_a_constant_is_told_beside_dry_friction_of_logs_of_one_way(
+    one_way, left, told, monkeypatch
+):
+    monkeypatch.setattr(judging, "one_way", lambda train, heldout: one_way)
+    constant, dry = all_effects()["constant_force"], all_effects()["coulomb_friction"]
+    sets = machines.model([], 1.0), machines.model([constant], left), machines.model([dry], 0.1)
+    ended = machines.ended(*sets)
+    ended.search.candidates = [constant, all_effects()["stribeck_friction"], dry]
+    weighed = {"coulomb_friction": Weighed(0.8, 0.8, [], ["stribeck_friction"])}
+    one = with_dry(ended.search, ended.found.chosen, weighed)["coulomb_friction"]
+    assert one.equivalents == (["constant_force"] if told else [])
+    assert one.rivals == ["stribeck_friction"]
