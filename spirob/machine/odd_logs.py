@@ -294,14 +294,15 @@ def level(problems: Sequence[InverseProblem]) -> float:
 
 
 def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
-    """What makes a log fit the model of the others, with the share that is explained then."""
+    """What takes most of what the others' model misses of a log; the share explained with it."""
+    most = min(1.0 - FAMILIAR, HALF * (1.0 - explained(measured, modelled)))
     turned = explained(-measured, modelled)
     if turned > FAMILIAR:
         return f"with its effort's sign turned {turned:.0%} of the variance is explained"
     design = np.column_stack([modelled, np.ones_like(modelled)])
     (factor, offset), *_ = np.linalg.lstsq(design, measured, rcond=None)
     share = explained(measured, design @ (factor, offset))
-    if share < FAMILIAR or factor <= 0.0:
+    if 1.0 - share > most or factor <= 0.0:
         return ""
     if abs(factor - 1.0) < ALIKE:
         return f"with an offset of {offset:.3g} {share:.0%} of the variance is explained"

@@ -78,25 +78,30 @@ def oddities(
 ) -> list[str]:
     """What a reader should know, though it changes no name: alignment, doubtful scales, bounds.
 
+    Numbers of a model that leaves most of the effort say nothing.
+
     fits  whether data and model fit together: else nothing is aligned that could be told
     """
-    said = []
+    said, tells = [], found_of(search, chosen) >= SENSE
     delay, period = chosen.fit.estimates.get(DELAY), search.models.train.recordings[0].period
-    if fits and delay is not None and abs(delay.value) > SEEN * period:
+    if fits and tells and delay is not None and abs(delay.value) > SEEN * period:
         said.append(aligned(delay, period))
     if gate.condition > WEAK:
         said.append(f"Some fitted numbers cannot be told apart by these logs: {gate.sentence}")
-    said += [*set_free(search, chosen, rig), *_without_zeros(chosen), *_heavy(search, chosen)]
-    said += [*_of_another_size(search, chosen), *_by_noise(search, chosen)]
+    said += _without_zeros(chosen)
+    if tells:
+        said += [*set_free(search, chosen, rig), *_heavy(search, chosen)]
+        said += [*_of_another_size(search, chosen), *_by_noise(search, chosen)]
+        said += drifting(search.models.train, search.models.heldout, chosen, search.worth.least)
     said += one_way(search.models.train, search.models.heldout)
-    said += drifting(search.models.train, search.models.heldout, chosen, search.worth.least)
     said += _far_movers((*search.models.train.recordings, *search.models.heldout.recordings))
     signals = search.models.train.signals()
     stroke, speed = float(np.ptp(signals["position"])), float(np.max(np.abs(signals["speed"])))
-    if search.models.train.sizes.axis_unit == "m" and stroke > LONG:
+    if rig.position is not None and search.models.train.sizes.axis_unit == "m" and stroke > LONG:
         said.append(f"The axis travels {stroke:.3g} m: is the position's unit right?")
     if search.models.train.sizes.axis_unit == "rad" and speed > FAST:
-        said.append(f"The axis turns at {speed:.3g} rad/s: is the position's unit right?")
+        signal = "velocity" if rig.position is None else "position"
+        said.append(f"The axis turns at {speed:.3g} rad/s: is the {signal}'s unit right?")
     return said
 
 
@@ -200,9 +205,9 @@ def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
     left = min(found.chosen.mean_square, float(np.mean(rest.left**2)))
     if spread > 0 and 1.0 - left / spread < SENSE:
         return (
-            f"The motion explains only {max(0.0, 1 - left / spread):.0%} of the effort's variance, "
-            "even with a flexible model: the effort is hardly that of this axis, or other joints "
-            "load it while they move (a model file tells what they do: body)."
+            f"Of data left out the motion explains only {max(0.0, 1 - left / spread):.0%} of the "
+            "effort's variance, even with a flexible model: it is hardly the effort of this axis, "
+            "or other joints load it while they move (a model file tells what they do: body)."
         )
     return ""
 

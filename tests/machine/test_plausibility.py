@@ -14,7 +14,14 @@ from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LEVER
 from spirob.machine.leftovers import drifting
 from spirob.machine.models import Models
-from spirob.machine.plausibility import _computed, _of_another_size, _turned, untaught
+from spirob.machine.plausibility import (
+    _computed,
+    _of_another_size,
+    _senseless,
+    _turned,
+    oddities,
+    untaught,
+)
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -239,3 +246,45 @@ def test_held_out_logs_that_show_more_are_told_where_that_may_bring_a_name(
     chosen = SimpleNamespace(mean_square=left**2, heldout_square=heldout**2)
     told = untaught(search, chosen, SimpleNamespace(kind=kind, doubts=()))
     assert bool(told) == said
+
+
+def noted(velocity=False, pace=1.0, left=0.0):
+    """What is said beside a verdict of an axis in metres whose sensor of effort drifts.
+
+    velocity  whether it is all that is logged of the motion;  pace  factor of the motion
+    left      size of noise in the effort
+    """
+    t = np.arange(0, 10, 2e-3)
+    v = pace * (3 * np.cos(3 * t) + 2.13 * np.cos(7.1 * t))
+    u = v / pace * (1.0 + 0.05 * t) + left * np.random.default_rng(0).normal(size=len(t))
+    told = description(effort={"column": "u", "unit": "N", "kind": "force"})
+    del told["position"]
+    told |= {
+        "velocity" if velocity else "position": {"column": "x", "unit": "m/s" if velocity else "m"}
+    }
+    rig = RigFile.model_validate(told)
+    x = v if velocity else np.cumsum(v) * 2e-3
+    logs = [prepare("log", {"t": t, "x": x, "u": u}, rig)]
+    sizes = replace(SIZES, torque_unit="N", axis_unit="m")
+    problem = InverseProblem(rig, None, logs, [], sizes, 0.02)
+    search = Search(Models(problem, problem, ["rig.inertia", "rig.viscous"]), [], Criteria())
+    gate = SimpleNamespace(condition=1.0)
+    return " ".join(oddities(search, search.models.fitted((), {}), gate, rig, fits=True))
+
+
+@pytest.mark.parametrize(("velocity", "said"), [(True, False), (False, True)])
+def test_a_unit_of_the_position_is_doubted_only_where_a_position_is_logged(velocity, said):
+    assert ("The axis travels" in noted(velocity, pace=100.0)) == said
+
+
+@pytest.mark.parametrize(("left", "said"), [(0.0, True), (20.0, False)])
+def test_numbers_of_a_model_that_leaves_most_of_the_effort_are_not_told(left, said):
+    assert ("sensor drift" in noted(left=left)) == said
+
+
+def test_what_the_motion_explains_is_told_of_data_left_out():
+    noise = np.random.default_rng(0).normal(size=5000)
+    search = search_of(lambda q, v, a: noise)
+    bare = search.models.fitted((), {})
+    said = _senseless(search, SimpleNamespace(chosen=bare), SimpleNamespace(left=bare.left))
+    assert said.startswith("Of data left out the motion explains only 0% of the effort's variance")
