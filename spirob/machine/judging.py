@@ -113,7 +113,8 @@ def judged_of(done: Searched) -> Judged:
     weighed, said = with_instant(search, ended.found.chosen, weighed)
     weighed = with_dry(search, ended.found.chosen, weighed)
     rest = search.models.ceiling(ended.found.chosen)
-    verdict = judge(ended, weighed, doubts(search, ended.found, rest))
+    causes = doubts(search, ended.found, rest, believed=bool(likely(weighed)))
+    verdict = judge(ended, weighed, causes)
     judged = Judged(done, ended.found, verdict, rest)
     if verdict.doubts:
         return _in_all_logs(judged)

@@ -52,11 +52,14 @@ AT_LOAD = (
 )
 
 
-def doubts(search: RigSearch, found: Found, rest: RigCeiling) -> list[str]:
-    """Why no name can be trusted, whatever the errors say; empty where one can."""
-    causes = [
-        told(search, found.chosen) for told in (_turned, without_sign, out_of_scale, _computed)
-    ]
+def doubts(search: RigSearch, found: Found, rest: RigCeiling, believed: bool = True) -> list[str]:
+    """Why no name can be trusted, whatever the errors say; empty where one can.
+
+    believed  whether something found is likely: else it stands against no wrong sign or scale
+    """
+    stands = found.chosen if believed else found.rungs[0]
+    causes = [told(search, stands) for told in (_turned, without_sign, out_of_scale)]
+    causes.append(_computed(search, found.chosen))
     mended = [text for text in causes if text]
     other = _odd_logs(search, found) or ("" if mended else _senseless(search, found, rest))
     return [text for text in (other, *mended) if text]

@@ -19,6 +19,7 @@ from spirob.machine.plausibility import (
     _of_another_size,
     _senseless,
     _turned,
+    doubts,
     oddities,
     untaught,
 )
@@ -192,6 +193,16 @@ def test_what_held_out_logs_deny_shields_no_wrong_sign():
     bare = search.models.fitted((), {})
     fits = replace(bare, left=np.full_like(bare.left, 1e-6))
     assert "factor -1" in _turned(search, fits)
+
+
+def test_what_is_not_likely_shields_no_wrong_sign():
+    search = search_of(lambda q, v, a: -0.05 * v - 0.1 * np.tanh(v / 0.02))
+    bare = search.models.fitted((), {})
+    little = np.full_like(bare.left, 1e-6)
+    fits = replace(bare, left=little, heldout=little)
+    found, rest = SimpleNamespace(chosen=fits, rungs=[bare, fits]), SimpleNamespace(left=little)
+    assert doubts(search, found, rest) == []
+    assert "factor -1" in doubts(search, found, rest, believed=False)[0]
 
 
 @pytest.mark.parametrize(
