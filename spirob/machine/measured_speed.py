@@ -5,9 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spirob.machine.filtering import acceleration_noise, rates, smooth
+
 ALIKE = 0.8  # correlation below which it is no derivative of the position
 LATE = 0.1  # s by which it may be late, and is looked for
 SURELY_SHIFTED = 0.5  # of what is missed: a shift that takes less is none
+OWN = np.sqrt(2.0)  # times the noise of a derivative: half of a speed's is then its own
 NEAR = 0.03  # of 1: a scale this close is a right one
 
 
@@ -48,6 +51,36 @@ def agreement(
     low, high = both / two, one / both  # noise in the derivative, in the sensor
     sure = low > 0 and low * (1 - NEAR) <= 1.0 <= high * (1 + NEAR)
     return Agreement(1.0 if sure else float(np.sign(at) * np.sqrt(low * high)), late, float(at))
+
+
+def measured(
+    title: str,
+    given: Sequence[np.ndarray],
+    places: Sequence[np.ndarray],
+    cutoff: float,
+    period: float,
+    said: list[str],
+) -> list[np.ndarray]:
+    """Given speeds of all pieces, with the scale and on the time of their positions.
+
+    None where they are no derivative of the positions, or noisier than it.  What is found goes to
+    `said`, of a column that is called by its `title`.
+    """
+    derived = [rates(smooth(place, cutoff, period), period)[0] for place in places]
+    found = agreement([smooth(v, cutoff, period) for v in given], derived, period)
+    if found is None:
+        said.append(f"{title} is no derivative of the position and was left out.")
+        return []
+    noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
+    if noise > OWN * acceleration_noise(places[0], 2, cutoff, period):
+        said.append(f"{title} is noisier than the derivative of the position and was left out.")
+        return []
+    if found.scale != 1.0:
+        said.append(f"{title} is {found.scale:.3g} times the derivative of the position; scaled.")
+    if found.late:
+        when = "late" if found.late > 0 else "early"
+        said.append(f"{title} is {1e3 * abs(found.late) * period:.3g} ms {when}; aligned.")
+    return [shifted(values, found.late) / found.scale for values in given]
 
 
 def shifted(values: np.ndarray, samples: float) -> np.ndarray:

@@ -32,7 +32,7 @@ from spirob.machine.filtering import (
     usual_cutoff,
 )
 from spirob.machine.grids import FILLED, Logged, even_grids
-from spirob.machine.measured_speed import agreement, shifted
+from spirob.machine.measured_speed import measured
 from spirob.machine.rig import Column, RigFile
 from spirob.units import UNITS
 
@@ -40,7 +40,6 @@ FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every
 GRID = 20.0  # samples in a period of the cutoff: more say no more of what is compared
 CLOSE = 2.5  # times the last filter's edge: thinning folds nothing from beyond
 LEAST = 8  # rows of a piece that are compared
-OWN = np.sqrt(2.0)  # times the noise of a derivative: half of a speed's is then its own
 FEWEST = 20  # rows of a trial that are compared
 MOVES = 0.5  # of what the last filter makes a compared row of is motion
 Filter = Callable[[np.ndarray], np.ndarray]
@@ -321,22 +320,10 @@ def _agreed(
     title = f"{name}: '{rig.velocity.column}'"
     given = [grid.pop("velocity") for grid in grids]
     cutoff = _cutoff(name, grids, period, asked or rig.filter.cutoff, [])
-    derived = [rates(smooth(grid["position"], cutoff, period), period)[0] for grid in grids]
-    found = agreement([smooth(v, cutoff, period) for v in given], derived, period)
-    if found is None:
-        said.append(f"{title} is no derivative of the position and was left out.")
-        return
-    noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
-    if noise > OWN * acceleration_noise(grids[0]["position"], 2, cutoff, period):
-        said.append(f"{title} is noisier than the derivative of the position and was left out.")
-        return
-    if found.scale != 1.0:
-        said.append(f"{title} is {found.scale:.3g} times the derivative of the position; scaled.")
-    if found.late:
-        when = "late" if found.late > 0 else "early"
-        said.append(f"{title} is {1e3 * abs(found.late) * period:.3g} ms {when}; aligned.")
-    for grid, values in zip(grids, given, strict=True):
-        grid["velocity"] = shifted(values, found.late) / found.scale
+    places = [grid["position"] for grid in grids]
+    right = measured(title, given, places, cutoff, period, said)
+    for grid, values in zip(grids, right, strict=False):
+        grid["velocity"] = values
 
 
 def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
