@@ -204,7 +204,7 @@ def with_instant(
     """The weighed, dry friction that flips at once beside one whose way no log shows; what is said.
 
     A bristle that has turned round before the filter answers fits the sensor, not the friction.
-    Another law of dry friction that does clearly better than the one that flips at once is a rival.
+    Another law that flips at once, and does clearly better than the plainest of these, is a rival.
     """
     unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
     instant = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
@@ -233,13 +233,22 @@ def _with_same(one: Weighed, name: str) -> Weighed:
 def _better_dry(
     search: RigSearch, chosen: Model, effect: type[Effect], plainest: type[Effect]
 ) -> list[str]:
-    """Laws of dry friction that do clearly better than the plainest in the place of an effect."""
+    """Laws of dry friction that do clearly better than the plainest, though they flip at once, too.
+
+    They are fitted in the place of an effect; a way to turn round ends at its bound.
+    """
     rest = tuple(e for e in chosen.effects if e is not effect)
     others = [e for e in search.candidates if is_dry(e) and e not in (effect, plainest)]
     least, *made = (
         search.models.fitted((*rest, e), chosen.fit.changes) for e in (plainest, *others)
     )
-    return [e.name() for e, m in zip(others, made, strict=True) if search.worth.clearly(least, m)]
+    told = zip(others, made, strict=True)
+    return [e.name() for e, m in told if search.worth.clearly(least, m) and _at_once(e, m)]
+
+
+def _at_once(effect: type[Effect], model: Model) -> bool:
+    numbers = (model.fit.estimates.get(f"{effect.name()}.{field}") for field in ways(effect))
+    return all(found is None or found.at_bound for found in numbers)
 
 
 def with_dry(
