@@ -13,10 +13,10 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
-from spirob.diagnosis.verdict import TWICE
 from spirob.machine.inverse import InverseProblem
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
+MOSTLY = 0.9  # of an effort's square, its level too: of another machine's less is explained
 PAIR, FEWEST = 2, 3  # logs that may differ by a unit, and of which one can be told as the odd one
 ALIKE = 0.1  # by which a factor between two logs counts as none
 HALF = 0.5  # of the squared error that another unit takes: of any other log it takes nothing
@@ -40,21 +40,27 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
     logs, shared, rest = {}, level(problems), problems[0].rest_speed
     for name, part in parts.items():
         measured, own, speeds = np.concatenate(part, axis=1)
-        share, missed = _fitting(measured, own, shared), float(np.mean((own - measured) ** 2))
-        logs[name] = share, missed, _mended(measured, own), way_of(speeds, rest)
-    if max(log[0] for log in logs.values()) < FAMILIAR:
-        return ""
-    usual = float(np.mean([missed for share, missed, *_ in logs.values() if share >= STRANGE]))
-    far = TWICE**2 * usual  # one at nearly one effort is missed by more than that varies
-    strange = {name: log for name, log in logs.items() if log[0] < STRANGE and log[1] > far}
-    if not strange:
+        share = _fitting(measured, own, shared)
+        about = _mended(measured, own), way_of(speeds, rest)
+        logs[name] = share, *about, _is_strange(share, measured, own)
+    strange = {name: log for name, log in logs.items() if log[-1]}
+    if not strange or max(share for share, *_ in logs.values()) < FAMILIAR:
         return ""
     said = [f"{', '.join(strange)}: what fits the other logs does not fit this at all."]
-    said += [f"{name}: {text}." for name, (_, _, text, _) in strange.items() if text]
-    others = {way for name, (*_, way) in logs.items() if name not in strange}
-    if {way for *_, way in strange.values()} == {-way for way in others} != {0}:
+    said += [f"{name}: {text}." for name, (_, text, *_) in strange.items() if text]
+    others = {way for name, (_, _, way, _) in logs.items() if name not in strange}
+    if {way for _, _, way, _ in strange.values()} == {-way for way in others} != {0}:
         said.append("It moves a way that no other log does: what these say of friction ends there.")
     return " ".join(said)
+
+
+def _is_strange(share: float, measured: np.ndarray, modelled: np.ndarray) -> bool:
+    """Whether a log is none of this machine's: nothing of what varies in it is explained.
+
+    share  R² of the log;  of one at nearly one effort that says little where this is explained
+    """
+    missed = float(np.mean((measured - modelled) ** 2))
+    return share < STRANGE and missed > (1.0 - MOSTLY) * float(np.mean(measured**2))
 
 
 def way_of(speeds: np.ndarray, rest_speed: float) -> int:
@@ -102,8 +108,9 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
     odd = _apart(problems)
     if odd is None or (said := odd.of_another_unit()):
         return "" if odd is None else said
-    mended = _mended(odd.measured, odd.design(1.0) @ odd.found)
-    strange = (odd.share < STRANGE and odd.far) or (odd.share < FAMILIAR and mended)
+    measured, modelled = odd.measured, odd.design(1.0) @ odd.found
+    mended = _mended(measured, modelled)
+    strange = _is_strange(odd.share, measured, modelled) or (odd.share < FAMILIAR and mended)
     left = poorest(problems, residuals) < FAMILIAR
     return odd.said(mended) if strange and left and odd.logs > PAIR else ""
 
@@ -137,7 +144,6 @@ class _Odd:
 
     found   numbers of the plain columns fitted to the others;  logs  how many there are
     shared  mean of all efforts;  together  share of the poorest log by one set of numbers for all
-    far     whether these numbers miss it by more than twice what they miss the others by
     """
 
     name: str
@@ -147,7 +153,6 @@ class _Odd:
     logs: int
     shared: float
     together: float
-    far: bool
 
     @property
     def share(self) -> float:
@@ -183,10 +188,7 @@ def _apart(problems: Sequence[InverseProblem]) -> _Odd | None:
     found, poorest_other = fits[name]
     if poorest_other < FAMILIAR:
         return None
-    missed = {n: np.mean((effort - of(1.0) @ found) ** 2) for n, (effort, of) in logs.items()}
-    far = bool(missed.pop(name) > TWICE**2 * np.mean([*missed.values()]))
-    together = _fitted([*logs.values()])[1]
-    return _Odd(name, *logs[name], found, len(logs), level(problems), together, far)
+    return _Odd(name, *logs[name], found, len(logs), level(problems), _fitted([*logs.values()])[1])
 
 
 def _parts(problem: InverseProblem) -> list[tuple[str, slice]]:
