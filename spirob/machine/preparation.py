@@ -126,10 +126,10 @@ def ready_of(
     repairs = [text for r in [*train, *test] for text in r.said]
     body = None if isinstance(rig.body, str) else RigidBody(rig.body, folder, rig.angular)
     sizes, rest = sizes_of(rig, body, train)
-    (train, lost), (test, rested) = (moving(rig, logs, rest) for logs in (train, test))
-    train, test, said = split(train, test)
+    logs, lost = moving(rig, [*train, *test], rest)
+    train, test, said = split(logs[: len(train)], logs[len(train) :])
     (train, many), (test, more) = in_stretches(train), in_stretches(test)
-    repairs += [*said, *many, *more, *strange(rig, train), *lost, *rested]
+    repairs += [*said, *many, *more, *strange(rig, train), *lost]
     own, possible, excluded = library(rig, body, train, held, sizes, without)
     laws = held, own, possible, excluded
     return Ready(

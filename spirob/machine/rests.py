@@ -3,7 +3,9 @@
 A law of friction by speed says nothing of a rest, be it a hold of minutes or the moment in which an
 axis sticks while its effort turns.  Yet such rows can outnumber the moving ones, and what follows
 their effort would be named: friction that grows with load, a dead band, a law of a memory.  So they
-are left out before the last filter, which else would carry them into the rows beside them.
+are left out before the last filter, which else would carry them into the rows beside them.  Where
+their speed tells most of their effort, an axis creeps: that is slow motion, of which friction by
+speed says how it turns round.
 """
 
 from dataclasses import replace
@@ -20,6 +22,7 @@ LONGER = (1.0, 2.0, 4.0)  # times: the noise of as many rows as a second holds s
 SMEAR = 0.25  # periods of the cutoff, over which the first filter carries a rest into the motion
 LEAST = 0.2  # of the rows have to be left, or
 ENOUGH = 2.0  # s of them: else the log is one of holds and is used as it is
+TELLS = 0.5  # of the variance of the effort in rests: a speed that tells more is one of friction
 
 
 def without_rests(
@@ -27,8 +30,10 @@ def without_rests(
 ) -> tuple[list[Recording], list[str]]:
     """The trials without the rows at standstill, and a sentence for each that lost some."""
     kept, said = [], []
-    for recording in recordings:
-        stands = standing(recording, rest_speed)
+    rests = [standing(recording, rest_speed) for recording in recordings]
+    if _creeps(recordings, rests, rest_speed):
+        return recordings, []
+    for recording, stands in zip(recordings, rests, strict=True):
         pieces = [
             replace(p, stands=still) for p, still in zip(recording.pieces, stands, strict=True)
         ]
@@ -67,6 +72,19 @@ def standing(recording: Recording, rest_speed: float) -> list[np.ndarray]:
             stands |= _within(piece.path, times * window, rest_speed, smear, recording.period)
         found.append(stands)
     return found
+
+
+def _creeps(recordings: list[Recording], rests: list[list[np.ndarray]], rest_speed: float) -> bool:
+    """Whether the speed of rows at rest tells most of their effort, as a line through all logs."""
+    rows = [
+        np.stack([p.v, p.effort])[:, still & (np.abs(p.v) < rest_speed)]
+        for recording, stands in zip(recordings, rests, strict=True)
+        for p, still in zip(recording.pieces, stands, strict=True)
+    ]
+    v, effort = np.concatenate(rows, axis=1)
+    if len(v) < 3 or np.ptp(v) == 0.0 or np.ptp(effort) == 0.0:
+        return False
+    return bool(np.corrcoef(v, effort)[0, 1] ** 2 > TELLS)
 
 
 def _within(

@@ -128,3 +128,20 @@ def test_an_axis_that_sticks_while_its_effort_turns_has_dry_friction(tones):
     assert level["value"] == pytest.approx(DRY, rel=0.05)
     errors = found.ladder["test_rmse"]
     assert errors.iloc[-1] < 0.1 * errors.iloc[0]
+
+
+def test_a_creeping_axis_does_not_rest():
+    """Friction by speed tells its effort, and how it turns round: a tenth of the motion is slow."""
+    t, logs = np.arange(0.0, 10.0, 2e-3), []
+    for k in range(3):
+        u = 0.6 * np.sin(2 * np.pi * (0.4 + 0.2 * k) * t)
+        v = 0.02 * np.arctanh(np.clip(u / 0.35, -0.9999, 0.9999))
+        v += np.sign(u) * np.maximum(np.abs(u) - 0.35, 0.0) / VISCOUS
+        q = np.cumsum(v) * 2e-3 + 1e-5 * np.random.default_rng(k).normal(size=len(t))
+        logs.append(prepare(f"log{k}", {"t": t, "q": q, "u": u}, RIG))
+    assert np.mean(standing(logs[0], 0.05)) > 0.1
+    assert without_rests(logs, 0.05) == (logs, [])
+    stuck = [sticking((1.0,), 0.5, seed)[0] for seed in (1, 2)]
+    rested = [prepare("log", {n: one[n].to_numpy() for n in one}, RIG) for one in stuck]
+    _, said = without_rests(rested, 0.03)
+    assert len(said) == 2
