@@ -112,9 +112,14 @@ def base_model(
 
 
 def _with_numbers_of_logs(done: Searched) -> Searched:
-    """With a payload, force or zero of each log, where the logs differ by it; by what fits best."""
-    found = differing(done.ready, done.search, done.chosen)
-    return _better(done, _searched(found[0]), found[1]) if found else done
+    """With a payload, force or zero of each log, where the logs differ by it; by what fits best.
+
+    Asked beside what a search chose, and without: that may have taken what the logs differ by.
+    """
+    for model in (done.chosen, done.search.models.fitted((), {})):
+        if found := differing(done.ready, done.search, model):
+            return _better(done, _searched(found[0]), found[1])
+    return done
 
 
 def _with_sensor_at_load(done: Searched) -> Searched:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from spirob.errors import ConfigError
 from spirob.machine.axis import diagnose_recordings
@@ -112,6 +113,31 @@ def test_logs_under_another_force_each_are_found_to_differ():
     found = diagnosed(rig(), made, [log(3, offset=0.1)])
     assert found.verdict == "nothing_missing"
     assert any("a number of their own, offset" in said for said in found.notes)
+
+
+def pressed(k, force):
+    """A cylinder at a pressure of its own, moved to and fro: force [N], way [mm], dry seals."""
+    rng, t = np.random.default_rng(k), np.arange(0, 60, 0.02)
+    q = gaussian_filter1d(30.0 * np.abs(((2.0 * t / (8 + k)) % 2) - 1.0), 15)
+    u = force + 8.0 * np.tanh(np.gradient(q, t) / 0.5) + 0.02 * force * np.sin(q / 9.0)
+    return {"t": t, "q": q + rng.normal(0, 0.01, len(t)), "u": u + rng.normal(0, 0.3, len(t))}
+
+
+def test_a_force_of_each_log_is_asked_before_what_a_search_finds_in_its_place():
+    """A current's offset, heating and saturation take what two pressures differ by."""
+    cylinder = rig(
+        position={"column": "q", "unit": "mm"},
+        effort={"column": "u", "unit": "N", "kind": "force"},
+        known={"inertia": 0.0},
+        fit={"viscous": {"nominal": 100.0, "low": 0.0, "high": 1e5}},
+        filter={},
+    )
+    logs = recordings([pressed(k, force) for k, force in enumerate((350, 150, 250))], cylinder)
+    found = diagnose_recordings(cylinder, None, logs[:2], logs[2:]).document
+    assert (found["verdict"], found["doubts"]) == ("nothing_missing", [])
+    assert any("a number of their own" in said for said in found["repairs"])
+    bare = found["ladder"][0]["test"]["rmse"]
+    assert bare < 0.01 * found["effort_rms"]["test"]
 
 
 def test_a_mount_that_was_moved_is_no_payload():
