@@ -228,6 +228,11 @@ def equivalents(
     return sorted(set(same)), sorted(set(other) - set(same))
 
 
+def is_constant(effect: type[Effect]) -> bool:
+    """Whether it is one number, whatever the motion."""
+    return effect.name() in ("constant_force", "current_offset")
+
+
 def is_dry(effect: type[Effect]) -> bool:
     """Whether this is a law of dry friction by speed alone: level at speed, and odd in it.
 

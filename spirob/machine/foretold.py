@@ -2,8 +2,9 @@
 
 From the motion to the effort a law may take what is none of it.  One that swings by itself is a
 filter there, and under an effort of one line, a sine, a filter that smooths the motion takes what
-friction or noise leaves.  Dry friction is the effort itself, up to a factor, where that has one
-size and the sign of the speed, as under a relay: it takes whatever the speed does besides.  Forward
+friction or noise leaves.  Where the effort has one size, as under a relay, dry friction is the
+effort itself up to a factor, and so is a constant where it has one sign, too: they take whatever
+the speed does besides.  Forward
 the measured effort has to move the axis as it moved; with a law that is none it does so far worse.
 Of other laws that is not asked: run forward, a good law of an axis that is hardly damped drifts
 away with the noise of its effort, and a bad one that resists too much stays where it is.
@@ -14,7 +15,7 @@ from collections.abc import Collection
 import numpy as np
 
 from spirob.diagnosis.criteria import HALVED
-from spirob.diagnosis.model import Model, is_dry
+from spirob.diagnosis.model import Model, is_constant, is_dry
 from spirob.effects import Effect
 from spirob.machine.forward import Forward
 from spirob.machine.forward.axis import PORTS
@@ -30,8 +31,9 @@ def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list
     Far worse: without it half of the squared error is left, of the speed within half a second.
     """
     named = [e for e in chosen.effects if e.name() in names]
-    relay = any(map(is_dry, named)) and _of_one_size(search.models.train)
-    asked = [e for e in named if _swings(e) or (relay and is_dry(e))]
+    level = [e for e in named if is_dry(e) or is_constant(e)]
+    relay = bool(level) and _of_one_size(search.models.train)
+    asked = [e for e in named if _swings(e) or (relay and e in level)]
     if not asked:
         return []
     run = Forward(search.models.heldout)

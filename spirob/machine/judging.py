@@ -15,7 +15,7 @@ import numpy as np
 
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
-from spirob.diagnosis.model import Found, Model, is_dry, richness
+from spirob.diagnosis.model import Found, Model, is_constant, is_dry, richness
 from spirob.diagnosis.rivals import is_worse
 from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain, weigh
 from spirob.effects import Effect
@@ -36,7 +36,6 @@ DENIED = (
     "Not named: {}. The effort would follow from the motion by it, but run forward by the effort "
     "the model moves far worse with it than without."
 )
-CONSTANT = ("constant_force", "current_offset")
 TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
     "A law composed without any name is plainer and leaves less than half the squared error, or "
@@ -263,10 +262,10 @@ def with_dry(
     if not one_way(models.train, models.heldout):
         return told
     dry = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
-    constants = [e for e in search.candidates if e.name() in CONSTANT]
+    constants = [e for e in search.candidates if is_constant(e)]
     for effect in (e for e in chosen.effects if e.name() in weighed):
         name, rest = effect.name(), tuple(e for e in chosen.effects if e is not effect)
-        for other in dry if name in CONSTANT else constants if is_dry(effect) else ():
+        for other in dry if is_constant(effect) else constants if is_dry(effect) else ():
             if other in rest or models.related(other, rest):
                 continue
             if not is_worse(search, models.fitted((*rest, other), chosen.fit.changes), chosen):

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spirob.diagnosis.model import Model
+from spirob.diagnosis.model import Model, is_constant
 from spirob.diagnosis.verdict import likely
 from spirob.effects import Effect
 from spirob.identify.problem import effort_rms, rms
 from spirob.machine.inverse import InverseProblem, Work
-from spirob.machine.judging import CONSTANT, Judged
+from spirob.machine.judging import Judged
 from spirob.machine.models import RigSearch
 from spirob.machine.preparation import Ready, search_of
 from spirob.machine.rig import Bounded, RigFile
@@ -148,9 +148,9 @@ class _Beside:
 
     def _constant(self, effects: Sequence[type[Effect]]) -> list[type[Effect]]:
         """A constant force, where the effects have none and one may act."""
-        if any(e.name() in CONSTANT for e in effects):
+        if any(map(is_constant, effects)):
             return []
-        return [e for e in self.without.candidates if e.name() in CONSTANT][:1]
+        return [e for e in self.without.candidates if is_constant(e)][:1]
 
 
 def _stiffness(problem: InverseProblem) -> Bounded:

@@ -58,21 +58,25 @@ def test_a_relay_hides_no_dead_band(dry, right, tmp_path):
 SIZE, WHEEL, LOSS, STEP = 0.15, 2.2e-4, 3.4e-3, 0.77  # of the duty; per its unit; rad/s of a count
 
 
-def turned_round(rng):
-    """Two seconds of a wheel whose drag comes and goes by a twentieth."""
+def turned_round(rng, first=SIZE, then=-SIZE):
+    """Two seconds of a wheel whose drag comes and goes by a twentieth, under two duties."""
     fine, every, v, rows = 1e-4, 20, 0.0, []
     slow = np.repeat(np.cumsum(rng.normal(size=20)), 1000)
     slow = 0.05 * (slow - slow.mean()) / slow.std()
     for k in range(20_000):
-        u = SIZE if k < 9_000 else -SIZE
+        u = first if k < 9_000 else then
         v += fine * (u - LOSS * (1.0 + slow[k]) * v) / WHEEL
         if k % every == 0:
             rows.append((k * fine, STEP * np.round((v + 0.5 * rng.normal()) / STEP), 100.0 * u))
     return dict(zip("tvu", np.array(rows).T, strict=True))
 
 
-def test_a_speed_that_scatters_under_one_size_of_effort_is_no_dry_friction(tmp_path):
-    """Dry friction would leave a thousandth of the effort: it is the effort, up to a factor."""
+@pytest.mark.parametrize("duties", [(SIZE, -SIZE), (0.0, SIZE)])
+def test_a_speed_that_scatters_under_one_size_of_effort_is_no_dry_friction(duties, tmp_path):
+    """Dry friction would leave a thousandth of the effort: it is the effort, up to a factor.
+
+    So would a constant, where the wheel goes one way.
+    """
     rig = {
         "name": "wheel",
         "time": {"column": "t", "unit": "s"},
@@ -83,7 +87,7 @@ def test_a_speed_that_scatters_under_one_size_of_effort_is_no_dry_friction(tmp_p
             "viscous": {"nominal": 5e-3, "low": 0.0, "high": 1.0},
         },
     }
-    logs = [turned_round(np.random.default_rng(18600 + k)) for k in range(3)]
+    logs = [turned_round(np.random.default_rng(18600 + k), *duties) for k in range(3)]
     told = diagnosed(Case(rig, logs[:2], logs[2], []), tmp_path)
     assert told["effects"] == [], told["sentence"]
     assert any("far worse with it than without" in note for note in told["repairs"])
