@@ -114,12 +114,11 @@ def base_model(
 def _with_numbers_of_logs(done: Searched) -> Searched:
     """With a payload, force or zero of each log, where the logs differ by it; by what fits best.
 
-    Asked beside what a search chose, and without: that may have taken what the logs differ by.
+    Asked beside what a search chose, and in its place: that may have taken what the logs differ by.
     """
-    for model in (done.chosen, done.search.models.fitted((), {})):
-        if found := differing(done.ready, done.search, model):
-            return _better(done, _searched(found[0]), found[1])
-    return done
+    about, bare = (done.ready, done.search), done.search.models.fitted((), {})
+    found = differing(*about, done.chosen) or differing(*about, bare, done.chosen)
+    return _better(done, _searched(found[0]), found[1]) if found else done
 
 
 def _with_sensor_at_load(done: Searched) -> Searched:

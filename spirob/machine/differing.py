@@ -46,8 +46,13 @@ WITHIN = 0.1  # of the squares of all logs together
 PRIOR = 1e-3  # of the columns' mean square, against what few rows tell
 
 
-def differing(ready: Ready, search: RigSearch, chosen: Model) -> tuple[Ready, str] | None:
-    """The rig whose logs differ by the kind of number that fits best, and what is said of it."""
+def differing(
+    ready: Ready, search: RigSearch, chosen: Model, rival: Model | None = None
+) -> tuple[Ready, str] | None:
+    """The rig whose logs differ by the kind of number that fits best, and what is said of it.
+
+    rival  of effects that the numbers of logs are to replace: they are to explain as much
+    """
     told = {k: ready.told(per_log=(k,)) for k in KINDS if may_differ(k, ready.rig, search, chosen)}
     made = {kind: _fitted(one, chosen, kind) for kind, one in told.items()}
     alone = not {r.log for r in ready.test} <= {r.log for r in ready.train}
@@ -57,6 +62,7 @@ def differing(ready: Ready, search: RigSearch, chosen: Model) -> tuple[Ready, st
         if search.worth.matters(chosen, model)
         and not search.worth.denied(chosen, model)
         and tells(kind, model, alone)
+        and not (rival and search.worth.matters(model, rival))
     }
     if not fits:
         return None
