@@ -206,7 +206,7 @@ def with_instant(
     Another law that flips at once, and does clearly better than the plainest of these, is a rival.
     """
     unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
-    instant = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
+    instant = _instant(search)
     for effect in chosen.effects if instant else ():
         name, other = effect.name(), instant[0].name()
         found = [chosen.fit.changes.get(f"{name}.{field}", np.inf) for field in ways(effect)]
@@ -221,6 +221,11 @@ def with_instant(
             f"from {plain(other)}."
         )
     return told, said
+
+
+def _instant(search: RigSearch) -> list[type[Effect]]:
+    """The plainest law of dry friction that flips at once, where there is one."""
+    return sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
 
 
 def _with_same(one: Weighed, name: str) -> Weighed:
@@ -261,7 +266,7 @@ def with_dry(
     told, models = dict(weighed), search.models
     if not one_way(models.train, models.heldout):
         return told
-    dry = sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
+    dry = _instant(search)
     constants = [e for e in search.candidates if is_constant(e)]
     for effect in (e for e in chosen.effects if e.name() in weighed):
         name, rest = effect.name(), tuple(e for e in chosen.effects if e is not effect)

@@ -55,9 +55,9 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
 
 
 def _is_strange(share: float, measured: np.ndarray, modelled: np.ndarray) -> bool:
-    """Whether a log is none of this machine's: nothing of what varies in it is explained.
+    """Whether a log is none of this machine's: neither its changes nor its level are explained.
 
-    share  R² of the log;  of one at nearly one effort that says little where this is explained
+    share  R² of the log, which says little of one at nearly one effort
     """
     missed = float(np.mean((measured - modelled) ** 2))
     return share < STRANGE and missed > (1.0 - MOSTLY) * float(np.mean(measured**2))

@@ -16,6 +16,7 @@ from spirob.identify.residual import STILL, Near, Residual, near
 from spirob.logs.readers import Table
 from spirob.machine.arm import diagnosis
 from spirob.machine.arm.replay import arm_trial
+from spirob.machine.arm.rows import holds
 from spirob.machine.loading import load_rig
 from spirob.plant import Plant
 from tests.machine.arm.elsewhere import description, log, rig, write
@@ -182,3 +183,13 @@ def test_a_mistake_ends_the_command_with_a_sentence(tmp_path, columns, changes, 
     assert main(["diagnose", "--rig", str(path), *order]) == 2
     (said,) = capsys.readouterr().err.strip().splitlines()
     assert said.startswith("spirob: ")
+
+
+def test_a_tenth_of_a_second_of_standing_is_a_hold_and_a_reversal_is_none():
+    t = np.arange(0.0, 2.0, 1e-3)
+    assert not holds(np.sin(np.pi * t)).any()
+    stops = np.where((t > 0.5) & (t < 0.8), 0.0, 0.1)
+    held = t[holds(stops)]
+    assert 0.5 < held.min() < 0.56
+    assert 0.74 < held.max() < 0.8
+    assert not holds(np.where((t > 0.5) & (t < 0.55), 0.0, 0.1)).any()
