@@ -202,8 +202,8 @@ def with_instant(
 ) -> tuple[Mapping[str, Weighed], str]:
     """The weighed, dry friction that flips at once beside one whose way no log shows; what is said.
 
-    A bristle that has turned round before the filter answers fits the sensor, not the friction.
-    Another law that flips at once, and does clearly better than the plainest of these, is a rival.
+    A bristle that has turned round before the filter answers fits the sensor, not the friction:
+    whether that has a peak beside rest, as other laws do, no such log shows, and they are rivals.
     """
     unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
     instant = _instant(search)
@@ -213,8 +213,8 @@ def with_instant(
         if not (is_dry(effect) and found and max(found) < unseen) or name not in weighed:
             continue
         one, unit = weighed[name], search.models.train.sizes.axis_unit
-        better = {*one.rivals, *_better_dry(search, chosen, effect, instant[0])}
-        told[name] = _with_same(replace(one, rivals=sorted(better)), other)
+        richer = (e.name() for e in search.candidates if is_dry(e) and e is not effect)
+        told[name] = _with_same(replace(one, rivals=sorted({*one.rivals, *richer})), other)
         said = (
             f"{effect.title} would turn round within {max(found):.2g} {unit} of a reversal. The "
             f"axis goes {unseen:.2g} {unit} before the filter answers: these logs cannot tell it "
@@ -232,27 +232,6 @@ def _with_same(one: Weighed, name: str) -> Weighed:
     """The weighed, where another says the same."""
     rivals = [n for n in one.rivals if n != name]
     return replace(one, equivalents=sorted({*one.equivalents, name}), rivals=rivals)
-
-
-def _better_dry(
-    search: RigSearch, chosen: Model, effect: type[Effect], plainest: type[Effect]
-) -> list[str]:
-    """Laws of dry friction that do clearly better than the plainest, though they flip at once, too.
-
-    They are fitted in the place of an effect; a way to turn round ends at its bound.
-    """
-    rest = tuple(e for e in chosen.effects if e is not effect)
-    others = [e for e in search.candidates if is_dry(e) and e not in (effect, plainest)]
-    least, *made = (
-        search.models.fitted((*rest, e), chosen.fit.changes) for e in (plainest, *others)
-    )
-    told = zip(others, made, strict=True)
-    return [e.name() for e, m in told if search.worth.clearly(least, m) and _at_once(e, m)]
-
-
-def _at_once(effect: type[Effect], model: Model) -> bool:
-    numbers = (model.fit.estimates.get(f"{effect.name()}.{field}") for field in ways(effect))
-    return all(found is None or found.at_bound for found in numbers)
 
 
 def with_dry(
