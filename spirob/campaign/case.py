@@ -4,7 +4,7 @@ What is drawn follows from simulator, kind and seed alone.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from spirob.campaign.recorder import (
     columns,
     description,
     drawn_recorder,
+    even,
     length_of,
     reported,
     share,
@@ -44,6 +45,7 @@ NEAR = (0.9, 1.1)  # of the wanted share: near enough
 SEEN = 0.1  # of the effort: what a diagnosis can be asked for
 TRIES = 6
 LESS = (0.2, 0.6)  # of what the library's effect shows: what the one beside it shows
+REST = (0.05, 0.3)  # of the effort: what nobody's law tells of it, as published logs have it
 
 
 @dataclass(frozen=True)
@@ -52,18 +54,20 @@ class Case:
 
     kind     of the library or not, two or three by +, or "none"; "two", "three", "beside" are drawn
     without  the right effects, and what says a part of them, are no candidates
+    disturbed  a force that wanders and no law tells is in the effort, up to a third of it
     """
 
     simulator: str
     kind: str
     seed: int
     without: bool = False
+    disturbed: bool = False
 
     @property
     def name(self) -> str:
         """By which its result is found again."""
-        lacking = "-without" if self.without else ""
-        return f"{self.simulator}-{self.kind}-{self.seed}{lacking}"
+        further = "-without" * self.without + "-disturbed" * self.disturbed
+        return f"{self.simulator}-{self.kind}-{self.seed}{further}"
 
     def kinds(self) -> tuple[str, ...]:
         """What is hidden."""
@@ -131,6 +135,9 @@ def made_of(case: Case, rng: np.random.Generator) -> Made:
     """Draw the machine of a case."""
     simulator, kinds = SIMULATORS[case.simulator], case.kinds()
     machine, recorder, plans, motions = _set_up(simulator, frozenset(kinds), rng)
+    if case.disturbed:
+        own = np.random.default_rng([case.seed, 2, *f"{case.simulator}/{case.kind}".encode()])
+        recorder = replace(recorder, slow=even(own, REST))
     scale = _scale(machine, recorder, motions)
     found: dict[str, float] = {}
     shares: dict[str, float] = {}
@@ -303,11 +310,13 @@ def cases(
     seeds: Sequence[int],
     nulls: int = 0,
     without: bool = False,
+    disturbed: bool = False,
 ) -> list[Case]:
     """Each kind that a simulator plays with every seed, and `nulls` machines with nothing hidden.
 
     kinds    empty: all, nothing hidden, and those that are drawn
     without  each single kind of the library again, with the right effects no candidates
+    disturbed  all of them are
     """
     asked = list(kinds) or [NONE, *LIBRARY, *OUTSIDE, *DRAWN]
     first = min(seeds, default=0)
@@ -315,7 +324,7 @@ def cases(
     again = [c for c in found if c.kind in LIBRARY] if without else []
     found += [Case(c.simulator, c.kind, c.seed, True) for c in again]
     found += [Case(s, NONE, first + n) for n in range(nulls) for s in simulators]
-    return list(dict.fromkeys(found))
+    return [replace(case, disturbed=disturbed) for case in dict.fromkeys(found)]
 
 
 def able(simulator: str, kind: str) -> bool:

@@ -80,15 +80,15 @@ def drawn_recorder(
         bool(machine.angular and machine.stroke > 4.0 and slow_enough and rng.uniform() < 0.5),
         float(rng.choice([0.0, 0.0, 0.0, 0.1, 0.2])),
         bool(rng.uniform() < 0.5),
-        _even(rng, WHITE),
-        float(rng.choice([0.0, _even(rng, SLOW)])),
+        even(rng, WHITE),
+        float(rng.choice([0.0, even(rng, SLOW)])),
         float(rng.uniform(0.05, 0.5)),
         place,
         str(rng.choice(UNITS[machine.effort])),
     )
 
 
-def _even(rng: np.random.Generator, span: tuple[float, float]) -> float:
+def even(rng: np.random.Generator, span: tuple[float, float]) -> float:
     """Drawn evenly in the logarithm."""
     return float(np.exp(rng.uniform(*np.log(span))))
 

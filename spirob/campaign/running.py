@@ -140,6 +140,7 @@ def result(case: Case) -> dict[str, Any]:
         "kind": case.kind,
         "seed": case.seed,
         "without": case.without,
+        "disturbed": case.disturbed,
         "release": __version__,
         "truth": made.truth,
         "about": made.about,
@@ -206,7 +207,8 @@ def known(path: Path) -> dict[str, Line]:
 
 
 def _name(one: Line) -> str:
-    return Case(one["simulator"], one["kind"], one["seed"], bool(one.get("without"))).name
+    further = (bool(one.get(flag)) for flag in ("without", "disturbed"))
+    return Case(one["simulator"], one["kind"], one["seed"], *further).name
 
 
 def play(

@@ -44,6 +44,14 @@ def test_cases_without_the_right_effect_are_played_beside_the_others():
     assert _lacking(truth) == ["a", "b", "cogging"]
 
 
+def test_a_disturbed_machine_is_the_same_one_with_a_force_that_wanders():
+    plain, rough = (cases(["bench"], ["cogging"], [1], disturbed=d)[0] for d in (False, True))
+    assert (plain.name, rough.name) == ("bench-cogging-1", "bench-cogging-1-disturbed")
+    quiet, loud = drawn(plain).about, drawn(rough).about
+    assert 0.05 <= loud["slow"] <= 0.3
+    assert {**quiet, "slow": loud["slow"]} == loud
+
+
 @pytest.mark.parametrize("kind", ["tight_spot", "position_viscosity", "hysteretic_spring"])
 def test_the_true_law_leaves_little_more_than_noise(kind, tmp_path):
     made = drawn(Case("bench", kind, 7701))

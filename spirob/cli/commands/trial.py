@@ -61,6 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rigs", action="store_true", help="simulated axes in place of robots: servos, slides, ..."
     )
     parser.add_argument(
+        "--disturbed",
+        action="store_true",
+        help="with --rigs: a force that wanders in each, 5 to 30 %% of the effort",
+    )
+    parser.add_argument(
         "--simulators", nargs="+", default=[], metavar="NAME", help="of axes, with --rigs; all"
     )
     parser.add_argument(
@@ -185,6 +190,7 @@ def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
         seeds,
         arguments.nulls,
         arguments.without,
+        arguments.disturbed,
     )
     there = known(path)
     with Progress([case.name for case in chosen if case.name not in there]) as progress:
