@@ -42,6 +42,7 @@ What is left, doubted and shown:
     leftovers.py                   what could still be explained, and from what
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
+    plain_columns.py               what inertia, friction, a force and a weight explain alone
     springs.py                     would a spring explain it
     differing.py                   do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward

@@ -22,6 +22,7 @@ from spirob.machine.plausibility import (
     AT_LOAD,
     fits_at_load,
     may_sit_at_load,
+    only_of_logs,
     untaught,
 )
 from spirob.machine.preparation import Ready, moving, ready_of, search_of
@@ -68,7 +69,9 @@ def diagnose_recordings(
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, judged.done.ready, [*train, *test], said)
             judged = again if again and _says_more(again, judged) else judged.noted(said)
-        return written(with_spring(judged, lambda told: judged_of(_once_more(_searched(told)))))
+        judged = with_spring(judged, lambda told: judged_of(_once_more(_searched(told))))
+        odd = only_of_logs(judged.search, judged.found, judged.verdict)
+        return replace(written(judged), strange=odd.names if odd and not odd.mended else ())
 
 
 def _says_more(again: Judged, judged: Judged) -> bool:

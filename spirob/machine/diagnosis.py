@@ -132,8 +132,12 @@ def diagnose(
         if isinstance(told, ArmFile):
             found = _arm(told, fitted, held, progress, own)
         else:
-            trials = filtered_alike(lambda log, cut: of_table(log, told, cut), fitted, held)
-            found = diagnose_recordings(told, folder, *trials, settings, progress, own)
+
+            def found_of(fitted: Sequence[Table], held: Sequence[Table]) -> Diagnosis:
+                trials = filtered_alike(lambda log, cut: of_table(log, told, cut), fitted, held)
+                return diagnose_recordings(told, folder, *trials, settings, progress, own)
+
+            found = _of_the_others(found_of, fitted, held, progress)
     found.document["repairs"][:0] = [*ran, *(f"{t}; the log is left out." for t in empty + more)]
     paths = [Path(log) for log in (*train, *test) if not isinstance(log, pd.DataFrame)]
     sources = _sources(rig, paths, command)
@@ -164,6 +168,28 @@ def _read(
         except NothingLeft as error:
             empty.append(str(error))
     return found, empty
+
+
+def _of_the_others(
+    found_of: Callable[[Sequence[Table], Sequence[Table]], Diagnosis],
+    train: Sequence[Table],
+    test: Sequence[Table],
+    progress: Callable[[str], None],
+) -> Diagnosis:
+    """What logs say; of the others, where fewer than these fit no other."""
+    found = found_of(train, test)
+    odd, names = found.strange, ", ".join(found.strange)
+    fitted, held = ([log for log in logs if log.name not in odd] for logs in (train, test))
+    if not odd or 2 * len(odd) >= len(train) + len(test) or not fitted or (test and not held):
+        return found
+    progress(f"once more, without {names}")
+    again = found_of(fitted, held)
+    if again.document["doubts"]:
+        return found
+    said, told = " ".join(found.document["doubts"]), again.document
+    told["sentence"] = f"Without {names}, which fits no other log: {told['sentence']}"
+    told["repairs"][:0] = [f"{said} What is said is of the other logs."]
+    return again
 
 
 def _sources(rig: Path | str | Mapping[str, Any], logs: Sequence[Path], command: str) -> Sources:

@@ -29,7 +29,7 @@ from spirob.diagnosis.model import Model
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LEVER
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import RESISTING, plain_columns
+from spirob.machine.plain_columns import RESISTING, plain_columns
 from spirob.machine.preparation import Ready, search_of
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile

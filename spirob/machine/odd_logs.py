@@ -11,23 +11,36 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from spirob.machine.inverse import InverseProblem
+from spirob.machine.plain_columns import RESISTING, explained, plain_columns
 
 FAMILIAR, STRANGE = 0.7, 0.0  # R² of a log that the model fits, and of one of another machine
 MOSTLY = 0.9  # of an effort's square, its level too: of another machine's less is explained
 PAIR, FEWEST = 2, 3  # logs that may differ by a unit, and of which one can be told as the odd one
 ALIKE = 0.1  # by which a factor between two logs counts as none
 HALF = 0.5  # of the squared error that another unit takes: of any other log it takes nothing
-RESISTING = 3  # plain columns that only resist: inertia, viscous and dry friction
 UNITS_APART = tuple(f for u in (np.pi / 180, 2 * np.pi, 1e3) for f in (u, 1 / u))
 EFFORTS_APART = (1e3, 1e-3)  # amperes among milliamperes
 RARE = 0.01  # of the rows in motion: fewer the other way show no friction there
 
 
-def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
-    """Logs that the others' model does not fit at all, of which the parts are one; or empty.
+@dataclass(frozen=True)
+class OddLogs:
+    """Logs that do not belong to the others, by name, and how that shows.
+
+    mended  whether another unit or sign mends it
+    """
+
+    names: tuple[str, ...]
+    said: str
+    mended: bool = False
+
+
+def strangers(
+    problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]
+) -> OddLogs | None:
+    """Logs that the others' model does not fit at all, of which the parts are one; None if all fit.
 
     residuals  of one model on the trials of each problem
     """
@@ -45,13 +58,13 @@ def strangers(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray
         logs[name] = share, *about, _is_strange(share, measured, own)
     strange = {name: log for name, log in logs.items() if log[-1]}
     if not strange or max(share for share, *_ in logs.values()) < FAMILIAR:
-        return ""
+        return None
     said = [f"{', '.join(strange)}: what fits the other logs does not fit this at all."]
     said += [f"{name}: {text}." for name, (_, text, *_) in strange.items() if text]
     others = {way for name, (_, _, way, _) in logs.items() if name not in strange}
     if {way for _, _, way, _ in strange.values()} == {-way for way in others} != {0}:
         said.append("It moves a way that no other log does: what these say of friction ends there.")
-    return " ".join(said)
+    return OddLogs(tuple(strange), " ".join(said))
 
 
 def _is_strange(share: float, measured: np.ndarray, modelled: np.ndarray) -> bool:
@@ -96,8 +109,10 @@ def one_way(train: InverseProblem, heldout: InverseProblem) -> list[str]:
     return [said + back if goes_back else said]
 
 
-def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> str:
-    """The one log without which all others fit; empty where there is none.
+def odd_one_out(
+    problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]
+) -> OddLogs | None:
+    """The one log without which all others fit; None where there is none.
 
     What fits is inertia, friction and weight, to first order, fitted to the other logs: beside a
     log of another scale, a search finds a law that bends towards it.  So where the model fits all,
@@ -106,13 +121,15 @@ def odd_one_out(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarr
     residuals  of one model on the trials of each problem
     """
     odd = _apart(problems)
-    if odd is None or (said := odd.of_another_unit()):
-        return "" if odd is None else said
+    if odd is None:
+        return None
+    if said := odd.of_another_unit():
+        return OddLogs((odd.name,), said, mended=True)
     measured, modelled = odd.measured, odd.design(1.0) @ odd.found
     mended = _mended(measured, modelled)
     strange = _is_strange(odd.share, measured, modelled) or (odd.share < FAMILIAR and mended)
     left = poorest(problems, residuals) < FAMILIAR
-    return odd.said(mended) if strange and left and odd.logs > PAIR else ""
+    return OddLogs((odd.name,), odd.said(mended)) if strange and left and odd.logs > PAIR else None
 
 
 def poorest(problems: Sequence[InverseProblem], residuals: Sequence[np.ndarray]) -> float:
@@ -265,16 +282,6 @@ def _carried(measured: np.ndarray, own: np.ndarray, found: np.ndarray) -> float:
     return explained(measured, resists + carried)
 
 
-def explained(measured: np.ndarray, modelled: np.ndarray, constant: float | None = None) -> float:
-    """Share of the variance that a model explains; below 0 where it misses more than the mean.
-
-    constant  that takes the place of the mean
-    """
-    about = np.mean(measured) if constant is None else constant
-    spread = max(float(np.mean((measured - about) ** 2)), 1e-300)
-    return 1.0 - float(np.mean((modelled - measured) ** 2)) / spread
-
-
 def _fitting(measured: np.ndarray, modelled: np.ndarray, about: float) -> float:
     """Share of one log's variance that a model explains.
 
@@ -309,40 +316,3 @@ def _mended(measured: np.ndarray, modelled: np.ndarray) -> str:
     if abs(factor - 1.0) < ALIKE:
         return f"with an offset of {offset:.3g} {share:.0%} of the variance is explained"
     return f"as {factor:.3g} times the model, {share:.0%} of the variance is explained"
-
-
-def plain_columns(problem: InverseProblem, times: float = 1.0) -> list[np.ndarray]:
-    """What inertia, viscous and dry friction make, then a force and a weight, (N,) each.
-
-    times  factor of the motion, for a log whose unit may be another
-    """
-    motion = problem.asked.motion
-    q, v, a = times * motion.q, times * motion.v, times * motion.a
-    columns = [a, v, np.sign(v), np.ones_like(v)]
-    if problem.rig.position is not None:
-        columns.append(q)
-        if problem.sizes.axis_unit == "rad":
-            columns += [np.sin(q), np.cos(q)]
-    return [problem.smoothed(column) for column in columns]
-
-
-def beside_plain(
-    effort: np.ndarray,
-    plain: Sequence[np.ndarray],
-    resisting: int,
-    columns: np.ndarray,
-    within: tuple[float, float] = (-np.inf, np.inf),
-) -> tuple[np.ndarray, float]:
-    """Numbers (k,) of columns (N, k) that fit an effort (N,) beside plain ones; mean square left.
-
-    resisting  how many of the plain columns, the first ones, can only resist
-    within     bounds of the numbers of `columns`
-    """
-    count, rest = columns.shape[1], len(plain) - resisting
-    design = np.column_stack([columns, *plain])
-    size = np.linalg.norm(design, axis=0) + 1e-300
-    low = np.r_[within[0] * size[:count], np.zeros(resisting), np.full(rest, -np.inf)]
-    high = np.r_[within[1] * size[:count], np.full(len(plain), np.inf)]
-    found = scipy.optimize.lsq_linear(design / size, effort, (low, high)).x
-    left = float(np.mean((effort - design / size @ found) ** 2))
-    return (found / size)[:count], left

@@ -23,15 +23,14 @@ from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import (
     FAMILIAR,
     FEWEST,
-    RESISTING,
-    explained,
+    OddLogs,
     level,
     odd_one_out,
     one_way,
-    plain_columns,
     strangers,
     ways_apart,
 )
+from spirob.machine.plain_columns import RESISTING, explained, plain_columns
 from spirob.machine.recording import Recording
 from spirob.machine.rig import RigFile
 from spirob.machine.wrong_numbers import found_of, out_of_scale, set_free, without_sign
@@ -61,16 +60,19 @@ def doubts(search: RigSearch, found: Found, rest: RigCeiling, believed: bool = T
     causes = [told(search, stands) for told in (_turned, without_sign, out_of_scale)]
     causes.append(_computed(search, found.chosen))
     mended = [text for text in causes if text]
-    other = _odd_logs(search, found) or ("" if mended else _senseless(search, found, rest))
+    odd = odd_logs(search, found)
+    other = odd.said if odd else "" if mended else _senseless(search, found, rest)
     return [text for text in (other, *mended) if text]
 
 
-def only_of_logs(search: RigSearch, found: Found, verdict: Verdict) -> bool:
-    """Whether all doubts of a verdict are that some log does not fit the others."""
-    return verdict.doubts == (_odd_logs(search, found),)
+def only_of_logs(search: RigSearch, found: Found, verdict: Verdict) -> OddLogs | None:
+    """The logs that do not fit the others, where all doubts of a verdict are about them."""
+    odd = odd_logs(search, found) if verdict.doubts else None
+    return odd if odd and verdict.doubts == (odd.said,) else None
 
 
-def _odd_logs(search: RigSearch, found: Found) -> str:
+def odd_logs(search: RigSearch, found: Found) -> OddLogs | None:
+    """The logs that do not fit the others."""
     problems = search.models.train, search.models.heldout
     residuals = found.chosen.fit.residual, found.chosen.heldout
     return odd_one_out(problems, residuals) or strangers(problems, residuals)

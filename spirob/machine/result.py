@@ -53,6 +53,7 @@ class Diagnosis:
     motion      measured and predicted motion; None where the rig does not ask for it
     law         composed for what no name explains; None where nothing is left, or nothing held
     heldout     the held-out logs and what the model that stands says of them; see `standing`
+    strange     logs that fit no other, which alone make the verdict doubtful
     """
 
     document: dict[str, Any]
@@ -64,6 +65,7 @@ class Diagnosis:
     law: Composed | None = None
     heldout: pd.DataFrame | None = None
     sources: Sources = field(default_factory=Sources)
+    strange: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:

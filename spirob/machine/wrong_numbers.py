@@ -19,16 +19,8 @@ from spirob.machine.body import RigidBody
 from spirob.machine.checks import TENFOLD
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import (
-    FAMILIAR,
-    HALF,
-    RARE,
-    RESISTING,
-    beside_plain,
-    explained,
-    level,
-    plain_columns,
-)
+from spirob.machine.odd_logs import FAMILIAR, HALF, RARE, level
+from spirob.machine.plain_columns import RESISTING, beside_plain, explained, plain_columns
 from spirob.machine.preparation import Ready
 from spirob.machine.rig import Bounded, RigFile
 from spirob.units import PREFIX

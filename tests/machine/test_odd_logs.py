@@ -4,8 +4,11 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
+import spirob
+from spirob.machine import odd_logs
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.odd_logs import (
@@ -14,16 +17,27 @@ from spirob.machine.odd_logs import (
     UNITS_APART,
     _mended,
     another_unit,
-    odd_one_out,
     one_way,
     poorest,
-    strangers,
     way_of,
 )
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
 from tests.machine.rigs import description
+
+
+def strangers(*about):
+    """What is said of logs that the others' model does not fit."""
+    odd = odd_logs.strangers(*about)
+    return odd.said if odd else ""
+
+
+def odd_one_out(*about):
+    """What is said of the log without which all others fit."""
+    odd = odd_logs.odd_one_out(*about)
+    return odd.said if odd else ""
+
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")
 
@@ -73,14 +87,19 @@ def test_the_log_without_which_all_others_fit_is_named(factors, odd):
 
 def rubbing(*units, efforts=(1.0, 1.0, 1.0)):
     """Logs of an axis that is hardly more than dry friction, each position in a unit of its own."""
-    rig, logs = RigFile.model_validate(description()), []
+    rig = RigFile.model_validate(description())
+    logs = [prepare(f"log{k}", log, rig) for k, log in enumerate(rubbed(units, efforts))]
+    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+
+
+def rubbed(units, efforts):
+    """The columns of such logs."""
     for k, unit in enumerate(units):
         t = np.arange(0, 6, 2e-3)
         q = np.sin((4.0 + k) * t) + 0.3 * np.sin(9.0 * t)
         v = np.gradient(q, t)
         effort = 0.01 * np.gradient(v, t) + 0.1 * v + 0.5 * np.tanh(v / 0.02)
-        logs.append(prepare(f"log{k}", {"t": t, "q": unit * q, "u": efforts[k] * effort}, rig))
-    return InverseProblem(rig, None, logs, [], SIZES, 0.02)
+        yield {"t": t, "q": unit * q, "u": efforts[k] * effort}
 
 
 @pytest.mark.parametrize("left", [0.9, 0.1])  # of the effort, by a model that may fit all of them
@@ -312,3 +331,14 @@ def test_a_log_at_nearly_one_effort_is_strange_only_where_its_level_is(level, st
     assert said.partition(":")[0] == strange
     said = odd_one_out([made], [-0.9 * made.measured()])
     assert said.partition(":")[0] == strange
+
+
+def test_the_verdict_is_of_the_other_logs_where_one_fits_none():
+    """It says which, and why; of two logs either may be the one."""
+    turned = half_turned(np.arange(0, 6, 2e-3))
+    tables = [pd.DataFrame(log) for log in rubbed([1.0] * 4, [1.0, turned, 1.0, 1.0])]
+    found = spirob.diagnose(description(), train=tables[:3], test=tables[3:])
+    assert found.sentence.startswith("Without train[1], which fits no other log: ")
+    assert found.notes[0].startswith("train[1]: ")
+    assert [one.name for one in found.findings] == ["coulomb_friction"]
+    assert not spirob.diagnose(description(), train=tables[:2]).sentence.startswith("Without")
