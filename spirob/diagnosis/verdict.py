@@ -290,10 +290,10 @@ class Words:
     def _nothing_missing(self) -> tuple[str, str]:
         models, bare = self.ended.search.models, self.ended.found.rungs[0]
         share = float(np.sqrt(bare.mean_square)) / models.size
-        return (
-            f"Nothing is missing that these data show: {share:.1%} of the {self._effort} is left.",
-            models.nothing(bare),
-        )
+        held = float(np.sqrt(bare.heldout_square)) / effort_rms(models.heldout)
+        more = f", {held:.1%} of that held out" if held > TWICE * share else ""
+        told = f"{share:.1%} of the {self._effort} is left{more}"
+        return f"Nothing is missing that these data show: {told}.", models.nothing(bare)
 
     def _unknown(self) -> tuple[str, str]:
         if not self._chosen.effects:

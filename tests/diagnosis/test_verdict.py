@@ -239,6 +239,11 @@ def test_without_a_name_what_counts_is_missing_or_nothing_is(missing, chosen, ki
         assert verdict.explanation.startswith("Nothing is left.")
 
 
+def test_nothing_missing_tells_the_held_out_share_where_it_is_twice_the_other():
+    verdict = judged(ended(model([], 0.002, 0.005), least=0.002, missing=False))
+    assert verdict.sentence.endswith("0.2% of the motor current is left, 0.5% of that held out.")
+
+
 def test_where_nothing_was_found_what_is_left_says_what_it_is():
     verdict = judged(ended(BARE))
     assert (verdict.kind, verdict.sentence) == ("unknown", "It is not known.")
