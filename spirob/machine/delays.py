@@ -172,9 +172,10 @@ def place(
 ) -> Bounded:
     """Seconds by which the effort trails the motion, bounds as far about as the logs leave open.
 
-    Where a usual one leaves hardly more than the best one, it is taken, within what is usual:
-    beside a law that is not found yet many delays are alike.  Else bounds hold all that leave
-    hardly more; the best one at the end of what is looked at is none.
+    Where a usual one leaves hardly more than the best one, it is taken, within what is usual and a
+    step of the look beyond the place: beside a law that is not found yet many delays are alike.
+    Else bounds hold all that leave hardly more; the best one at the end of what is looked at is
+    none.
 
     model    fitted, at whatever delay;  effects  of which one may be missing of it
     """
@@ -190,13 +191,15 @@ def place(
     laws = _laws(problem, model, folds, rows, residuals, effects)
     left = np.sum(residuals**2, axis=0) - np.max([law.falls() for law in laws], axis=0)
     best, first, last = valley(left, np.abs(delays) <= most)
-    nominal, low, high, near = (
-        round(float(x), GRAIN) for x in (delays[best], delays[first], delays[last], most)
-    )
+    told = delays[best], delays[first], delays[last], most, apart
+    nominal, low, high, near, step = (round(float(x), GRAIN) for x in told)
     if best in (0, len(delays) - 1):
         return as_usual(period)
     if low <= near and high >= -near:
-        return Bounded(nominal=min(max(nominal, -near), near), low=-near, high=near)
+        nominal = min(max(nominal, -near), near)
+        return Bounded(
+            nominal=nominal, low=min(-near, nominal - step), high=max(near, nominal + step)
+        )
     return Bounded(nominal=nominal, low=low - near, high=high + near)
 
 

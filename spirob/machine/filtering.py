@@ -227,9 +227,9 @@ def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: flo
     return slowest
 
 
-def least_cutoff(effort: np.ndarray, period: float) -> float:
-    """The cutoff [Hz] from which on most of an effort (n,) is in what is compared."""
-    return _band(effort, period) / BELOW
+def least_cutoff(values: np.ndarray, period: float) -> float:
+    """The cutoff [Hz] from which on most of a signal (n,) is in what is compared."""
+    return _band(values, period) / BELOW
 
 
 def roomy_cutoff(cutoff: float, least: float, filled: Sequence[np.ndarray], period: float) -> float:

@@ -87,6 +87,7 @@ class Recording:
     """A trial: its pieces, sample period [s], filter, and what was repaired while reading it.
 
     log   file that it is of, where its own name says which part of it
+    least  cutoff [Hz] from which on most of its motion is in what is compared
     turn  [m or rad] after which its position begins again; 0 where it does not
     """
 
@@ -98,6 +99,7 @@ class Recording:
     said: list[str]
     log: str = ""
     turn: float = 0.0
+    least: float = 0.0
 
     def worth(self, pieces: list[Piece]) -> list[Piece]:
         """The pieces of which some rows are compared."""
@@ -191,7 +193,8 @@ def prepare(
     duty = [g["effort"] / g["supply"] if "supply" in g else g["effort"] for g in grids]
     full = checks.saturated(name, duty, rig, said)
     pieces = [_piece(*one, rig, period, cutoff, lost) for one in zip(grids, full, strict=True)]
-    made = Recording(name, period, cutoff, every, pieces, said, name, turn)
+    least = min(cutoff, max(least_cutoff(grid["position"], period) for grid in grids))
+    made = Recording(name, period, cutoff, every, pieces, said, name, turn, least)
     return replace(made, pieces=_kept(made, rig, lost))
 
 

@@ -42,15 +42,16 @@ def filtered_alike(
 
 
 def _common(trials: Sequence[Recording], held: Sequence[Recording] = ()) -> float:
-    """The lowest cutoff of the trials, or what leaves the shortest log room; at most the highest.
+    """The lowest cutoff of the trials that most of each one's motion passes.
 
-    Room for the longest trial it leaves in any case.
+    Or what leaves the shortest log room; at most the highest.  Room for the longest trial it leaves
+    in any case.
 
     held  further ones that need room
     """
     every = [*trials, *held]
     highest = max([*(trial.cutoff for trial in every), min(_least(trial) for trial in trials)])
-    lowest = min(trial.cutoff for trial in trials)
+    lowest = max(min(trial.cutoff for trial in trials), *(trial.least for trial in trials))
     return min(max(lowest, *(_least(trial) for trial in every)), highest)
 
 

@@ -39,21 +39,24 @@ class Spring:
 
 
 def with_spring(judged: Judged, again: Callable[[Ready], Judged]) -> Judged:
-    """The verdict beside a spring, where no name stands without it and no law explains more.
+    """The verdict beside a spring, where no name stands without it.
 
-    Else it is told, with what it would leave.
+    Where none stands beside it either, and a law without it explains more, it is told alone, with
+    what it would leave.
 
     again  the verdict of a search
     """
     spring = None if judged.verdict.doubts else _spring_of(judged)
     if spring is None:
         return judged
-    by_law = judged.search.worth.matters(spring.model, judged.explained)
-    stands = by_law or judged.done.is_long or likely(judged.verdict.weighed)
-    if stands and not spring.instead:
+    if likely(judged.verdict.weighed) and not spring.instead:
         return judged.noted(spring.said)
     judged.done.ready.progress("once more, with a spring")
-    return again(_sprung(judged.done.ready, spring.bounds)).noted(f"{spring.said} {FITTED}")
+    sprung = again(replace(_sprung(judged.done.ready, spring.bounds), work=Work()))
+    by_law = judged.search.worth.matters(sprung.explained, judged.explained)
+    if sprung.verdict.kind == "unknown" and by_law and not spring.instead:
+        return judged.noted(spring.said)
+    return sprung.noted(f"{spring.said} {FITTED}")
 
 
 def _sprung(ready: Ready, spring: Bounded) -> Ready:

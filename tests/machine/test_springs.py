@@ -1,6 +1,7 @@
 """A spring that the description does not fit is told, and gives no other name."""
 
 import re
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,7 @@ from spirob.effects import all_effects, find_effects
 from spirob.identify.intervals import Estimate
 from spirob.machine import springs
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.inverse import Work
 from spirob.machine.judging import Judged
 from spirob.machine.preparation import ready_of
 from spirob.machine.recording import prepare
@@ -72,6 +74,18 @@ def test_no_spring_is_told_where_friction_is_missing(tmp_path):
     assert told(document) == []
 
 
+@dataclass(frozen=True)
+class Logs:
+    """A rig's logs, as far as they are looked at here."""
+
+    rig: RigFile = RIG
+    work: Work | None = None
+    bounds: Bounded | None = None
+
+    def progress(self, text):
+        """Nobody reads it."""
+
+
 @pytest.mark.parametrize(
     ("probability", "left", "fitted"),
     [(0.7, 0.05, True), (0.7, 0.3, False), (0.7, None, False), (0.2, 0.05, False)],
@@ -93,17 +107,18 @@ def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
     beside = SimpleNamespace(fitted=lambda effects, _: None if effects else sprung, bounds=bounds)
     monkeypatch.setattr(springs._Beside, "of", lambda ready: beside)
     monkeypatch.setattr(springs, "effort_rms", lambda problem: 1.0)
-    monkeypatch.setattr(springs, "_sprung", lambda ready, bounds: bounds)
+    ready = Logs()
+    monkeypatch.setattr(springs, "_sprung", lambda ready, bounds: replace(ready, bounds=bounds))
     models = SimpleNamespace(promised=0.5, heldout=None)
     search = SimpleNamespace(models=models, worth=Worth(Criteria(), 0.1))
     weighed = {"torque_ripple": Weighed(probability, probability)}
     verdict = SimpleNamespace(doubts=(), weighed=weighed)
-    ready = SimpleNamespace(rig=RIG, progress=lambda text: None)
     done = SimpleNamespace(ready=ready, search=search, is_long=False)
     judged = Judged(done, Found([model(0.4)]), verdict, None)
     asked = []
-    again = SimpleNamespace(noted=lambda said: said)
-    found = springs.with_spring(judged, lambda told: asked.append(told) or again)
+    explained, unknown = model(0.05), SimpleNamespace(kind="unknown")
+    again = SimpleNamespace(noted=lambda said: said, explained=explained, verdict=unknown)
+    found = springs.with_spring(judged, lambda told: asked.append(told.bounds) or again)
     assert asked == [bounds] * fitted
     if not fitted:
         assert found is judged
