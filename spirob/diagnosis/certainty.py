@@ -16,7 +16,7 @@ ahead_heldout  ln of the held-out error of the best other model over that of the
 ahead_of_kin   the same, of models without its kin, too: what the kin is judged by
 left           ln of what still follows from the motion, or is far more than noise, over what
                this effect took
-sharp          ln of an amplitude over half its interval's width, of the sharpest
+sharp          ln of an amplitude over half its interval's width, of the sharpest; its shape held
 place          0 for the effect that takes most, then 1, 2, ...
 """
 
@@ -68,9 +68,10 @@ def ratio(one: float, two: float) -> float:
 def sharp(models: Predictor, found: Fit, effect: type[Effect]) -> float:
     """How far an amplitude is from what makes it neutral, in half widths of its interval: ln.
 
-    Numbers of a rig of which the trials tell nothing within their bounds are held: they cannot
-    move as far as their own intervals to first order, and those of the amplitude, have it.  So are
-    amplitudes that ended at a bound where they are neutral: without them the law is a plainer one.
+    Its shape is held, of which nothing is told where it is neutral.  So are numbers of a rig of
+    which the trials tell nothing within their bounds: they cannot move as far as their own
+    intervals to first order, and those of the amplitude, have it.  So are amplitudes that ended at
+    a bound where they are neutral: without them the law is a plainer one.
     What ended at another bound is as large as it may be, which the bound tells and not the trials:
     it makes nothing sharp.  The arm's regression knows whole intervals.
     """
@@ -81,6 +82,8 @@ def sharp(models: Predictor, found: Fit, effect: type[Effect]) -> float:
         absent = [n for n, zero in amplitudes.items() if is_absent(train, found, n, zero)]
         capped = {n for n in amplitudes if n in estimates and estimates[n].at_bound} - {*absent}
         held += absent if len(absent) < len(amplitudes) else []
+        own = (f"{effect.name()}.{field}" for field in effect.fitted())
+        held += [n for n in own if n in estimates and n not in amplitudes]
         estimates = with_held(train, found, held, models.robust) if held else estimates
         estimates = {n: e for n, e in estimates.items() if n not in capped}
     told = []

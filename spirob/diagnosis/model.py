@@ -105,6 +105,7 @@ class Left:
 
 
 Counts = Callable[[Model, Model], bool]  # whether the second explains enough more than the first
+Sets = Sequence[tuple["Offer", ...]]  # to add to a model, each at once
 
 
 @dataclass
@@ -162,9 +163,11 @@ class Predictor(Protocol):
         """The model of a set; its numbers begin at `start`."""
 
     def grown(
-        self, current: Model, sets: Sequence[tuple[Offer, ...]], counts: Counts
+        self, current: Model, sets: Sets, counts: Counts, near: "Model | None" = None
     ) -> list[Model]:
         """The model with each of these sets added, those that count fitted until they settle.
+
+        They may begin at the numbers of another model that is `near`er than this one.
 
         Where one of them shows that the model itself was not fitted to its end, it is fitted again,
         and the other one stands in `tried`.

@@ -78,7 +78,7 @@ class Search(Generic[M]):
             if len(current.effects) < self.criteria.most and not self.models.complete(current):
                 offers = self.offers(current, self.absent(current))
         self.progress.expect(_last(len(current.effects)))
-        return self._found(self._pruned(current, whole=True), first)
+        return self._found(self._ended(current), first)
 
     def settled(self, model: Model) -> Found:
         """What a search ends with that has come to this model: what of it matters, its rivals."""
@@ -108,6 +108,19 @@ class Search(Generic[M]):
             offers = [o for o in offers if o.effect.name() not in self.vetoed]
             tried = self._grown(current, offers)
         return current
+
+    def _ended(self, model: Model) -> Model:
+        """What matters at the end, with what comes next in the place of what is denied there."""
+        for _ in range(self.criteria.most):
+            known = len(self.vetoed)
+            kept = self._pruned(model, whole=True)
+            if len(self.vetoed) == known:
+                break
+            grown = self._grown(kept, self.offers(kept, self.absent(kept)))
+            if grown is None:
+                break
+            model = grown
+        return kept
 
     def _elsewhere(self, model: Model, again: Model, grown: Model | None) -> bool:
         """Whether candidates were ranked beside a poor fit of a model, and rank otherwise now."""
@@ -218,9 +231,11 @@ class Search(Generic[M]):
         passed = [m for m in grown if self.worth.matters(current, m) and self.models.plain(m)]
         return self.worth.simplest(passed) if passed else None
 
-    def _extended(self, current: Model, sets: Sequence[tuple[Offer, ...]]) -> list[Model]:
+    def _extended(
+        self, current: Model, sets: Sequence[tuple[Offer, ...]], near: Model | None = None
+    ) -> list[Model]:
         # the least effect may be smaller beside what is added, so it is asked for each time
-        return self.models.grown(current, sets, lambda one, two: self.worth.matters(one, two))
+        return self.models.grown(current, sets, lambda a, b: self.worth.matters(a, b), near)
 
     def without(self, model: Model, effect: type[Effect]) -> Model:
         """The model without one of its effects."""
@@ -228,7 +243,7 @@ class Search(Generic[M]):
         return self.models.fitted(rest, model.fit.changes)
 
     def _pruned(self, model: Model, whole: bool = False) -> Model:
-        """Backward elimination: every effect has to matter in the presence of the others.
+        """Backward elimination: every effect has to matter beside the others, and all be plain.
 
         whole  nothing more will be added: until then what is still missing may hide an effect on
                the held-out trials, which deny it only where they contradict it
@@ -239,7 +254,9 @@ class Search(Generic[M]):
             denied = [e for e in model.effects if self.worth.denied(lesser[e], model, whole)]
             self.vetoed |= {e.name() for e in denied if e not in weak}
             if not weak and not denied:
-                return model
+                if self.models.plain(model):
+                    return model
+                weak = list(model.effects)
             model = min((lesser[e] for e in weak or denied), key=lambda m: m.mean_square)
         return model
 
@@ -261,7 +278,7 @@ class Search(Generic[M]):
         lesser = self.without(model, effect)
         offers = self.offers(lesser, self.absent(lesser))
         others = [(o,) for o in offers if o.effect is not effect][:EXCHANGES]
-        return [m for m in self._extended(lesser, others) if self.models.plain(m)]
+        return [m for m in self._extended(lesser, others, model) if self.models.plain(m)]
 
     def _divided(self, model: Model, effect: type[Effect]) -> list[Model]:
         """Models with a plainer law of its kind and another effect in the place of this one.
@@ -280,7 +297,7 @@ class Search(Generic[M]):
             if len(kin & {a.effect, b.effect}) == 1
             and richness(a.effect) + richness(b.effect) <= room
         ]
-        return [m for m in self._extended(lesser, pairs[:PAIRS]) if self.models.plain(m)]
+        return [m for m in self._extended(lesser, pairs[:PAIRS], model) if self.models.plain(m)]
 
     def rungs(self, model: Model) -> list[Model]:
         """From the bare model upward, each time the effect that takes most off the error."""

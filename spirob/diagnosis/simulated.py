@@ -22,7 +22,7 @@ from spirob.diagnosis.fitting import (
     to_the_end,
     without_slowest,
 )
-from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, another_dry, label
+from spirob.diagnosis.model import Counts, Left, Model, Offer, Predictor, Sets, another_dry, label
 from spirob.diagnosis.screen import Screened, amplitudes, screen
 from spirob.effects import Effect
 from spirob.identify.builds import RESOLUTION, Floor
@@ -170,7 +170,7 @@ class Simulated(Predictor):
         return sorted(found, key=lambda pair: pair[0])
 
     def grown(
-        self, current: Model, sets: Sequence[tuple[Offer, ...]], counts: Counts
+        self, current: Model, sets: Sets, counts: Counts, near: Model | None = None
     ) -> list[Model]:
         """The model with each of these sets added; of those that count the leaders to the end."""
         keys = [current.names | {o.effect.name() for o in added} for added in sets]

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
+from scipy.ndimage import percentile_filter
 
 from spirob.errors import DataError, NothingLeft
 from spirob.machine import checks
@@ -15,7 +16,8 @@ from spirob.machine.unwrapping import Track
 
 PIECE = 0.5  # s, of a piece at least
 FEWEST = 12  # samples of one
-SINGLE = 2.5  # periods over which a curve through the rows beside is as good as a row
+SINGLE = 2.5  # usual steps over which a curve through the rows beside is as good as a row
+AROUND, USUAL = 11, 75  # steps around one, and the percentile of them that is usual there
 MOST = 0.5  # of a log has to be left
 SLOWER = 1.5  # times the period of the log: a column of its own period
 FILLED = "filled"  # rows of a grid where there was no row of the log, or a broken one, 0 or 1
@@ -119,8 +121,9 @@ def _grid(
         known, told = seconds[good], values[good]
         grid[name] = _along(even, known, told, period)
         after = np.clip(np.searchsorted(known, even), 1, len(known) - 1)
-        apart = known[after] - known[after - 1]
-        filled[apart > SINGLE * max(period, float(np.median(np.diff(known))))] = 1.0
+        steps = np.diff(known)
+        usual = np.maximum(period, percentile_filter(steps, USUAL, AROUND, mode="nearest"))
+        filled[(steps > SINGLE * usual)[after - 1]] = 1.0
     return {**grid, FILLED: filled, "time": even}
 
 

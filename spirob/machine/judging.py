@@ -204,6 +204,7 @@ def with_instant(
 
     A bristle that has turned round before the filter answers fits the sensor, not the friction:
     whether that has a peak beside rest, as other laws do, no such log shows, and they are rivals.
+    A peak that flips at once is no bristle's.
     """
     unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
     instant = _instant(search)
@@ -211,6 +212,8 @@ def with_instant(
         name, other = effect.name(), instant[0].name()
         found = [chosen.fit.changes.get(f"{name}.{field}", np.inf) for field in ways(effect)]
         if not (is_dry(effect) and found and max(found) < unseen) or name not in weighed:
+            continue
+        if len(effect.neutral) > len(instant[0].neutral) and _at_once(search, chosen, effect):
             continue
         one, unit = weighed[name], search.models.train.sizes.axis_unit
         richer = (e.name() for e in search.candidates if is_dry(e) and e is not effect)
@@ -221,6 +224,13 @@ def with_instant(
             f"from {plain(other)}."
         )
     return told, said
+
+
+def _at_once(search: RigSearch, chosen: Model, effect: type[Effect]) -> bool:
+    """Whether a law turns round within no way that its trials tell from none."""
+    names = [f"{effect.name()}.{field}" for field in ways(effect)]
+    lows = {n: search.models.train.table.about[n].low for n in names}
+    return all(chosen.fit.estimates[n].low <= low for n, low in lows.items())
 
 
 def _instant(search: RigSearch) -> list[type[Effect]]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from spirob.diagnosis.criteria import Criteria, block_errors
 from spirob.diagnosis.flexible import folds_of
-from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, label
+from spirob.diagnosis.model import ABSORBED, Counts, Left, Model, Offer, Predictor, Sets, label
 from spirob.diagnosis.regression import products, steps
 from spirob.diagnosis.search import Search
 from spirob.effects import Effect
@@ -142,12 +142,12 @@ class Models(Predictor):
         return noise_in_effort(noise, modelled, self.train.compared_motion())
 
     def grown(
-        self, current: Model, sets: Sequence[tuple[Offer, ...]], counts: Counts
+        self, current: Model, sets: Sets, counts: Counts, near: Model | None = None
     ) -> list[Model]:
         """The model with each of these sets added; every fit ends where it settles."""
         found = []
         for added in sets:
-            start = dict(current.fit.changes)
+            start = dict((near or current).fit.changes)
             for offer in added:
                 start |= offer.values
             effects = (*current.effects, *(offer.effect for offer in added))

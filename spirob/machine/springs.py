@@ -72,7 +72,7 @@ def _sprung(ready: Ready, spring: Bounded) -> Ready:
 
 def _spring_of(judged: Judged) -> Spring | None:
     """A spring in the place of a name, of whose squared error it leaves half held out, or beside
-    what stands, where it leaves less by what counts."""
+    what is likely, where it leaves less than what was found by what counts."""
     search, ready, chosen = judged.search, judged.done.ready, judged.chosen
     left = search.worth.possible(chosen, 0.0, search.models.promised)
     if not left or not _is_open(ready.rig):
@@ -88,8 +88,9 @@ def _spring_of(judged: Judged) -> Spring | None:
                 f"{_left(search, pair[1])} of the effort held out, and it {_left(search, chosen)}."
             )
             return Spring(beside.bounds, pair[1], said, instead=True)
-    if pair := beside.fitted(chosen.effects, chosen):
-        before, after = (_left(search, model) for model in pair)
+    pair = beside.fitted(tuple(e for e in chosen.effects if e.name() in told), chosen)
+    if pair and search.worth.matters(chosen, pair[1]):
+        before, after = _left(search, chosen), _left(search, pair[1])
         said = (
             f"With {_words(pair[1])} (`fit: {{stiffness: ...}}`), {after} of the effort would be "
             f"left held out, without it {before}."
@@ -106,10 +107,9 @@ def _is_open(rig: RigFile) -> bool:
 def _words(sprung: Model) -> str:
     """The spring of a model in words, with its stiffness."""
     found = sprung.fit.estimates["rig.stiffness"]
-    return (
-        f"a spring of {found.value:.3g} {found.unit} ({found.low:.3g} to {found.high:.3g}), or a "
-        "weight over a small angle"
-    )
+    kind = "a weight over a small angle" if found.value > 0.0 else "a weight held upright"
+    size = f"{found.value:.3g} {found.unit} ({found.low:.3g} to {found.high:.3g})"
+    return f"a spring of {size}, or {kind}"
 
 
 def _left(search: RigSearch, model: Model) -> str:
@@ -143,7 +143,8 @@ class _Beside:
         effects = (*effects, *self._constant(effects))
         models = [s.models.fitted(effects, chosen.fit.changes) for s in (self.without, self.spring)]
         bare, sprung = models
-        told = sprung.fit.estimates["rig.stiffness"].low > 0.0
+        found = sprung.fit.estimates["rig.stiffness"]
+        told = found.low > 0.0 or found.high < 0.0
         worth = self.without.worth
         if not told or not worth.matters(bare, sprung) or worth.denied(bare, sprung):
             return None
@@ -157,8 +158,8 @@ class _Beside:
 
 
 def _stiffness(problem: InverseProblem) -> Bounded:
-    """A spring of any size, that begins where it makes a tenth of the effort."""
+    """A spring of any size and sign, that begins where it makes a tenth of the effort."""
     scale = problem.table.values[problem.table.position("rig.scale")]
     ratio = rms(problem.measured()) / float(np.std(problem.signals()["position"]))
     size = abs(float(scale)) * ratio
-    return Bounded(nominal=0.1 * size, low=0.0, high=WIDE * size)
+    return Bounded(nominal=0.1 * size, low=-WIDE * size, high=WIDE * size)

@@ -61,7 +61,7 @@ class Known(Predictor):
     def fitted(self, effects, start):
         return self.tried[frozenset(e.name() for e in effects)]
 
-    def grown(self, current, sets, counts):
+    def grown(self, current, sets, counts, near=None):
         return []
 
     def offers(self, model, effects):
@@ -144,7 +144,7 @@ class Linear(Known):
             self.tried[key] = self._made(effects)
         return self.tried[key]
 
-    def grown(self, current, sets, counts):
+    def grown(self, current, sets, counts, near=None):
         self.rounds.append([(*current.effects, *(o.effect for o in added)) for added in sets])
         found = [self.fitted(effects, {}) for effects in self.rounds[-1]]
         if self.asked["astray"] is not None and any(counts(current, m) for m in found):

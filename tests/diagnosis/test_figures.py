@@ -79,17 +79,26 @@ def test_the_sharper_its_number_the_surer_a_name():
 
 
 @pytest.mark.parametrize(
-    ("certainty", "bound", "held"),
-    [("name", True, True), ("name", False, False), ("arm", True, False)],
+    ("certainty", "bound", "shape", "held"),
+    [
+        ("name", True, False, True),
+        ("name", False, False, False),
+        ("name", False, True, True),
+        ("arm", True, True, False),
+    ],
 )
-def test_a_number_that_ended_at_a_bound_makes_no_amplitude_of_a_rig_unsure(certainty, bound, held):
+def test_a_number_at_a_bound_or_a_shape_makes_no_amplitude_of_a_rig_unsure(
+    certainty, bound, shape, held
+):
     problem = Nearly([0.1, 0.1], [1.0, 1.0], 1e-3)
     problem.slopes[:, 1] = 0.95 * problem.slopes[:, 0] + 0.05 * problem.slopes[:, 1]
     own, other = problem.names
     both = fit(problem, problem.names, {}, 0.05)
     ended_there = replace(both.estimates[other], at_bound=bound)
     both = replace(both, estimates={**both.estimates, other: ended_there})
-    effect = SimpleNamespace(name=lambda: "part", neutral={own.split(".")[1]: 0.0})
+    law, field = own.split(".")
+    fields = [field, other.split(".")[1]] if shape else [field]
+    effect = SimpleNamespace(name=lambda: law, neutral={field: 0.0}, fitted=lambda: fields)
     models = SimpleNamespace(train=problem, names=[other], certainty=certainty, robust=0.05)
     alone = fit(problem, [own], {other: both.changes[other]}, 0.05).estimates[own]
     wanted = alone if held else both.estimates[own]
@@ -107,7 +116,8 @@ def test_an_amplitude_at_its_neutral_bound_makes_the_other_of_its_law_no_less_su
     there = replace(both.estimates[other], value=bound, at_bound=True)
     both = replace(both, estimates={**both.estimates, other: there})
     neutral = {own.split(".")[1]: 0.0, other.split(".")[1]: bound if absent else bound - 1e-6}
-    effect = SimpleNamespace(name=lambda: own.split(".")[0], neutral=neutral)
+    law = own.split(".")[0]
+    effect = SimpleNamespace(name=lambda: law, neutral=neutral, fitted=lambda: list(neutral))
     models = SimpleNamespace(train=problem, names=[], certainty="name", robust=0.05)
     alone = fit(problem, [own], {other: both.changes[other]}, 0.05).estimates[own]
     wanted = alone if absent else both.estimates[own]
@@ -123,7 +133,8 @@ def test_an_amplitude_that_ended_at_a_cap_of_its_own_makes_no_name_of_a_rig_sure
     cap = problem.table.about[own].high
     there = replace(found.estimates[own], value=cap, low=0.99 * cap, high=cap, at_bound=True)
     found = replace(found, estimates={**found.estimates, own: there})
-    effect = SimpleNamespace(name=lambda: own.split(".")[0], neutral={own.split(".")[1]: 0.0})
+    law, field = own.split(".")
+    effect = SimpleNamespace(name=lambda: law, neutral={field: 0.0}, fitted=lambda: [field])
     models = SimpleNamespace(train=problem, names=[], certainty=certainty, robust=0.05)
     assert sharp(models, found, effect) == pytest.approx(np.log(200.0) if sure else 0.0)
 

@@ -185,6 +185,36 @@ def test_where_held_out_trials_deny_the_best_the_next_is_asked():
     assert found.vetoed == [TWO.name()]
 
 
+def test_where_held_out_trials_confirm_too_little_at_the_end_the_next_is_asked():
+    """Held out it takes less than what has to be confirmed, which is asked of a whole set alone."""
+    imitation = A + 0.2 * B
+    imitation[SAMPLES:] = 0.01 * A[SAMPLES:]
+    machine = Linear(0.1 * A, {TWO: imitation, ONE: A + 0.6 * C})
+    search, found = searched(machine)
+    assert not search.worth.denied(found.rungs[0], machine.fitted((TWO,), {}), whole=False)
+    assert names(found.chosen) == {ONE.name()}
+    assert found.vetoed == [TWO.name()]
+
+
+def test_what_is_left_of_a_set_has_to_be_plain_too():
+    machine = Linear(0.1 * A, {ONE: A, TWO: B})
+    search, _ = searched(machine)
+    both = machine.fitted((ONE, TWO), {})
+    machine.plain = lambda model: names(model) != {ONE.name()}
+    assert search._pruned(both).effects == ()
+
+
+def test_an_exchange_begins_at_the_numbers_of_the_model_that_it_changes():
+    machine, begun = Linear(0.1 * A + 0.05 * B, EACH), []
+    search, found = searched(machine)
+    grown = machine.grown
+    machine.grown = lambda current, sets, counts, near=None: (
+        begun.append((current.names, near)) or grown(current, sets, counts, near)
+    )
+    search.exchanges(found.chosen, ONE)
+    assert begun == [(frozenset({TWO.name()}), found.chosen)]
+
+
 def test_what_held_out_trials_deny_alone_they_may_confirm_beside_another():
     """Two laws that go together where they are fitted, and against each other held out."""
     both = np.r_[A[:SAMPLES], -2.0 * A[SAMPLES:]] + 0.5 * C
@@ -237,7 +267,7 @@ def test_candidates_that_were_ranked_beside_a_poor_fit_are_ranked_once_more(astr
 
 def test_numbers_that_stay_astray_are_not_followed_for_ever():
     class Lost(Linear):
-        def grown(self, current, sets, counts):
+        def grown(self, current, sets, counts, near=None):
             found = super().grown(current, sets, counts)
             assert len(self.rounds) < 20, "it has no end"
             self.asked["astray"] = 0.4 ** len(self.rounds) * A

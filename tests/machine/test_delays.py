@@ -117,6 +117,7 @@ def test_a_place_that_is_usual_but_for_rounding_is_usual(monkeypatch, period):
     [
         ((29, 21, 33), (-3, 3)),  # flat, with the usual ones in it
         ((29, 28, 30), (-3, 3)),
+        ((26, 26, 29), (-4, 3)),  # at the end of what is usual it may lie a step beyond
         ((29, 0, 33), (-3, 3)),  # no end to one side: told by nothing
         ((0, 0, 9), (-3, 3)),  # the best one may lie farther
         ((11, 5, 13), (-27, -13)),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError, NothingLeft
+from spirob.machine.grids import FILLED, _grid
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.selection import filtered_alike, split
@@ -49,6 +50,21 @@ def test_a_piece_without_compared_rows_is_skipped():
     made = prepare("log", columns, rig)
     assert len(made.pieces) == 2
     assert said_of(made, "1 pieces that hold no rows skipped")
+
+
+@pytest.mark.parametrize(
+    ("steps", "holes"),
+    [
+        ([0.002] * 500 + [0.0125] * 200, 0),  # it waits at one rate and moves at another
+        ([0.008, 0.024] * 200, 0),
+        ([0.002] * 300 + [0.0125] + [0.002] * 300, 1),
+    ],
+)
+def test_a_step_is_a_hole_beside_the_steps_around_it(steps, holes):
+    seconds = np.cumsum(steps)
+    grid = _grid(seconds, {"q": np.sin(seconds)}, min(steps))
+    edges = np.diff(np.r_[0.0, grid[FILLED], 0.0])
+    assert np.count_nonzero(edges > 0) == holes
 
 
 @pytest.mark.parametrize("name", ["q", "u"])

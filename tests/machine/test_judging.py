@@ -249,6 +249,25 @@ def test_dry_friction_is_told_beside_a_bristle_whose_way_no_log_shows(way, same,
     assert not same or ("0.0001 rad" in said and "0.001 rad" in said)
 
 
+@pytest.mark.parametrize("low", [1e-5, 2e-5])
+def test_a_peak_that_flips_at_once_is_no_bristle_that_no_log_shows(low):
+    """Its way ends at none that is told from none."""
+    coulomb = all_effects()["coulomb_friction"]
+    made = machines.model([StribeckFriction], 0.05)
+    made.fit.changes["stribeck_friction.presliding"] = 1e-4
+    way = Estimate(1e-4, low, 2e-4, "rad", False)
+    made.fit.estimates["stribeck_friction.presliding"] = way
+    search = machines.ended(machines.model([], 1.0), made).search
+    search.candidates = [StribeckFriction, coulomb]
+    about = {"stribeck_friction.presliding": SimpleNamespace(low=1e-5)}
+    sizes = SimpleNamespace(unseen=1e-3, axis_unit="rad")
+    search.models.train = SimpleNamespace(sizes=sizes, table=SimpleNamespace(about=about))
+    weighed = {"stribeck_friction": Weighed(0.8, 0.8)}
+    told, said = with_instant(search, made, weighed)
+    assert told["stribeck_friction"].equivalents == ([] if low == 1e-5 else ["coulomb_friction"])
+    assert bool(said) == (low > 1e-5)
+
+
 @pytest.mark.parametrize(
     ("one_way", "left", "told"),
     [([""], 0.1, True), ([], 0.1, False), ([""], 0.2, False)],

@@ -8,7 +8,7 @@ import pytest
 
 from spirob.errors import ConfigError, DataError
 from spirob.logs.readers.columns import from_frame
-from spirob.machine.filtering import possible_cutoff
+from spirob.machine.filtering import BELOW, possible_cutoff
 from spirob.machine.recording import Recording, of_table, prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.selection import (
@@ -140,6 +140,16 @@ def test_a_cutoff_that_nobody_gave_leaves_a_short_log_room():
         assert {r.name for r in (*logs, *held)} == {"a", "b", "fast"}
         assert {round(r.cutoff, 6) for r in (*logs, *held)} == {round(ROOM / 4.0, 6)}
         assert not any("left out" in text for text in logs[0].said)
+
+
+def test_the_common_cutoff_passes_most_of_each_log_s_motion():
+    """A slow log's noise asks for less than a fast one's motion."""
+    fast = swinging("fast", 40.0, 5.0)
+    low, high = (read(log, None).cutoff for log in (SLOW[0], fast))
+    assert low < 5.0 < high
+    logs, _ = filtered_alike(read, [*SLOW, fast], SLOW[:1])
+    assert [r.name for r in logs] == ["a", "b", "fast"]
+    np.testing.assert_allclose([r.cutoff for r in logs], 5.0 / BELOW, rtol=0.01)
 
 
 def stood_in(log, cutoff):
