@@ -37,7 +37,8 @@ class Names:
     """Chosen effects whose truth is known.
 
     rows  figures, (n, 6);  names  of the effects, (n,);  right  whether they are, (n,)
-    whose  (n,), the simulator of a rig, or "emulated arm/" and the number of one robot
+    whose  (n,), the simulator of a rig, behind "disturbed/" where it was, or "emulated arm/" and the
+           number of one robot: what weighs alike, and what is left out to judge
     """
 
     rows: np.ndarray
@@ -76,7 +77,8 @@ def _rig(line: Line) -> Iterator[Chosen]:
         names = {chosen["name"], *chosen["equivalents"]}
         if chosen.get("probability") != 0.0:
             said = "right" if names & right else "near" if names & near else "wrong"
-            yield chosen["figures"], chosen["name"], said, line["simulator"]
+            whose = "disturbed/" * line.get("disturbed", False) + line["simulator"]
+            yield chosen["figures"], chosen["name"], said, whose
 
 
 def _arm(line: Line) -> Iterator[Chosen]:
@@ -104,7 +106,8 @@ def digest(paths: Sequence[Path]) -> str:
 def learned(cases: Names) -> dict[str, Any]:
     """Means, scales, weights, bias and what is added for each name, of the regression.
 
-    Each simulator weighs alike: how many cases of it were played says nothing of other machines.
+    Each simulator weighs alike, and disturbed machines as one more: how many cases of it were
+    played says nothing of other machines.
     A name's own number is drawn to zero as the weights are, so that a few cases of it say little.
     """
     simulators = [one.split("/")[0] for one in cases.whose]
@@ -129,9 +132,9 @@ def _rounded(number: float) -> float:
 
 def left_out(cases: Names) -> np.ndarray:
     """Probability of each name by a fit to the other simulators, or robots, (n,)."""
-    found = np.empty(len(cases.right))
-    for one in np.unique(cases.whose):
-        own = cases.whose == one
+    found, left = np.empty(len(cases.right)), np.array([w.split("/")[-1] for w in cases.whose])
+    for one in np.unique(left):
+        own = left == one
         fit = learned(cases.of(~own))
         scaled = (cases.rows[own] - fit["mean"]) / fit["scale"]
         added = [fit["names"].get(name, 0.0) for name in cases.names[own]]

@@ -14,8 +14,7 @@ fall_heldout   ln of the held-out error without the effect over that with it
 ahead_heldout  ln of the held-out error of the best other model over that of the chosen one; the
                other is no richer, without the effect, and says something else
 ahead_of_kin   the same, of models without its kin, too: what the kin is judged by
-left           ln of what still follows from the motion, or is far more than noise, over what
-               this effect took
+left           ln of what still follows from the motion over what this effect took
 sharp          ln of an amplitude over half its interval's width, of the sharpest; its shape held
 place          0 for the effect that takes most, then 1, 2, ...
 """

@@ -110,17 +110,7 @@ def left_of(models: "Models", model: Model, rest: RigCeiling) -> Left:
     """What is left of a model; `rest` is the ceiling over it."""
     follows = max(rest.share, share(model.heldout, rest.heldout))
     told = _said(follows, rest), _unknown(models, model, follows, rest)
-    return Left(max(rest.share, _beyond_noise(models, model)), *told)
-
-
-def _beyond_noise(models: "Models", model: Model) -> float:
-    """Share of the squared error that is no noise, where far more than noise is left; else 0.
-
-    What trees do not find there (a memory, blows, a fit that ends at its bounds) is left, too.
-    """
-    if not unexplained(models, model):
-        return 0.0
-    return 1.0 - _noise(models) ** 2 / model.heldout_square
+    return Left(rest.share, *told)
 
 
 def _noise(models: "Models") -> float:
