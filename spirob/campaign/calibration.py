@@ -37,7 +37,7 @@ class Names:
     """Chosen effects whose truth is known.
 
     rows  figures, (n, 6);  names  of the effects, (n,);  right  whether they are, (n,)
-    whose  (n,), the simulator of a rig, behind "disturbed/" where it was, or "emulated arm/" and the
+    whose  (n,), a rig's simulator, behind "disturbed/" where it was, or "emulated arm/" and the
            number of one robot: what weighs alike, and what is left out to judge
     """
 
