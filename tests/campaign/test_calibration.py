@@ -98,3 +98,18 @@ def test_a_name_that_is_oftener_right_than_others_like_it_is_surer_and_a_rare_on
     assert told["often"] == pytest.approx(0.9, abs=0.05)
     assert told["seldom"] == pytest.approx(0.3, abs=0.05)
     assert told["seldom"] < told["rare"] < told["often"]
+
+
+def test_disturbed_machines_weigh_as_one_more_simulator_and_are_judged_with_theirs():
+    """Twice as many of one simulator's change nothing, but twice of two simulators' together do."""
+    rng = np.random.default_rng(5)
+    whose = np.repeat(["one", "two", "disturbed/one", "disturbed/two"], 100)
+    rows = rng.standard_normal((400, 6))
+    right = np.where(np.char.startswith(whose, "disturbed"), rows[:, 0] > -1.0, rows[:, 0] > 1.0)
+    drawn = Names(rows, np.repeat("friction", 400), right, whose)
+    once, twice = learned(drawn), learned(drawn.of(np.r_[:400, 200:400]))
+    assert twice["bias"] == pytest.approx(once["bias"], rel=0.05)
+    alone = learned(drawn.of(np.array([w.endswith("two") for w in whose])))
+    scaled = (rows[:100] - alone["mean"]) / alone["scale"]
+    score = scaled @ alone["weights"] + alone["bias"] + alone["names"]["friction"]
+    np.testing.assert_allclose(left_out(drawn)[:100], 1 / (1 + np.exp(-score)), rtol=1e-6)
