@@ -121,19 +121,19 @@ def inside(recording: Recording, delay: float) -> Recording:
 def only_aligns(model: Model, rig: RigFile, period: float) -> bool:
     """Whether a lag or latency of a model is no more than logs are apart anyway.
 
-    Against a delay of the other sign it does nothing but smooth, and whatever smooths a model of
-    noisy motion fits better.
+    Against a delay of the other sign, by itself or beyond where it was looked for, it does nothing
+    but smooth, and whatever smooths a model of noisy motion fits better.
     """
     if "delay" not in rig.fit:
         return False
     told = rig.fit["delay"]
     most = min(told.high - told.nominal, usual(period))
-    delay = model.fit.changes["rig.delay"] - told.nominal
+    delay = model.fit.changes["rig.delay"]
     for effect in model.effects:
         times = [f for f in effect.neutral if effect.parameters()[f].unit == "s"]
         for field in times if effect.port in SIGNS else ():
             age = model.fit.changes[f"{effect.name()}.{field}"]
-            if age + SIGNS[effect.port] * delay <= most:
+            if any(age + SIGNS[effect.port] * (delay - at) <= most for at in (0.0, told.nominal)):
                 return True
     return False
 

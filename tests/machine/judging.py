@@ -43,10 +43,14 @@ def is_right(case: Case, document: dict[str, Any]) -> bool:
     """Right verdict, every hidden effect named (or a declared equivalent), and nothing besides.
 
     A hidden effect that is richer than the library's may be named by several of its group: bristle
-    friction with a Stribeck curve is presliding friction and Stribeck friction.
+    friction with a Stribeck curve is presliding friction and Stribeck friction.  Undecided between
+    such a group alone is right, too.
     """
+    asked = [{e["name"], *e["equivalents"], *e["rivals"]} for e in document["effects"]]
+    within = all(any(names <= wanted for wanted in case.must) for names in asked)
     named = [{e["name"], *e["equivalents"]} for e in document["effects"]]
-    if document["verdict"] not in case.verdicts:
+    told = "named" if document["verdict"] == "undecided" and within else document["verdict"]
+    if told not in case.verdicts:
         return False
     found = all(any(names & wanted for names in named) for wanted in case.must)
     return found and all(any(names & wanted for wanted in case.must) for names in named)
