@@ -111,7 +111,7 @@ class Search(Generic[M]):
 
     def _ended(self, model: Model) -> Model:
         """What matters at the end, with what comes next in the place of what is denied there."""
-        for _ in range(self.criteria.most):
+        for _ in range(self.criteria.most + 1):
             known = len(self.vetoed)
             kept = self._pruned(model, whole=True)
             if len(self.vetoed) == known:

@@ -52,7 +52,7 @@ def test_a_search_that_has_come_to_a_model_ends_as_the_one_that_came_to_it():
     assert search.settled(more).chosen is found.chosen
 
 
-@pytest.mark.parametrize("most", [1, 2])
+@pytest.mark.parametrize("most", [0, 1, 2])
 def test_no_more_effects_are_added_than_are_asked_for(most):
     _, found = searched(Linear(0.1 * A + 0.1 * B + 0.1 * C, EACH), replace(CRITERIA, most=most))
     assert len(found.chosen.effects) == most
