@@ -110,6 +110,7 @@ def judged_of(done: Searched) -> Judged:
     ended, weighed, denied = foretelling(ended, weighed)
     done = done.noted(denied) if denied else done
     weighed, said = with_instant(search, ended.found.chosen, weighed)
+    weighed = with_plainer(search, ended.found.chosen, weighed)
     weighed = with_dry(search, ended.found.chosen, weighed)
     rest = search.models.ceiling(ended.found.chosen)
     causes = doubts(search, ended.found, rest, believed=bool(likely(weighed)))
@@ -242,6 +243,24 @@ def _with_same(one: Weighed, name: str) -> Weighed:
     """The weighed, where another says the same."""
     rivals = [n for n in one.rivals if n != name]
     return replace(one, equivalents=sorted({*one.equivalents, name}), rivals=rivals)
+
+
+def with_plainer(
+    search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
+) -> dict[str, Weighed]:
+    """The weighed, other dry friction as a rival of a law that is told by a part of itself alone.
+
+    Of Stribeck friction whose peak may be none no more is known than that it is dry.
+    """
+    told = dict(weighed)
+    for effect in chosen.effects:
+        name, one = effect.name(), weighed.get(effect.name())
+        amplitudes = {f"{name}.{field}": zero for field, zero in effect.neutral.items()}
+        found = [(chosen.fit.estimates.get(n), zero) for n, zero in amplitudes.items()]
+        if one and is_dry(effect) and any(e and e.low <= zero <= e.high for e, zero in found):
+            others = {e.name() for e in search.candidates if is_dry(e)} - {name, *one.equivalents}
+            told[name] = replace(one, rivals=sorted({*one.rivals, *others}))
+    return told
 
 
 def with_dry(

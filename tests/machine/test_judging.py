@@ -21,6 +21,7 @@ from spirob.machine.judging import (
     outdone,
     with_dry,
     with_instant,
+    with_plainer,
 )
 from spirob.machine.laws.presliding_friction import PreslidingFriction
 from spirob.machine.laws.stribeck_friction import StribeckFriction
@@ -247,6 +248,17 @@ def test_dry_friction_is_told_beside_a_bristle_whose_way_no_log_shows(way, same,
     assert told["presliding_friction"].probability == 0.8
     assert bool(said) == bool(same)
     assert not same or ("0.0001 rad" in said and "0.001 rad" in said)
+
+
+@pytest.mark.parametrize(("low", "rivals"), [(0.0, ["coulomb_friction"]), (0.3, [])])
+def test_a_peak_that_may_be_none_is_told_beside_friction_without_one(low, rivals):
+    made = machines.model([StribeckFriction], 0.05)
+    peak = Estimate(1.0, low, 2.0, "N·m", False)
+    made.fit.estimates["stribeck_friction.breakaway_excess"] = peak
+    search = machines.ended(machines.model([], 1.0), made).search
+    search.candidates = [StribeckFriction, all_effects()["coulomb_friction"]]
+    told = with_plainer(search, made, {"stribeck_friction": Weighed(0.8, 0.8)})
+    assert told["stribeck_friction"].rivals == rivals
 
 
 @pytest.mark.parametrize("low", [1e-5, 2e-5])
