@@ -6,7 +6,7 @@ nothing_missing  nothing that counts is left that the model could explain
 unknown          something is missing, and no name for it is likely enough
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -110,11 +110,11 @@ def searched(
     return ended, judge(ended, weighed, doubts)
 
 
-Bent = Callable[[Model], bool]  # whether a law of dry friction in it has visibly another shape
+Denied = Callable[[Model], Collection[str]]  # names of its effects that something else denies
 
 
 def concluded(
-    search: Search[Any], found: Found, bent: Bent = lambda model: False
+    search: Search[Any], found: Found, denied: Denied = lambda model: ()
 ) -> tuple[Ended, dict[str, Weighed]]:
     """What stands of a search, and how likely each chosen effect is.
 
@@ -125,21 +125,21 @@ def concluded(
     while (lesser := search.without_imitations(found, left.share)) is not None:
         found, left = lesser, search.models.left(lesser.chosen)
     ended = Ended(search, found, left)
-    weighed = weigh(ended, bent)
-    ended, weighed = _told_apart(ended, weighed, bent)
+    weighed = weigh(ended, denied)
+    ended, weighed = _told_apart(ended, weighed, denied)
     if 0 < len(kept := likely(weighed)) < len(weighed):
         found = search.narrowed(ended.found, kept)
         ended = Ended(search, found, search.models.left(found.chosen))
         if other := search.exchanged(found):
             again = Ended(search, other, search.models.left(other.chosen))
-            told = weigh(again, bent)
+            told = weigh(again, denied)
             if len(likely(told)) == len(told) > 0:
                 ended, weighed = again, {n: w for n, w in weighed.items() if n not in kept} | told
     return ended, weighed
 
 
 def _told_apart(
-    ended: Ended, weighed: dict[str, Weighed], bent: Bent
+    ended: Ended, weighed: dict[str, Weighed], denied: Denied
 ) -> tuple[Ended, dict[str, Weighed]]:
     """A search, without effects that cannot be told from the others, if one is likely then.
 
@@ -158,23 +158,23 @@ def _told_apart(
         vaguest = min(spared, key=lambda e: sharp[e])
         found = search.less(found, vaguest)
         again = Ended(search, found, search.models.left(found.chosen))
-        told = weigh(again, bent)
+        told = weigh(again, denied)
         if likely(told):
             return again, told
     return ended, weighed
 
 
-def weigh(ended: Ended, bent: Bent = lambda model: False) -> dict[str, Weighed]:
+def weigh(ended: Ended, denied: Denied = lambda model: ()) -> dict[str, Weighed]:
     """Each chosen effect by name; with its kin where only they together are likely.
 
-    What held-out trials do not confirm is not likely at all, nor is a bent law of dry friction.
+    What held-out trials do not confirm is not likely at all, nor is what is `denied`.
     """
     found, veto = ended.found, ended.search.criteria.veto
-    off, weighed = bent(found.chosen), {}
+    off, weighed = denied(found.chosen), {}
     for effect in found.chosen.effects:
         name, shown = effect.name(), figures(ended, effect)
-        denied = shown["fall_heldout"] <= -np.log1p(-veto) or (off and is_dry(effect))
-        own = 0.0 if denied else probability(shown, name, ended.search.models.certainty)
+        refuted = shown["fall_heldout"] <= -np.log1p(-veto) or name in off
+        own = 0.0 if refuted else probability(shown, name, ended.search.models.certainty)
         one = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
         unsure = 0.0 < own < LIKELY
         others = kin(ended.search, found.chosen, effect) if unsure else []

@@ -34,6 +34,7 @@ The search, by the rules of `spirob.diagnosis`:
                                    the effects that can act
     axis.py                        leads fit, delay and search
     judging.py                     the verdict, the law it asks for, whether a law beats the names
+    dry_friction.py                beside which laws dry friction is told
     foretold.py                    names with which the motion is foretold worse than without
     models.py                      sets of effects, each fitted in full
     laws/                          laws that a plain axis has instead of the library's

@@ -121,21 +121,32 @@ def inside(recording: Recording, delay: float) -> Recording:
 def only_aligns(model: Model, rig: RigFile, period: float) -> bool:
     """Whether a lag or latency of a model is no more than logs are apart anyway.
 
-    Against a delay of the other sign, by itself or beyond where it was looked for, it does nothing
-    but smooth, and whatever smooths a model of noisy motion fits better.
+    Against a delay of the other sign it does nothing but smooth, and whatever smooths a model of
+    noisy motion fits better.
     """
-    if "delay" not in rig.fit:
-        return False
-    told = rig.fit["delay"]
+    told = rig.fit.get("delay")
+    return told is not None and bool(_aligning(model, rig, period, told.nominal))
+
+
+def only_smoothing(model: Model, rig: RigFile, period: float) -> set[str]:
+    """Names of lags and latencies that a delay of the other sign, wherever it was placed, undoes.
+
+    What the two make together is no more than logs are apart anyway.
+    """
+    return _aligning(model, rig, period, 0.0) if "delay" in rig.fit else set()
+
+
+def _aligning(model: Model, rig: RigFile, period: float, about: float) -> set[str]:
+    told, found = rig.fit["delay"], set()
     most = min(told.high - told.nominal, usual(period))
-    delay = model.fit.changes["rig.delay"]
+    delay = model.fit.changes[DELAY] - about
     for effect in model.effects:
         times = [f for f in effect.neutral if effect.parameters()[f].unit == "s"]
         for field in times if effect.port in SIGNS else ():
             age = model.fit.changes[f"{effect.name()}.{field}"]
-            if any(age + SIGNS[effect.port] * (delay - at) <= most for at in (0.0, told.nominal)):
-                return True
-    return False
+            if age + SIGNS[effect.port] * delay <= most:
+                found.add(effect.name())
+    return found
 
 
 def _within(n: int, ends: int) -> np.ndarray:

@@ -11,24 +11,21 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
 from spirob.diagnosis.certainty import Ended
 from spirob.diagnosis.criteria import Worth
-from spirob.diagnosis.model import Found, Model, is_constant, is_dry, richness
-from spirob.diagnosis.rivals import is_worse
-from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, plain, weigh
-from spirob.effects import Effect
+from spirob.diagnosis.model import Found, Model, is_dry
+from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, weigh
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent
+from spirob.machine.delays import only_smoothing
+from spirob.machine.dry_friction import with_dry, with_instant, with_plainer
 from spirob.machine.foretold import misleading
 from spirob.machine.leftovers import RigCeiling, noisy, structured, unexplained
 from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import FAMILIAR, another_unit, one_way, poorest
+from spirob.machine.odd_logs import FAMILIAR, another_unit, poorest
 from spirob.machine.plausibility import doubts, only_of_logs
 from spirob.machine.preparation import Ready
-from spirob.machine.scaling import ways
 from spirob.machine.shapes import shaping
 
 ALL_FIT = "A law composed without any name fits all logs, which no model of the library does."
@@ -106,7 +103,7 @@ class Judged:
 def judged_of(done: Searched) -> Judged:
     """The verdict on a search, and the law that it asks for."""
     search = done.search
-    ended, weighed = confirmed(*concluded(search, done.found, lambda m: is_bent(search, m)))
+    ended, weighed = confirmed(*concluded(search, done.found, lambda m: contradicted(search, m)))
     ended, weighed, denied = foretelling(ended, weighed)
     done = done.noted(denied) if denied else done
     weighed, said = with_instant(search, ended.found.chosen, weighed)
@@ -123,6 +120,16 @@ def judged_of(done: Searched) -> Judged:
     judged = _beside_laws(judged)
     told = judged.verdict.kind in ("named", "undecided")
     return judged.noted(said) if said and told else judged
+
+
+def contradicted(search: RigSearch, model: Model) -> set[str]:
+    """Names of a model's effects that its curves or its delay deny.
+
+    Dry friction of visibly another shape; a lag that a delay of the other sign undoes.
+    """
+    period = max(r.period for r in search.models.train.recordings)
+    names = only_smoothing(model, search.models.train.rig, period)
+    return names | {e.name() for e in model.effects if is_dry(e) and is_bent(search, model)}
 
 
 def _in_all_logs(judged: Judged) -> Judged:
@@ -194,96 +201,8 @@ def foretelling(
     others = [e.name() for e in found.chosen.effects if e.name() not in names]
     kept = search.narrowed(found, others)
     without = Ended(search, kept, search.models.left(kept.chosen))
-    again = weigh(without, lambda m: is_bent(search, m))
+    again = weigh(without, lambda m: contradicted(search, m))
     return *confirmed(without, {**off, **again}), DENIED.format(titles)
-
-
-def with_instant(
-    search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
-) -> tuple[Mapping[str, Weighed], str]:
-    """The weighed, dry friction that flips at once beside one whose way no log shows; what is said.
-
-    A bristle that has turned round before the filter answers fits the sensor, not the friction:
-    whether that has a peak beside rest, as other laws do, no such log shows, and they are rivals.
-    A peak that flips at once is no bristle's.
-    """
-    unseen, told, said = search.models.train.sizes.unseen, dict(weighed), ""
-    instant = _instant(search)
-    for effect in chosen.effects if instant else ():
-        name, other = effect.name(), instant[0].name()
-        found = [chosen.fit.changes.get(f"{name}.{field}", np.inf) for field in ways(effect)]
-        if not (is_dry(effect) and found and max(found) < unseen) or name not in weighed:
-            continue
-        if len(effect.neutral) > len(instant[0].neutral) and _at_once(search, chosen, effect):
-            continue
-        one, unit = weighed[name], search.models.train.sizes.axis_unit
-        richer = (e.name() for e in search.candidates if is_dry(e) and e is not effect)
-        told[name] = _with_same(replace(one, rivals=sorted({*one.rivals, *richer})), other)
-        said = (
-            f"{effect.title} would turn round within {max(found):.2g} {unit} of a reversal. The "
-            f"axis goes {unseen:.2g} {unit} before the filter answers: these logs cannot tell it "
-            f"from {plain(other)}."
-        )
-    return told, said
-
-
-def _at_once(search: RigSearch, chosen: Model, effect: type[Effect]) -> bool:
-    """Whether a law turns round within no way that its trials tell from none."""
-    names = [f"{effect.name()}.{field}" for field in ways(effect)]
-    lows = {n: search.models.train.table.about[n].low for n in names}
-    return all(chosen.fit.estimates[n].low <= low for n, low in lows.items())
-
-
-def _instant(search: RigSearch) -> list[type[Effect]]:
-    """The plainest law of dry friction that flips at once, where there is one."""
-    return sorted((e for e in search.candidates if is_dry(e) and not e.state), key=richness)[:1]
-
-
-def _with_same(one: Weighed, name: str) -> Weighed:
-    """The weighed, where another says the same."""
-    rivals = [n for n in one.rivals if n != name]
-    return replace(one, equivalents=sorted({*one.equivalents, name}), rivals=rivals)
-
-
-def with_plainer(
-    search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
-) -> dict[str, Weighed]:
-    """The weighed, other dry friction as a rival of a law that is told by a part of itself alone.
-
-    Of Stribeck friction whose peak may be none no more is known than that it is dry.
-    """
-    told = dict(weighed)
-    for effect in chosen.effects:
-        name, one = effect.name(), weighed.get(effect.name())
-        amplitudes = {f"{name}.{field}": zero for field, zero in effect.neutral.items()}
-        found = [(chosen.fit.estimates.get(n), zero) for n, zero in amplitudes.items()]
-        if one and is_dry(effect) and any(e and e.low <= zero <= e.high for e, zero in found):
-            others = {e.name() for e in search.candidates if is_dry(e)} - {name, *one.equivalents}
-            told[name] = replace(one, rivals=sorted({*one.rivals, *others}))
-    return told
-
-
-def with_dry(
-    search: RigSearch, chosen: Model, weighed: Mapping[str, Weighed]
-) -> dict[str, Weighed]:
-    """The weighed, dry friction and a constant of logs of one way beside each other.
-
-    Where the other does about as well in its place.  Dry friction has a number more, which tells
-    how it turns round: what such logs hold of that is no motion.
-    """
-    told, models = dict(weighed), search.models
-    if not one_way(models.train, models.heldout):
-        return told
-    dry = _instant(search)
-    constants = [e for e in search.candidates if is_constant(e)]
-    for effect in (e for e in chosen.effects if e.name() in weighed):
-        name, rest = effect.name(), tuple(e for e in chosen.effects if e is not effect)
-        for other in dry if is_constant(effect) else constants if is_dry(effect) else ():
-            if other in rest or models.related(other, rest):
-                continue
-            if not is_worse(search, models.fitted((*rest, other), chosen.fit.changes), chosen):
-                told[name] = _with_same(told[name], other.name())
-    return told
 
 
 def _nameless(

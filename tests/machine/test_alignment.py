@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.delays import FARTHEST, inside, is_told, only_aligns, partnered, usual
+from spirob.machine.delays import (
+    FARTHEST,
+    inside,
+    is_told,
+    only_aligns,
+    only_smoothing,
+    partnered,
+    usual,
+)
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.models import Models
 from spirob.machine.recording import prepare
@@ -91,6 +99,16 @@ def test_a_lag_counts_from_where_alignment_ends(age, delay, no_more, place):
         effects=(all_effects()["current_lag"],), fit=SimpleNamespace(changes=changes)
     )
     assert only_aligns(lagging, rig, 2e-3) == no_more
+
+
+@pytest.mark.parametrize(("delay", "undone"), [(-0.019, True), (0.0, False), (0.019, False)])
+def test_a_lag_that_a_delay_undoes_only_smooths_wherever_that_was_placed(delay, undone):
+    """It is looked for about 15 ms before the motion; the two together make 4 ms."""
+    _, rig = models(-0.015)
+    lag = all_effects()["current_lag"]
+    changes = {"current_lag.time": 0.023, "rig.delay": delay}
+    lagging = SimpleNamespace(effects=(lag,), fit=SimpleNamespace(changes=changes))
+    assert only_smoothing(lagging, rig, 2e-3) == ({"current_lag"} if undone else set())
 
 
 @pytest.mark.parametrize("delay", [-0.04, 0.0, 0.025])

@@ -11,7 +11,8 @@ from spirob.diagnosis.model import Found
 from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
-from spirob.machine import judging, leftovers
+from spirob.machine import dry_friction, judging, leftovers
+from spirob.machine.dry_friction import with_dry, with_instant, with_plainer
 from spirob.machine.judging import (
     confirmed,
     explains_all,
@@ -19,9 +20,6 @@ from spirob.machine.judging import (
     may_outdo,
     numbers,
     outdone,
-    with_dry,
-    with_instant,
-    with_plainer,
 )
 from spirob.machine.laws.presliding_friction import PreslidingFriction
 from spirob.machine.laws.stribeck_friction import StribeckFriction
@@ -288,7 +286,7 @@ def test_dry_friction_is_told_beside_a_constant_of_logs_of_one_way(
     one_way, left, told, monkeypatch
 ):
     """Where its fit leaves as much; both signs of speed tell them apart, and so does a dwell."""
-    monkeypatch.setattr(judging, "one_way", lambda train, heldout: one_way)
+    monkeypatch.setattr(dry_friction, "one_way", lambda train, heldout: one_way)
     constant, dry = all_effects()["constant_force"], all_effects()["coulomb_friction"]
     sets = machines.model([], 1.0), machines.model([dry], left), machines.model([constant], 0.1)
     ended = machines.ended(*sets)
@@ -306,7 +304,7 @@ def test_dry_friction_is_told_beside_a_constant_of_logs_of_one_way(
 def test_a_constant_is_told_beside_dry_friction_of_logs_of_one_way(
     one_way, left, told, monkeypatch
 ):
-    monkeypatch.setattr(judging, "one_way", lambda train, heldout: one_way)
+    monkeypatch.setattr(dry_friction, "one_way", lambda train, heldout: one_way)
     constant, dry = all_effects()["constant_force"], all_effects()["coulomb_friction"]
     sets = machines.model([], 1.0), machines.model([constant], left), machines.model([dry], 0.1)
     ended = machines.ended(*sets)
