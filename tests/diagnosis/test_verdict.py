@@ -155,9 +155,9 @@ def test_beside_a_sure_name_another_may_be_one_of_its_kin(monkeypatch):
 
 
 @pytest.mark.parametrize(("effect", "said"), [(EFFECT, False), (OTHER, True)])
-def test_dry_friction_of_another_shape_is_withheld_and_nothing_else_is(effect, said):
+def test_what_something_else_denies_is_withheld_and_nothing_else_is(effect, said):
     one = ended(BARE, model([effect], 0.002))
-    told = weigh(one, lambda chosen: True)
+    told = weigh(one, lambda chosen: {EFFECT.name()})
     assert bool(likely(told)) is said
     assert bool(likely(weigh(one)))
 

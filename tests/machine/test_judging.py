@@ -15,6 +15,7 @@ from spirob.machine import dry_friction, judging, leftovers
 from spirob.machine.dry_friction import with_dry, with_instant, with_plainer
 from spirob.machine.judging import (
     confirmed,
+    contradicted,
     explains_all,
     foretelling,
     may_outdo,
@@ -213,6 +214,19 @@ def test_a_name_that_misleads_falls_and_others_are_weighed_again(misleads, other
     assert shaft.probability == (0.0 if misleads else 0.9)
     assert {one.probability for one in weighed.values()} <= {0.7 if misleads else 0.9}
     assert ("torsional compliance of the gear" in said) is misleads
+
+
+@pytest.mark.parametrize("bent", [True, False])
+def test_dry_friction_of_another_shape_is_denied_and_so_is_a_lag_that_a_delay_undoes(
+    bent, monkeypatch
+):
+    monkeypatch.setattr(judging, "is_bent", lambda search, model: bent)
+    monkeypatch.setattr(judging, "only_smoothing", lambda model, rig, period: {"current_lag"})
+    made = machines.model([all_effects()[n] for n in ("coulomb_friction", "cogging")], 0.1)
+    train = SimpleNamespace(recordings=[SimpleNamespace(period=2e-3)], rig=None)
+    search = SimpleNamespace(models=SimpleNamespace(train=train))
+    told = {"current_lag", "coulomb_friction"} if bent else {"current_lag"}
+    assert contradicted(search, made) == told
 
 
 def test_what_is_unlikely_anyway_stays_the_nearest():
