@@ -60,6 +60,14 @@ def test_a_spring_that_is_not_described_is_told_and_fitted(tmp_path, rest):
     assert document["ladder"][-1]["test"]["rmse"] < 0.05 * document["effort_rms"]["test"]
 
 
+def test_a_weight_held_upright_is_a_spring_of_the_other_sign(tmp_path):
+    document = diagnosed(tmp_path, spring=-1.0)
+    (said,) = told(document)
+    assert re.search(r"a spring of -(1|0\.99\d) N·m/rad", said)
+    assert "a weight held upright" in said
+    assert document["numbers"]["stiffness"]["value"] == pytest.approx(-1.0, rel=0.05)
+
+
 @pytest.mark.parametrize("key", ["fit", "known"])
 def test_of_a_spring_that_is_described_nothing_is_told(tmp_path, key):
     spring = {"nominal": 1.0, "low": 0.0, "high": 10.0} if key == "fit" else 0.5
@@ -90,8 +98,9 @@ class Logs:
     ("probability", "left", "fitted"),
     [(0.7, 0.05, True), (0.7, 0.3, False), (0.7, None, False), (0.2, 0.05, True)],
 )
+@pytest.mark.parametrize("kind", ["unknown", "named"])
 def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
-    monkeypatch, probability, left, fitted
+    monkeypatch, probability, left, fitted, kind
 ):
     """left  squared error that a spring leaves held out in the name's place, which leaves 0.4"""
     ripple = find_effects(["torque_ripple"])[0]
@@ -116,8 +125,9 @@ def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
     done = SimpleNamespace(ready=ready, search=search, is_long=False)
     judged = Judged(done, Found([model(0.4)]), verdict, None)
     asked = []
-    explained, unknown = model(0.05), SimpleNamespace(kind="unknown")
-    again = SimpleNamespace(noted=lambda said: said, explained=explained, verdict=unknown)
+    explained = model(0.05 if kind == "unknown" else 0.6)  # more than without the spring
+    kinds = SimpleNamespace(kind=kind)
+    again = SimpleNamespace(noted=lambda said: said, explained=explained, verdict=kinds)
     found = springs.with_spring(judged, lambda told: asked.append(told.bounds) or again)
     assert asked == [bounds] * fitted
     if not fitted:
