@@ -129,10 +129,8 @@ def only_aligns(model: Model, rig: RigFile, period: float) -> bool:
 
 
 def only_smoothing(model: Model, rig: RigFile, period: float) -> set[str]:
-    """Names of lags and latencies that a delay of the other sign, wherever it was placed, undoes.
-
-    What the two make together is no more than logs are apart anyway.
-    """
+    """Names of lags and latencies that make, with the delay wherever it was placed, no more than
+    logs are apart anyway."""
     return _aligning(model, rig, period, 0.0) if "delay" in rig.fit else set()
 
 

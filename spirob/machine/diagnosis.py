@@ -187,7 +187,8 @@ def _of_the_others(
     if again.document["doubts"]:
         return found
     said, told = " ".join(found.document["doubts"]), again.document
-    told["sentence"] = f"Without {names}, which fits no other log: {told['sentence']}"
+    fit = "fits" if len(odd) == 1 else "fit"
+    told["sentence"] = f"Without {names}, which {fit} no other log: {told['sentence']}"
     told["repairs"][:0] = [f"{said} What is said is of the other logs."]
     return again
 

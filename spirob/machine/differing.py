@@ -150,8 +150,6 @@ def _first_order(kind: str, rig: RigFile, search: RigSearch) -> np.ndarray | Non
         return None  # a body's payload hangs at its tip, which its model may not have
     if not rig.angular:
         return None if kind == "zero" else np.column_stack([signals["acceleration"], ones])
-    if not LEVER.keys() & {e.name() for e in search.candidates}:
-        return None  # over a small angle a weight is a spring
     turned = signals["position"]
     weight = [np.sin(turned), np.cos(turned)]
     return np.column_stack(weight if kind == "zero" else [signals["acceleration"], *weight])

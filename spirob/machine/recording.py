@@ -1,7 +1,6 @@
 """One trial of a rig: motion and effort in SI, filtered and differentiated alike.
 
-Position, and with it speed and acceleration by central differences, and the effort pass one
-zero-phase Butterworth filter of 4th order; products are built from what it leaves.
+Position, with it speed and acceleration, and effort pass one zero-phase Butterworth filter.
 """
 
 from collections import Counter
@@ -86,9 +85,8 @@ ALONG = ("seconds", "path", "q", "v", "a", "effort", "raw", "use", "stands")
 class Recording:
     """A trial: its pieces, sample period [s], filter, and what was repaired while reading it.
 
-    log   file that it is of, where its own name says which part of it
+    log   file that it is of;  turn  [m or rad] after which its position begins again, or 0
     least  cutoff [Hz] from which on most of its motion is in what is compared
-    turn  [m or rad] after which its position begins again; 0 where it does not
     """
 
     name: str
@@ -142,8 +140,7 @@ def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recordi
     """
     for name in rig.columns():
         table.column(name)
-    time = rig.time.told(table.name, table.units)
-    rig = rig.model_copy(update={"time": time})
+    rig = rig.model_copy(update={"time": rig.time.told(table.name, table.units)})
     return prepare(table.name, table.columns, rig, list(table.said), cutoff)
 
 
@@ -347,7 +344,7 @@ def _kept(made: Recording, rig: RigFile, lost: Counter[str]) -> list[Piece]:
         raise NothingLeft(
             f"{made.name}: {compared} rows are compared, one of {made.every}; {FEWEST} are needed"
         )
-    skipped = [(len(made.pieces) - len(moves), "stand"), (len(moves) - len(kept), "hold no rows")]
     made.said.extend(f"{made.name}: {text}." for text in shares)
+    skipped = [(len(made.pieces) - len(moves), "stand"), (len(moves) - len(kept), "hold no rows")]
     made.said.extend(f"{made.name}: {n} pieces that {why} skipped." for n, why in skipped if n)
     return kept

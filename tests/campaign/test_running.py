@@ -79,6 +79,12 @@ def test_bad_choices_are_a_sentence(wrong, capsys, tmp_path):
     assert wrong[0] in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("given", [["--disturbed"], ["--simulators", "bench"]])
+def test_what_axes_alone_have_is_refused_of_robots(given, capsys, tmp_path):
+    assert main(["trial", *given, "--out", str(tmp_path / "c.jsonl")]) == 2
+    assert f"{given[0]}: with --rigs only" in capsys.readouterr().err
+
+
 def test_a_tiny_campaign_is_played_to_its_table(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("spirob.campaign.case.RATES", (200.0,))
     monkeypatch.setattr("spirob.campaign.case.length_of", lambda rate, rng: 6.0)

@@ -157,8 +157,7 @@ def test_beside_a_sure_name_another_may_be_one_of_its_kin(monkeypatch):
 @pytest.mark.parametrize(("effect", "said"), [(EFFECT, False), (OTHER, True)])
 def test_what_something_else_denies_is_withheld_and_nothing_else_is(effect, said):
     one = ended(BARE, model([effect], 0.002))
-    told = weigh(one, lambda chosen: {EFFECT.name()})
-    assert bool(likely(told)) is said
+    assert bool(likely(weigh(one, lambda chosen: {EFFECT.name()}))) is said
     assert bool(likely(weigh(one)))
 
 
@@ -232,10 +231,8 @@ def test_without_a_name_what_counts_is_missing_or_nothing_is(missing, chosen, ki
     assert verdict.kind == kind
     assert verdict.probability == (1.0 if kind == "nothing_missing" else 0.0)
     if kind == "nothing_missing":
-        assert (
-            verdict.sentence
-            == "Nothing is missing that these data show: 0.2% of the motor current is left."
-        )
+        said = "Nothing is missing that these data show: 0.2% of the motor current is left."
+        assert verdict.sentence == said
         assert verdict.explanation.startswith("Nothing is left.")
 
 

@@ -95,6 +95,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise ConfigError(f"--out {arguments.out}: needs a file, not a folder")
     if arguments.rigs:
         return play_rigs(arguments, seeds)
+    for name in AXES_ONLY:
+        if getattr(arguments, name):
+            raise ConfigError(f"--{name}: with --rigs only")
     out = arguments.out or Path("data/trial.jsonl")
     kinds, ratios = _kinds(arguments.kinds), _ratios(arguments.ratios)
     require_build(arguments.build)
@@ -170,6 +173,7 @@ def _kinds(chosen: list[str]) -> list[str]:
 
 CAMPAIGN = Path("data/campaign.jsonl")
 ROBOTS_ONLY = ("pairs", "scheduler")  # options that axes do not have
+AXES_ONLY = ("disturbed", "simulators")  # that robots do not have
 
 
 def play_rigs(arguments: argparse.Namespace, seeds: Sequence[int]) -> int:
