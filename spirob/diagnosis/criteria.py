@@ -268,18 +268,26 @@ class Worth:
         fall = model.heldout_square - other.heldout_square
         return fall > max((1.0 - HALVED) * model.heldout_square, self.least**2)
 
+    def best(self, models: Sequence[Model]) -> Model:
+        """The model that leaves least, of those that the held-out trials let stand."""
+        return min(self._standing(models), key=lambda m: m.mean_square)
+
     def simplest(self, models: Sequence[Model]) -> Model:
-        """The poorest model to which no other is clearly preferable.
+        """The poorest model to which no other is clearly preferable, of those that stand.
 
         A richer model has to be better by the least size of an effect: the edges of a smooth sign
-        never fit quite, and a richer law always takes some of that.  An equal that the held-out
-        trials refute beside another is none: on logs of one direction dry friction is a constant
-        force, and one of the other direction tells.
+        never fit quite, and a richer law always takes some of that.
         """
-        best = min(models, key=lambda m: m.mean_square)
+        models, best = self._standing(models), self.best(models)
         equal = [m for m in models if m is best or not self._beaten(m, best)]
-        equal = [m for m in equal if not any(self.refuted(m, other) for other in equal)]
         return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
+
+    def _standing(self, models: Sequence[Model]) -> list[Model]:
+        """Those that the held-out trials do not refute beside another of them.
+
+        On logs of one direction dry friction is a constant force; one of the other direction tells.
+        """
+        return [m for m in models if not any(self.refuted(m, other) for other in models)]
 
     def _beaten(self, model: Model, best: Model) -> bool:
         if model.numbers < best.numbers:

@@ -153,8 +153,10 @@ class Search(Generic[M]):
         chosen = found.chosen
         if len(chosen.effects) < 2:
             return None
-        least = min(chosen.effects, key=lambda e: self.without(chosen, e).mean_square)
-        fall = self.without(chosen, least).mean_square - chosen.mean_square
+        lesser = {e: self.without(chosen, e) for e in chosen.effects}
+        best = self.worth.best(list(lesser.values()))
+        least = next(e for e, model in lesser.items() if model is best)
+        fall = best.mean_square - chosen.mean_square
         if share * chosen.mean_square < max(IMITATED * fall, self.worth.least**2):
             return None
         return self.less(found, least)
@@ -257,7 +259,7 @@ class Search(Generic[M]):
                 if self.models.plain(model):
                     return model
                 weak = list(model.effects)
-            model = min((lesser[e] for e in weak or denied), key=lambda m: m.mean_square)
+            model = self.worth.best([lesser[e] for e in weak or denied])
         return model
 
     def _exchanged(self, model: Model) -> Model:

@@ -153,7 +153,7 @@ def _told_apart(
         if min(sharp.values()) >= 0.0:
             break
         lesser = {e: search.without(found.chosen, e) for e in sharp}
-        best = min(lesser.values(), key=lambda m: m.mean_square)
+        best = search.worth.best(list(lesser.values()))
         spared = [e for e, model in lesser.items() if not search.worth.halves(model, best)]
         vaguest = min(spared, key=lambda e: sharp[e])
         found = search.less(found, vaguest)
