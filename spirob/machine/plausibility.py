@@ -220,7 +220,8 @@ def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
 def _turned(search: RigSearch, chosen: Model) -> str:
     """Whether inertia and friction, which only resist, fit with the other sign alone.
 
-    Not where as much of the effort as it is logged follows from what was found, held out as well.
+    Not where as much of the effort as it is logged follows from what was found, held out as well,
+    or less than counts is left of it.
     """
     effort, columns = search.models.train.measured(), plain_columns(search.models.train)
     design = np.column_stack(columns)
@@ -233,7 +234,9 @@ def _turned(search: RigSearch, chosen: Model) -> str:
         shares.append(explained(sign * effort, design / size @ found.x))
     as_logged, turned = shares
     as_logged = max(as_logged, found_of(search, chosen))
-    if turned < FAMILIAR or 1.0 - turned > HALF * (1.0 - as_logged):
+    gained = (turned - as_logged) * float(np.var(effort))
+    counts = gained > search.worth.least**2 and 1.0 - turned <= HALF * (1.0 - as_logged)
+    if turned < FAMILIAR or not counts:
         return ""
     return (
         f"With the sign of the effort turned, inertia, friction and weight explain {turned:.0%} of "

@@ -121,6 +121,15 @@ def test_one_that_is_not_the_best_is_left_only_where_that_is_clearly_better(poor
     assert worth.simplest([rich, other]).effects == (winner,)
 
 
+@pytest.mark.parametrize(("held", "winner"), [(0.03, RICH), (0.08, SIMPLE)])
+def test_what_the_held_out_trials_halve_beside_another_is_no_choice(held, winner):
+    """0.05 with the simple one; less than half the square of 0.08."""
+    rich, simple = machines.model([RICH], 0.02, held), machines.model([SIMPLE], 0.05)
+    worth = Worth(Criteria(), 0.01)
+    assert worth.simplest([rich, simple]).effects == (winner,)
+    assert worth.best([rich, simple]).effects == (winner,)
+
+
 def test_of_equally_rich_ones_the_better_is_taken():
     (other,) = find_effects(["constant_force"])
     models = [machines.model([SIMPLE], 0.0500), machines.model([other], 0.0499)]

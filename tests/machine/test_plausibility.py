@@ -188,6 +188,12 @@ def test_no_sign_is_blamed_where_what_was_found_explains_the_effort_as_logged():
     assert _turned(search, replace(bare, left=little, heldout=little)) == ""
 
 
+def test_no_sign_is_blamed_where_hardly_anything_is_left_as_logged():
+    """Moved by hand against a controller of a weight, an axis shows little that only resists."""
+    search = search_of(lambda q, v, a: 2.0 * np.sin(q) - 0.001 * v)
+    assert _turned(search, search.models.fitted((), {})) == ""
+
+
 def test_what_held_out_logs_deny_shields_no_wrong_sign():
     search = search_of(lambda q, v, a: -0.05 * v - 0.1 * np.tanh(v / 0.02))
     bare = search.models.fitted((), {})
