@@ -269,20 +269,20 @@ class Worth:
         return fall > max((1.0 - HALVED) * model.heldout_square, self.least**2)
 
     def best(self, models: Sequence[Model]) -> Model:
-        """The model that leaves least, of those that the held-out trials let stand."""
-        return min(self._standing(models), key=lambda m: m.mean_square)
+        """The model that leaves least, of those that stand."""
+        return min(self.standing(models), key=lambda m: m.mean_square)
 
     def simplest(self, models: Sequence[Model]) -> Model:
-        """The poorest model to which no other is clearly preferable, of those that stand.
+        """The poorest model to which no other is clearly preferable, of equals one that stands.
 
         A richer model has to be better by the least size of an effect: the edges of a smooth sign
         never fit quite, and a richer law always takes some of that.
         """
-        models, best = self._standing(models), self.best(models)
-        equal = [m for m in models if m is best or not self._beaten(m, best)]
+        best = min(models, key=lambda m: m.mean_square)
+        equal = self.standing([m for m in models if m is best or not self._beaten(m, best)])
         return min(equal, key=lambda m: (len(m.effects), m.numbers, m.mean_square))
 
-    def _standing(self, models: Sequence[Model]) -> list[Model]:
+    def standing(self, models: Sequence[Model]) -> list[Model]:
         """Those that the held-out trials do not refute beside another of them.
 
         On logs of one direction dry friction is a constant force; one of the other direction tells.

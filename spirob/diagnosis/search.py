@@ -231,7 +231,7 @@ class Search(Generic[M]):
         grown = self._extended(current, sets)
         current = self.models.tried[current.names]
         passed = [m for m in grown if self.worth.matters(current, m) and self.models.plain(m)]
-        return self.worth.simplest(passed) if passed else None
+        return self.worth.simplest(self.worth.standing(passed)) if passed else None
 
     def _extended(
         self, current: Model, sets: Sequence[tuple[Offer, ...]], near: Model | None = None
@@ -269,7 +269,7 @@ class Search(Generic[M]):
                 return model
             others = [m for e in model.effects for m in self.exchanges(model, e)]
             others += [m for e in model.effects for m in self._divided(model, e)]
-            chosen = self.worth.simplest([model, *others])
+            chosen = self.worth.simplest(self.worth.standing([model, *others]))
             if chosen is model:
                 return model
             model = chosen

@@ -185,6 +185,37 @@ def test_where_held_out_trials_deny_the_best_the_next_is_asked():
     assert found.vetoed == [TWO.name()]
 
 
+def split(fitted, held):
+    """What two halves of the trials hold."""
+    return np.r_[fitted[:SAMPLES], held[SAMPLES:]]
+
+
+def test_what_leaves_twice_as_much_held_out_as_another_is_not_chosen():
+    """Two fits the fitted trials better, and one all of them; a fall held out vetoes neither."""
+    columns = {TWO: split(A + 0.3 * B, 0.5 * A), ONE: A}
+    machine = Linear(0.1 * split(A + 0.3 * B, A), columns)
+    search, found = searched(machine)
+    one, two = (machine.fitted((e,), {}) for e in (ONE, TWO))
+    assert search.worth.clearly(one, two)
+    assert not search.worth.denied(found.rungs[0], two)
+    assert names(found.chosen) == {ONE.name()}
+    assert search._exchanged(one) is one
+
+
+def test_of_two_that_imitate_each_other_the_held_out_trials_say_which_goes():
+    columns = {
+        ONE: split(A + 0.3 * D, A + 0.6 * C),
+        TWO: split(A + 0.3 * B, 0.4 * A + 1.2 * C),
+    }
+    machine = Linear(0.1 * split(A + 0.12 * D + 0.18 * B, A + C), columns)
+    search, _ = searched(machine)
+    found = search.settled(machine.fitted((ONE, TWO), {}))
+    one, two = (machine.fitted((e,), {}) for e in (ONE, TWO))
+    assert names(found.chosen) == {ONE.name(), TWO.name()}
+    assert two.mean_square < one.mean_square
+    assert names(search.without_imitations(found, 1e3).chosen) == {ONE.name()}
+
+
 def test_where_held_out_trials_confirm_too_little_at_the_end_the_next_is_asked():
     """Held out it takes less than what has to be confirmed, which is asked of a whole set alone."""
     imitation = A + 0.2 * B
