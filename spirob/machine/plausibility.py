@@ -239,9 +239,9 @@ def _turned(search: RigSearch, chosen: Model) -> str:
     if turned < FAMILIAR or not counts:
         return ""
     return (
-        f"With the sign of the effort turned, inertia, friction and weight explain {turned:.0%} of "
-        f"its variance, as logged {max(0.0, as_logged):.0%}: give the effort or the motion the "
-        "factor -1."
+        "With the sign of the effort turned, inertia, friction and weight explain all but "
+        f"{100.0 * (1.0 - turned):.2g}% of its variance, as logged all but "
+        f"{100.0 * min(1.0, 1.0 - as_logged):.2g}%: give the effort or the motion the factor -1."
     )
 
 

@@ -132,6 +132,8 @@ class Control(Entry):
         cascade = self.position is not None and self.velocity is not None
         if cascade == (self.kp is not None):
             raise ValueError("give position and velocity of a cascade, or kp, kd and ki")
+        if not any(self.gains[:3]):
+            raise ValueError("with gains of 0 a controller asks for nothing")
         return self
 
     @property

@@ -154,6 +154,17 @@ def test_rows_catch_up_after_a_stall(rate, at, samples):
     assert off(np.maximum.accumulate(stamps), true, 1 / rate) < 0.5
 
 
+@pytest.mark.parametrize("jump", [1e3, 1e6, 1e9])
+def test_a_clock_that_is_set_in_the_middle_goes_on_as_before(jump):
+    """By seconds to years: the rows on either side are as far apart as ever."""
+    stamps = 5e-3 * np.arange(2000)
+    stamps[1000:] += jump
+    found = even_clock(stamps)
+    assert found.even is None
+    assert found.period == pytest.approx(5e-3, rel=1e-6)
+    assert found.shared == 1.0
+
+
 @given(st.floats(20, 2000), st.floats(0, 0.3), st.integers(0, 2**32))
 def test_lost_samples_leave_an_even_clock_as_it_is(rate, share, seed):
     keep = np.random.default_rng(seed).random(1000) >= share

@@ -35,7 +35,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from spirob.errors import DataError, MissingLog
+from spirob.errors import DataError, MissingLog, NothingLeft
 from spirob.logs.readers.columns import Asked, Table, finished, printable
 
 SMALL = 2**22  # bytes of a plain file that is read here
@@ -187,8 +187,9 @@ def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[An
     except MemoryError:
         tell(False, ValueError(f"reading it takes more than {MEMORY >> 20} MiB"))
     except DataError as error:
-        tell(False, DataError(printable(str(error))))
-    except Exception as error:
+        kind = NothingLeft if isinstance(error, NothingLeft) else DataError
+        tell(False, kind(printable(str(error))))
+    except BaseException as error:  # what runs here may raise what ends a process, too
         tell(False, ValueError(" ".join(str(error).split())[:200] or type(error).__name__))
 
 

@@ -1,5 +1,6 @@
 """CSV, whatever its separator and decimal sign are."""
 
+import csv
 import io
 import re
 import warnings
@@ -18,6 +19,7 @@ PLAIN = True
 
 LARGEST = 2**27  # bytes of text, which takes several times as much while it is read
 COLUMNS = 5000  # more are no table
+UNEVEN = 0.05  # of the rows may have too many cells; more is no table
 SAMPLE = 50  # lines from which separator and decimal sign are told
 SEPARATORS = (",", ";", "\t", "|", " ")
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|NaN|NA|null)?")
@@ -29,13 +31,13 @@ WORDS = {"\t": "tabulators", " ": "blanks"}
 def read(asked: Asked) -> Table:
     """Columns by name, and a sentence for whatever was not plain about the file.
 
-    Lines that begin with # are comments.  Raises DataError where no table of numbers with a line
-    of names can be found.
+    Lines that begin with # are comments, but the last of them may name the columns, as NumPy writes
+    it.  Raises DataError where no table of numbers with a line of names can be found.
     """
     from spirob.logs.readers.columns import add
 
     where, table = printable(str(asked.path)), Table(asked.name)
-    text = _text(asked.path, where)
+    text, comment = _text(asked.path, where)
     lines = text.split("\n", SAMPLE + 1)[: SAMPLE + 1]
     if len(lines) > 1 and not lines[-1]:
         lines.pop()
@@ -45,6 +47,10 @@ def read(asked: Asked) -> Table:
         )
     separator, decimal = _dialect(where, lines)
     names = _cells(lines[0], separator)
+    if all(NUMBER.fullmatch(cell) or TIME.fullmatch(cell) for cell in names):
+        if len(_cells(comment, separator)) != len(names):
+            raise DataError(f"{where}: the first line holds numbers; it must name the columns")
+        names, text = _cells(comment, separator), f"{comment}\n{text}"
     require_room(text.count("\n") - 1, len(names))
     frame, cut = _parse(where, text, separator, decimal)
     for k, name in enumerate(frame.columns):
@@ -53,19 +59,31 @@ def read(asked: Asked) -> Table:
         table.say(f"{names.count(name)} columns are called '{name}'; the first is used.")
     if cut:
         table.say("rows have more cells than there are names; those beyond are left out.")
+    if lost := text.count("\n") - 1 - len(frame):
+        if lost > UNEVEN * len(frame):
+            raise DataError(f"{where}: rows of more cells than there are names are {lost}")
+        table.say(f"rows of more cells than there are names are left out: {lost}.")
     if (separator, decimal) != (",", "."):
         between = WORDS.get(separator, f"'{separator}'")
         table.say(f"read with {between} between columns and '{decimal}' as decimal sign.")
     return table
 
 
-def _text(path: Path, where: str) -> str:
-    """The lines that are no comments and not blank, each with one line feed."""
+def _text(path: Path, where: str) -> tuple[str, str]:
+    """The lines that are no comments and not blank, each with one line feed.
+
+    Also the last comment before them.
+    """
     if path.stat().st_size > LARGEST:
         raise DataError(f"{where}: more than {LARGEST >> 20} MiB of text; use Parquet")
     text = _decoded(path.read_bytes(), where)
     text = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n") + "\n"
-    return IGNORED.sub("", text)
+    before: list[str] = []
+    for line in text.split("\n", SAMPLE):
+        if line.strip() and not line.startswith("#"):
+            break
+        before += [line.lstrip("# \t")] if line.startswith("#") else []
+    return IGNORED.sub("", text), before[-1].strip() if before else ""
 
 
 def _decoded(content: bytes, where: str) -> str:
@@ -105,8 +123,6 @@ def _dialect(where: str, lines: list[str]) -> tuple[str, str]:
             f"{where}: no table of numbers; expected a line of names, then rows with the same "
             "number of cells, separated by comma, semicolon, tabulator or blanks"
         )
-    if all(NUMBER.fullmatch(cell) or TIME.fullmatch(cell) for cell in _cells(lines[0], chosen[0])):
-        raise DataError(f"{where}: the first line holds numbers; it must name the columns")
     return chosen
 
 
@@ -118,7 +134,10 @@ def _told(cell: str, decimal: str) -> bool:
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    cells = line.split() if separator == " " else line.split(separator)
+    if separator == " ":
+        cells = line.split()
+    else:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
     return [cell.strip().strip('"') for cell in cells]
 
 
@@ -134,7 +153,7 @@ def _parse(where: str, text: str, separator: str, decimal: str) -> tuple["pd.Dat
                 sep=r"\s+" if separator == " " else separator,
                 decimal=decimal,
                 skipinitialspace=True,
-                on_bad_lines="error",
+                on_bad_lines="skip",
                 index_col=False,
                 low_memory=False,
             )

@@ -17,7 +17,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spirob.errors import DataError
+from spirob.errors import DataError, NothingLeft
 from spirob.logs.readers.columns import Asked, Table
 from spirob.logs.readers.decoders import Decode, Encoding, decoder
 
@@ -215,7 +215,7 @@ class Log(Protocol):
 def read_topics(log: Log, asked: Asked, table: Table) -> Table:
     """Add to a table what is wanted of a log, or else all its numbers.
 
-    Raises DataError where a message that is wanted is broken.
+    Raises DataError where a message that is wanted is broken, NothingLeft where there is none.
     """
     decoders = _Decoders(asked.name, log.encodings)
     fields = _wanted(log.encodings, asked.wanted)
@@ -237,8 +237,14 @@ def read_topics(log: Log, asked: Asked, table: Table) -> Table:
 
 
 def _tell_others(log: Log, decoders: "_Decoders", table: Table) -> None:
-    """Name what there is; where nothing of that was wanted, time is given none the less."""
-    offered = {topic: names for topic, names in _offered(log, decoders).items() if names}
+    """Name what there is; where nothing of that was wanted, time is given none the less.
+
+    Raises NothingLeft where there is no message at all.
+    """
+    found = _offered(log, decoders)
+    if not found:
+        raise NothingLeft(f"{table.name}: holds no message")
+    offered = {topic: names for topic, names in found.items() if names}
     table.others = [name for names in offered.values() for name in names] or list(log.encodings)
     if not table.columns and offered:
         topic = next(iter(offered))

@@ -37,11 +37,25 @@ def test_comments_bom_and_windows_line_ends(tmp_path):
     np.testing.assert_array_equal(columns["q"], [0, 2, 4, 6, 8])
 
 
-def test_a_file_without_names_says_so(tmp_path):
+@pytest.mark.parametrize("before", ["", "# made by a drive\n", "# a,b\n"])
+def test_a_file_without_names_says_so(before, tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text("\n".join("1,2,3" for _ in range(10)))
+    path.write_text(before + "\n".join("1,2,3" for _ in range(10)))
     with pytest.raises(DataError, match="must name the columns"):
         read_table(path)
+
+
+@pytest.mark.parametrize("separator", [" ", ","])
+def test_names_in_the_last_comment_are_names_as_numpy_writes_them(separator, tmp_path):
+    path, head = tmp_path / "a.txt", "a robot\n" + separator.join("tqu")
+    np.savetxt(path, ROWS, delimiter=separator, header=head)
+    columns = read_table(path).columns
+    np.testing.assert_allclose(np.column_stack([columns[n] for n in "tqu"]), ROWS)
+
+
+def test_a_quoted_name_may_hold_the_separator(tmp_path):
+    table = read_table(written(tmp_path / "a.csv", ",", ".", head='t{0}"current, A"{0}u'))
+    np.testing.assert_allclose(table.column("current, A"), [row[1] for row in ROWS])
 
 
 def test_a_name_over_two_columns_is_said(tmp_path):
@@ -104,8 +118,12 @@ def test_other_dates_are_told_as_text(tmp_path):
 
 def test_rows_that_are_too_long_are_refused_or_cut_and_said(tmp_path):
     rows = ["1,2"] * 60
-    (tmp_path / "a.csv").write_text("\n".join(["t,q", *rows, "3,4,5"]))
-    with pytest.raises(DataError, match="rows differ in their number of cells"):
+    (tmp_path / "a.csv").write_text("\n".join(["t,q", *rows, "3,4,5", "6,7"]))
+    table = read_table(tmp_path / "a.csv")
+    assert table.column("q").tolist() == 60 * [2.0] + [7.0]
+    assert table.said == ["a.csv: rows of more cells than there are names are left out: 1."]
+    (tmp_path / "a.csv").write_text("\n".join(["t,q", *rows, *(["3,4,5"] * 4)]))
+    with pytest.raises(DataError, match="more cells than there are names are 4"):
         read_table(tmp_path / "a.csv")
     (tmp_path / "a.csv").write_text("\n".join(["t,q", "3,4,5", *rows]))
     table = read_table(tmp_path / "a.csv")

@@ -28,6 +28,16 @@ def test_a_crash_is_an_error_too():
         apart(os.abort)
 
 
+def interrupted():
+    raise KeyboardInterrupt
+
+
+def test_what_would_end_a_process_is_an_error_without_a_trace(capfd):
+    with pytest.raises(ValueError, match="KeyboardInterrupt"):
+        apart(interrupted)
+    assert capfd.readouterr().err == ""
+
+
 def forked():
     if os.fork() == 0:
         raise ValueError("child")

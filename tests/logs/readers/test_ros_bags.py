@@ -9,7 +9,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from spirob.errors import DataError, MissingChannel
+from spirob.errors import DataError, MissingChannel, NothingLeft
 from spirob.logs.readers import read_table
 from spirob.logs.readers.decoders import Encoding, decoder
 from tests.logs.readers.same_log import KINDS, N, Q
@@ -112,6 +112,14 @@ def test_an_older_bag_without_definitions_has_the_usual_types_alone(tmp_path):
         else:
             with pytest.raises(DataError, match="lab_msgs/msg/Drive is broken: the bag does not"):
                 read_table(path, names)
+
+
+def test_a_bag_without_messages_is_told_as_empty(tmp_path):
+    path = bag2(tmp_path / "bag")
+    with sqlite3.connect(next(path.glob("*.db3"))) as base:
+        base.execute("DELETE FROM messages")
+    with pytest.raises(NothingLeft, match="bag: holds no message"):
+        read_table(path, ["/drive.id"])
 
 
 def test_files_that_are_packed_are_told_how_to_unpack(tmp_path):
