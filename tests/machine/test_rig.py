@@ -49,6 +49,7 @@ def test_a_description_is_read(tmp_path):
         ({"effort": {"unit": "A", "kind": "current"}}, "give either its column, or from: control"),
         ({"known": {"back_emf": 0.1}}, "only where the effort is a voltage"),
         ({"control": {"kp": 1.0, "position": 2.0, "velocity": 1.0}}, "cascade, or kp"),
+        ({"control": {"kp": 0.0}}, "gains of 0 a controller asks for nothing"),
         ({"predict": "closed_loop"}, "needs 'control' and 'reference'"),
         ({"body": {"mjcf": "a.xml"}}, "driven joint or the driven tendon"),
         ({"time": {"column": "t", "unit": "s", "factor": 0}}, "a factor of 0"),
