@@ -15,8 +15,9 @@ The search:
 The verdict:
     contest.py                 who stands beside what was found
     proposals.py, followup.py  which trial tells them apart; ask, play, decide
-    verdict.py                 one of four verdicts, in words
     certainty.py               how sure a name is, of the figures in `certainty.json`
+    conclusion.py              what stands of a search, each effect so sure
+    verdict.py                 one of four verdicts, in words
 What is shown besides:
     atlas.py                   which regimes hold the error
     flexible.py                what any law could still explain, by boosted trees

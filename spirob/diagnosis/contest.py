@@ -16,13 +16,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.conclusion import concluded, weigh
 from spirob.diagnosis.criteria import Settings, Worth, complete
 from spirob.diagnosis.fitting import Begun, briefly
 from spirob.diagnosis.model import Found, Model, Offer, alike
 from spirob.diagnosis.proposals import Proposal, propose
 from spirob.diagnosis.search import Search
 from spirob.diagnosis.simulated import Simulated
-from spirob.diagnosis.verdict import Verdict, concluded, judge, weigh
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import Effect, find_effects
 from spirob.identify.fit import Fit
 from spirob.identify.measurement import Measurement

@@ -23,6 +23,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.conclusion import Weighed, weigh
 from spirob.diagnosis.contest import (
     Contestant,
     compared,
@@ -35,7 +36,7 @@ from spirob.diagnosis.contest import (
 )
 from spirob.diagnosis.criteria import Settings, complete
 from spirob.diagnosis.proposals import Played, Proposal, on_either_side, proposal
-from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, Weighed, judge, weigh
+from spirob.diagnosis.verdict import AGAIN, ATLAS, Verdict, judge
 from spirob.effects import Effect
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import Problem, rms

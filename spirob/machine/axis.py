@@ -4,11 +4,12 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from spirob.diagnosis.conclusion import likely
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.flexible import one_thread
 from spirob.diagnosis.model import Found, Model, alike
 from spirob.diagnosis.search import Search
-from spirob.diagnosis.verdict import TWICE, likely
+from spirob.diagnosis.verdict import TWICE
 from spirob.effects import Effect
 from spirob.errors import NothingLeft
 from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from spirob.diagnosis.conclusion import Weighed
 from spirob.diagnosis.model import Model, is_constant, is_dry, richness
 from spirob.diagnosis.rivals import is_worse
-from spirob.diagnosis.verdict import Weighed, plain
+from spirob.diagnosis.verdict import plain
 from spirob.effects import Effect
 from spirob.machine.models import RigSearch
 from spirob.machine.odd_logs import one_way

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.conclusion import Weighed, concluded, likely, weigh
 from spirob.diagnosis.criteria import Worth
 from spirob.diagnosis.model import Found, Model, is_dry
-from spirob.diagnosis.verdict import TWICE, Verdict, Weighed, concluded, judge, likely, weigh
+from spirob.diagnosis.verdict import TWICE, Verdict, judge
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.composed import Composed, composed
 from spirob.machine.composed.draft import Draft, is_bent

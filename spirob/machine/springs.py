@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spirob.diagnosis.conclusion import likely
 from spirob.diagnosis.model import Model, is_constant
-from spirob.diagnosis.verdict import likely
 from spirob.effects import Effect
 from spirob.identify.problem import effort_rms, rms
 from spirob.machine.inverse import InverseProblem, Work

@@ -1,12 +1,13 @@
 """A robot that made its own trials, and a search that ended where it is told to."""
 
 from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.conclusion import Weighed
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.fitting import Begun
 from spirob.diagnosis.model import Found
 from spirob.diagnosis.search import Search
 from spirob.diagnosis.simulated import ROLES, Simulated
-from spirob.diagnosis.verdict import Verdict, Weighed
+from spirob.diagnosis.verdict import Verdict
 from spirob.identify.fit import fit
 from spirob.identify.measurement import Measurement
 from spirob.trials import Trial

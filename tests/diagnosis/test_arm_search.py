@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.atlas import survey
+from spirob.diagnosis.conclusion import weigh
 from spirob.diagnosis.criteria import Settings, floor_at, noise_floor
 from spirob.diagnosis.document import document, metrics
 from spirob.diagnosis.fitting import Begun, begun
 from spirob.diagnosis.schema import FORMAT, checked, unknown
 from spirob.diagnosis.simulated import ROLES, Simulated
-from spirob.diagnosis.verdict import SENSELESS, judge, searched, weigh
+from spirob.diagnosis.verdict import SENSELESS, judge, searched
 from spirob.effects import find_effects
 from spirob.identify.builds import Floor, hinges, holes
 from spirob.identify.fit import fit

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis import contest
+from spirob.diagnosis.conclusion import Weighed, weigh
 from spirob.diagnosis.contest import (
     Contestant,
     beside,
@@ -16,7 +17,7 @@ from spirob.diagnosis.contest import (
     proposed,
 )
 from spirob.diagnosis.proposals import TRIALS, propose, told
-from spirob.diagnosis.verdict import Verdict, Weighed, judge, weigh
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects.motor.coulomb_friction import CoulombFriction
 from spirob.effects.motor.load_dependent_friction import LoadDependentFriction
 from spirob.trials import Trial

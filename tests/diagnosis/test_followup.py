@@ -18,11 +18,12 @@ from pipeline.config import composed
 from pipeline.schema import validated
 from spirob.campaign.arm import case as trial
 from spirob.diagnosis import followup
+from spirob.diagnosis.conclusion import Weighed
 from spirob.diagnosis.contest import Contestant
 from spirob.diagnosis.criteria import Settings
 from spirob.diagnosis.followup import Answer, Proof, Question, answered, asked
 from spirob.diagnosis.proposals import Proposal
-from spirob.diagnosis.verdict import Verdict, Weighed, judge
+from spirob.diagnosis.verdict import Verdict, judge
 from spirob.effects import find_effects
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import pytest
 
+from spirob.diagnosis.conclusion import Weighed, weigh
 from spirob.diagnosis.contest import Contestant, in_question, joined
 from spirob.diagnosis.followup import Proof, proved, put_to_proof, sifted, to_prove
 from spirob.diagnosis.proposals import told
-from spirob.diagnosis.verdict import AGAIN, Verdict, Weighed, judge, weigh
+from spirob.diagnosis.verdict import AGAIN, Verdict, judge
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash
 from spirob.robot import MOTORS

@@ -6,23 +6,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from spirob.diagnosis import verdict as module
+from spirob.diagnosis import conclusion as module
 from spirob.diagnosis.certainty import LIKELY, probability
+from spirob.diagnosis.conclusion import Weighed, concluded, likely, weigh
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.document import candidates, findings
 from spirob.diagnosis.model import Offer
 from spirob.diagnosis.search import Search
-from spirob.diagnosis.verdict import (
-    AGAIN,
-    SENSELESS,
-    Verdict,
-    Weighed,
-    concluded,
-    judge,
-    likely,
-    searched,
-    weigh,
-)
+from spirob.diagnosis.verdict import AGAIN, SENSELESS, Verdict, judge, searched
 from spirob.effects import find_effects
 from tests.diagnosis.machines import SAMPLES, Linear, ended, fit_of, model
 
@@ -178,6 +169,27 @@ def test_what_is_unlikely_beside_what_is_likely_goes_and_is_said(second, names):
     unlikely = f"cogging ({verdict.weighed[OTHER.name()].probability:.0%})"
     assert (unlikely in verdict.explanation) is (len(names) == 1)
     assert verdict.probability == min(verdict.weighed[n].probability for n in names)
+
+
+@pytest.mark.parametrize("confirmed", [True, False])
+def test_what_held_out_trials_confirm_only_beside_what_goes_is_not_named(confirmed, monkeypatch):
+    """KIN takes half of what EFFECT leaves held out, but by itself nothing if not confirmed."""
+    chance = lambda figures, name, of: 0.1 if name == OTHER.name() else 0.9  # noqa: E731
+    monkeypatch.setattr(module, "probability", chance)
+    models = [
+        model([EFFECT], 0.006, 0.004),
+        model([KIN], 0.009, 0.009),
+        model([OTHER], 0.009, 0.009),
+        model([EFFECT, KIN], 0.004, 0.003 if confirmed else 0.00399),
+        model([EFFECT, OTHER], 0.005, 0.004),
+        model([KIN, OTHER], 0.008, 0.008),
+        model([EFFECT, KIN, OTHER], 0.002, 0.002),
+    ]
+    one = ended(BARE, *models, least=0.0005)
+    last, weighed = concluded(one.search, one.found)
+    assert last.found.chosen.names == ({NAME, KIN.name()} if confirmed else {NAME})
+    assert likely(weighed) == ([NAME, KIN.name()] if confirmed else [NAME])
+    assert weighed[KIN.name()].probability == (0.9 if confirmed else 0.0)
 
 
 @pytest.mark.parametrize(("half", "names"), [(4.0, [NAME]), (0.9, [NAME, OTHER.name()])])

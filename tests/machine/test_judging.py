@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.certainty import Ended
+from spirob.diagnosis.conclusion import Weighed
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.model import Found
-from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
 from spirob.machine import dry_friction, judging, leftovers

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spirob.diagnosis.conclusion import Weighed
 from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.model import Found
-from spirob.diagnosis.verdict import Weighed
 from spirob.effects import all_effects, find_effects
 from spirob.identify.intervals import Estimate
 from spirob.machine import springs
