@@ -22,7 +22,7 @@ from spirob.diagnosis import schema
 from spirob.diagnosis.atlas import KEYS
 from spirob.diagnosis.criteria import Settings, noise_floor
 from spirob.diagnosis.document import CEILING, document, metrics, restated
-from spirob.diagnosis.followup import Answer, Question, answered
+from spirob.diagnosis.followup import FOUND, Answer, Question, answered
 from spirob.diagnosis.proposals import Proposal
 from spirob.files import write_text
 from spirob.identify.measurement import Measurement
@@ -88,7 +88,7 @@ def _told(answer: Answer, before: Mapping[str, Any], own: Mapping[str, Residual]
         found["asked"] = asked | aside
         tell(f"after '{answer.experiment}': {'it does not tell which' if aside else 'decided'}")
     if answer.proof:
-        found["proof"] = {**asdict(answer.proof), "holds": answer.proof.holds}
+        found["proof"] = {**asdict(answer.proof), "holds": answer.verdict.kind in FOUND}
         share = answer.proof.share
         tell(f"'{answer.proof.experiment}' shows {share:.0%} of the squared error explained")
     tell(answer.verdict.sentence)

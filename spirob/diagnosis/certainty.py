@@ -6,8 +6,9 @@ x are figures of what a search shows of one chosen effect (`figures`), six in al
 of three regressions: of the name itself, on rigs and on a simulated "arm", whose few trials and
 many numbers give intervals of another width; and of its kin, which is right where the name or one
 that says a part of the same is.  w_name is how much surer, or less sure, an effect is than others
-with the same figures: a flip at each reversal is hardly imitated, a wave over the place is.  All
-numbers stand in `certainty.json` beside this file, with the cases that they were learned from
+with the same figures: a flip at each reversal is hardly imitated, a wave over the place is.  A
+fourth one, of how much of a proof a name accounts for, says by what its odds change (`proven`).
+All numbers stand in `certainty.json` beside this file, with the cases that they were learned from
 (`spirob.campaign.calibration`).  Logarithms are natural, errors squared:
 
 fall_heldout   ln of the held-out error without the effect over that with it
@@ -17,6 +18,7 @@ ahead_of_kin   the same, of models without its kin, too: what the kin is judged 
 left           ln of what still follows from the motion over what this effect took
 sharp          ln of an amplitude over half its interval's width, of the sharpest; its shape held
 place          0 for the effect that takes most, then 1, 2, ...
+share          of the squared error of a proof that the named effects account for, 0 to 1
 """
 
 import json
@@ -40,6 +42,7 @@ FIGURES = {
     "name": ("fall_heldout", "ahead_heldout", "left", "sharp", "place"),
     "arm": ("fall_heldout", "ahead_heldout", "left", "sharp", "place"),
     "kin": ("fall_heldout", "ahead_of_kin", "left", "sharp", "place"),
+    "proof": ("share",),
 }
 LIKELY = 0.5  # a name is given where it is more likely right than wrong
 TINY = 1e-300
@@ -57,6 +60,18 @@ def probability(figures: Mapping[str, float], effect: str, of: str = "name") -> 
     mean, scale, weights = (np.array(learned[key]) for key in ("mean", "scale", "weights"))
     score = learned["bias"] + learned["names"].get(effect, 0.0) + weights @ ((x - mean) / scale)
     return float(1.0 / (1.0 + np.exp(-score)))
+
+
+def proven(probability: float, share: float) -> float:
+    """How likely a name is that accounts for this share of a trial of its own.
+
+    Its odds, times how much likelier right names were to account for so much than wrong ones.
+    """
+    x, learned = float(np.clip(share, 0.0, 1.0)), LEARNED["proof"]
+    (mean,), (scale,), (weight,) = (learned[key] for key in ("mean", "scale", "weights"))
+    more = learned["bias"] + weight * (x - mean) / scale - learned["before"]
+    odds = np.exp(more) * probability / max(1.0 - probability, TINY)
+    return float(odds / (1.0 + odds))
 
 
 def ratio(one: float, two: float) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spirob.diagnosis.certainty import LIKELY, Ended, figures, kin, probability
+from spirob.diagnosis.certainty import LIKELY, Ended, figures, kin, probability, proven
 from spirob.diagnosis.model import Found, Model
 from spirob.diagnosis.search import Search
 
@@ -31,6 +31,11 @@ class Weighed:
     equivalents: list[str] = field(default_factory=list)
     rivals: list[str] = field(default_factory=list)
     figures: dict[str, float] = field(default_factory=dict)
+
+    def proven(self, share: float) -> "Weighed":
+        """The same once it accounts for this share of a trial of its own."""
+        alone, together = (proven(p, share) for p in (self.probability, self.together))
+        return replace(self, probability=alone, together=together)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""

@@ -8,9 +8,10 @@ grows with the load.  Where hardly anything pulls they part.  So soft pulls are 
 side.  The longer ones join those that are fitted, and the model with the name and the one without
 are fitted again; on the shorter ones the name has to account for most of what is missing there,
 too.  Either motor pulls in both: an effect has numbers of each, and what is asked of one has to
-have been seen of it.  A proof takes a name away or lets it stand.  Where others stand beside it, as
-rivals or because they say the same of the data, they are put to the same proof, and who does not
-hold is out: a soft tendon that passes for play leaves the name to play.
+have been seen of it.  A proof makes a name surer or less sure, and takes it away where it is no
+longer likely.  Where others stand beside it, as rivals or because they say the same of the data,
+they are put to the same proof, and who does not hold is out: a soft tendon that passes for play
+leaves the name to play.
 
 Only what is softer proves: where a trial is faster, stronger or deeper than what was fitted, more
 happens than a right law says.
@@ -23,7 +24,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from spirob.diagnosis.certainty import Ended
-from spirob.diagnosis.conclusion import Weighed, weigh
+from spirob.diagnosis.conclusion import Weighed, likely, weigh
 from spirob.diagnosis.contest import (
     Contestant,
     compared,
@@ -77,7 +78,7 @@ class Proof:
 
     @property
     def holds(self) -> bool:
-        """Whether that is enough for the name to stand."""
+        """Whether that is enough to stand where others do not."""
         return self.share >= HOLDS
 
 
@@ -148,9 +149,13 @@ def proved(verdict: Verdict, proof: Proof) -> Verdict:
     """The verdict that stands after the proof of what was found."""
     if verdict.kind != "named":
         return verdict
-    if proof.holds:
-        return replace(verdict, next_experiment="")
-    return Verdict("unknown", verdict.weighed, *disproved(verdict.sentence, proof))
+    weighed = {
+        name: one.proven(proof.share) if name in verdict.named else one
+        for name, one in verdict.weighed.items()
+    }
+    if likely(weighed) == verdict.named:
+        return replace(verdict, weighed=weighed, next_experiment="")
+    return Verdict("unknown", weighed, *disproved(verdict.sentence, proof))
 
 
 def disproved(sentence: str, proof: Proof) -> tuple[str, str, str]:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from spirob.campaign.calibration import (
+    OF_PROOF,
+    STRENGTH,
     Names,
     calibration_error,
     digest,
@@ -14,7 +16,7 @@ from spirob.campaign.calibration import (
     left_out,
     read,
 )
-from spirob.diagnosis.certainty import FIGURES, LEARNED, probability
+from spirob.diagnosis.certainty import FIGURES, LEARNED, probability, proven
 
 FOLDER = Path(__file__).parents[2] / "reports"
 
@@ -33,8 +35,13 @@ def cases(of):
     return effects(read(paths(of)), of)
 
 
-def test_what_ships_is_what_the_cases_say(cases, of):
-    fit = learned(cases)
+@pytest.fixture(scope="module")
+def strength(of):
+    return OF_PROOF if of == "proof" else STRENGTH
+
+
+def test_what_ships_is_what_the_cases_say(cases, of, strength):
+    fit = learned(cases, strength)
     assert digest(paths(of)) == LEARNED[of]["sha256"]
     assert LEARNED[of]["figures"] == list(FIGURES[of])
     assert LEARNED[of]["names"] == pytest.approx(fit.pop("names"), rel=1e-5, abs=1e-7)
@@ -42,26 +49,37 @@ def test_what_ships_is_what_the_cases_say(cases, of):
         np.testing.assert_allclose(LEARNED[of][name], value, rtol=1e-5, atol=1e-7)
 
 
-def test_the_probability_is_that_of_the_regression(cases, of):
-    fit = learned(cases)
+def test_the_probability_is_that_of_the_regression(cases, of, strength):
+    fit = learned(cases, strength)
     for row, name in zip(cases.rows[:20], cases.names[:20], strict=True):
         figures = dict(zip(FIGURES[of], row, strict=True))
         score = fit["bias"] + np.dot(fit["weights"], (row - fit["mean"]) / fit["scale"])
-        for called, own in ((name, fit["names"][name]), ("my_own_effect", 0.0)):
+        for called, own in ((name, fit["names"].get(name, 0.0)), ("my_own_effect", 0.0)):
             told = probability(figures, called, of)
             assert told == pytest.approx(1 / (1 + np.exp(-score - own)), rel=1e-6)
+
+
+def test_a_proof_changes_the_odds_of_all_cases_to_those_of_its_share():
+    cases = effects(read(paths("proof")), "proof")
+    assert set(cases.names) == {""}
+    for share in np.unique(cases.rows[:, 0])[::20]:
+        told = proven(float(np.mean(cases.right)), share)
+        assert told == pytest.approx(probability({"share": share}, "", "proof"), rel=1e-6)
+    assert proven(0.9, -2.0) == proven(0.9, 0.0) < proven(0.9, 0.5) < 0.9 < proven(0.9, 1.0)
+    assert (proven(0.0, 1.0), proven(1.0, 0.5)) == (0.0, 1.0)
 
 
 SQUARE = {
     "name": 0.5,
     "arm": 0.7,
     "kin": 0.65,
+    "proof": 0.75,
 }  # of the error of who states the rate of all cases each time
 
 
-def test_it_holds_on_simulators_or_robots_that_it_was_not_fitted_to(cases, of):
+def test_it_holds_on_simulators_or_robots_that_it_was_not_fitted_to(cases, of, strength):
     """Names that are told with 90 % and more are seldom wrong; the mean rate is far worse."""
-    stated, right = left_out(cases), cases.right
+    stated, right = left_out(cases, strength), cases.right
     sure = stated >= 0.9
     assert sure.sum() > 0.2 * len(right)
     assert np.mean(~right[sure]) < 0.1

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from spirob.diagnosis.certainty import proven
 from spirob.diagnosis.conclusion import Weighed, weigh
 from spirob.diagnosis.contest import Contestant, in_question, joined
 from spirob.diagnosis.followup import Proof, proved, put_to_proof, sifted, to_prove
@@ -93,8 +94,19 @@ def test_where_all_hold_or_none_a_proof_does_not_tell_which(share):
 
 
 def test_a_name_that_holds_stands_and_no_further_trial_is_asked_for():
-    stands = proved(NAMED, Proof("hold", 0.95))
-    assert stands == replace(NAMED, next_experiment="")
+    stands = proved(NAMED, Proof("hold", 1.0))
+    assert (stands.kind, stands.next_experiment) == ("named", "")
+    assert stands.probability > 0.9
+
+
+@pytest.mark.parametrize(("sure", "kind"), [(0.99, "named"), (0.6, "unknown")])
+def test_the_surer_a_name_was_the_less_a_proof_has_to_show(sure, kind):
+    """Right names seldom account for so little, which a sure one outweighs."""
+    before = replace(NAMED, weighed={"coulomb_friction": Weighed(sure, sure)})
+    after = proved(before, Proof("hold", 0.78))
+    assert after.kind == kind
+    told = after.weighed["coulomb_friction"]
+    assert told.probability == told.together == proven(sure, 0.78) < sure
 
 
 def test_a_name_that_does_not_hold_is_told_and_taken_away():
@@ -104,7 +116,7 @@ def test_a_name_that_does_not_hold_is_told_and_taken_away():
     assert "not dry friction." in fallen.sentence
     assert "'hold'" in fallen.explanation
     assert "40%" in fallen.explanation
-    assert fallen.weighed == NAMED.weighed  # why it was named stays to be read
+    assert fallen.weighed["coulomb_friction"].probability == proven(0.9, 0.4)  # stays to be read
     assert not fallen.contested
 
 

@@ -145,7 +145,7 @@ def asking(finished, folder, decide=(), prove=(), effects=(), verdict=None, off=
     question = project.root / "data/search/question.json"
     told = json.loads(question.read_text()) | {"decide": decide, "prove": prove}
     told["models"] = models
-    sure = {"probability": 0.6, "together": 0.6, "equivalents": [], "figures": {}}
+    sure = {"probability": 0.9, "together": 0.9, "equivalents": [], "figures": {}}
     weighed = {name: {**sure, "rivals": list(effects[1:])} for name in effects[:1]}
     said = {k: v for k, v in (verdict or {}).items() if k != "verdict"}
     told["verdict"] |= {"weighed": weighed, **said}
