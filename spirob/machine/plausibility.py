@@ -17,6 +17,7 @@ from spirob.diagnosis.verdict import TWICE, Verdict
 from spirob.identify.fit import Estimate
 from spirob.identify.identifiability import Identifiability
 from spirob.machine.delays import DELAY, usual
+from spirob.machine.inverse import InverseProblem
 from spirob.machine.laws import LOAD_SIDE
 from spirob.machine.leftovers import RigCeiling, drifting
 from spirob.machine.models import RigSearch
@@ -204,17 +205,28 @@ def untaught(search: RigSearch, chosen: Model, verdict: Verdict) -> str:
 
 
 def _senseless(search: RigSearch, found: Found, rest: RigCeiling) -> str:
-    """The effort does not follow from the motion at all, even with a flexible model."""
-    train = search.models.train
-    spread = float(np.mean((train.measured() - level([train])) ** 2))
-    left = min(found.chosen.mean_square, float(np.mean(rest.left**2)))
-    if spread > 0 and 1.0 - left / spread < SENSE:
+    """The effort follows from the motion on no logs at all, even with a flexible model."""
+    train, heldout, chosen = search.models.train, search.models.heldout, found.chosen
+    follows = max(
+        _followed(train, level([train]), chosen.mean_square, rest.left),
+        _followed(heldout, level([train, heldout]), chosen.heldout_square, rest.heldout),
+    )
+    if follows < SENSE:
         return (
-            f"Of data left out the motion explains only {max(0.0, 1 - left / spread):.0%} of the "
+            f"Of data left out the motion explains only {max(0.0, follows):.0%} of the "
             "effort's variance, even with a flexible model: it is hardly the effort of this axis, "
             "or other joints load it while they move (a model file tells what they do: body)."
         )
     return ""
+
+
+def _followed(
+    problem: InverseProblem, about: float, mean_square: float, flexible: np.ndarray
+) -> float:
+    """Share of an effort's square about a level that a model, or a flexible one, explains."""
+    spread = float(np.mean((problem.measured() - about) ** 2))
+    left = min(mean_square, float(np.mean(flexible**2)))
+    return 1.0 - left / spread if spread > 0 else 1.0
 
 
 def _turned(search: RigSearch, chosen: Model) -> str:

@@ -265,6 +265,8 @@ def _reason(
         return "the log holds no commanded effort to compare with"
     if port == "sensing.report" and rig.effort.origin == "command":
         return "a logged command is no report of a current"
+    if port == "sensing.current" and rig.effort.kind in ("voltage", "duty"):
+        return f"a {rig.effort.kind} is regulated by no sensor of a current"
     if port == "sensing.frame" and reads:
         return "the frame of a bus is not in the log"
     if port in DRIVE and rig.effort.origin == "sensor":

@@ -19,12 +19,15 @@ def model(changes, *effects):
     return SimpleNamespace(effects=effects, fit=SimpleNamespace(changes=changes))
 
 
-def misled(said, effect=SHAFT, names=("gear_compliance",)):
-    """What misleads of a model with these numbers, where the axis has the true ones."""
+def misled(said, effect=SHAFT, names=("gear_compliance",), without=BASE):
+    """What misleads of a model with these numbers, where the axis has the true ones.
+
+    without  numbers of the model without it
+    """
     axis = asked_for(numbers())
     search = SimpleNamespace(
         models=SimpleNamespace(train=axis, heldout=axis),
-        without=lambda chosen, effect: model(BASE),
+        without=lambda chosen, effect: model(without),
     )
     return misleading(search, model(said, effect), names)
 
@@ -40,6 +43,12 @@ def test_a_shaft_that_leaves_the_motor_no_inertia_misleads():
     heavy = numbers(load_inertia=1.03 * BASE["rig.inertia"])
     assert misled(heavy) == ["gear_compliance"]
     assert misled(heavy, names=()) == []
+
+
+def test_where_the_model_runs_away_without_it_as_well_nothing_is_said():
+    heavy = numbers(load_inertia=1.03 * BASE["rig.inertia"])
+    light = BASE | {"rig.inertia": 0.02 * BASE["rig.inertia"], "rig.viscous": 0.0}
+    assert misled(heavy, without=light) == []
 
 
 def test_what_does_not_swing_by_itself_is_not_asked():

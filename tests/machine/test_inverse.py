@@ -296,6 +296,16 @@ def test_effects_without_a_place_are_left_out_with_a_reason():
     )
 
 
+@pytest.mark.parametrize("kind", ["voltage", "current"])
+def test_a_voltage_is_regulated_by_no_sensor_of_a_current(kind):
+    """The reading of a current follows its command, so that of the sensor is another one."""
+    effort = {"column": "u", "unit": "V" if kind == "voltage" else "A", "kind": kind}
+    rig = RigFile.model_validate(description() | {"effort": effort | {"origin": "command"}})
+    _, excluded = applicable(list(LIBRARY.values()), rig, False, 0.0, True)
+    for name in ("current_offset", "current_gain"):
+        assert ("no sensor of a current" in excluded.get(name, "")) is (kind == "voltage")
+
+
 def test_a_back_emf_is_added_in_proportion_to_speed():
     effort = {"column": "u", "unit": "V", "kind": "voltage"}
     made = problem(effort=effort, known={"back_emf": 0.25})

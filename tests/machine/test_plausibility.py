@@ -206,7 +206,8 @@ def test_what_is_not_likely_shields_no_wrong_sign():
     bare = search.models.fitted((), {})
     little = np.full_like(bare.left, 1e-6)
     fits = replace(bare, left=little, heldout=little)
-    found, rest = SimpleNamespace(chosen=fits, rungs=[bare, fits]), SimpleNamespace(left=little)
+    found = SimpleNamespace(chosen=fits, rungs=[bare, fits])
+    rest = SimpleNamespace(left=little, heldout=little)
     assert doubts(search, found, rest) == []
     assert "factor -1" in doubts(search, found, rest, believed=False)[0]
 
@@ -303,5 +304,8 @@ def test_what_the_motion_explains_is_told_of_data_left_out():
     noise = np.random.default_rng(0).normal(size=5000)
     search = search_of(lambda q, v, a: noise)
     bare = search.models.fitted((), {})
-    said = _senseless(search, SimpleNamespace(chosen=bare), SimpleNamespace(left=bare.left))
+    rest = SimpleNamespace(left=bare.left, heldout=bare.heldout)
+    said = _senseless(search, SimpleNamespace(chosen=bare), rest)
     assert said.startswith("Of data left out the motion explains only 0% of the effort's variance")
+    rest.heldout = 0.5 * bare.heldout  # of which it makes 75 %
+    assert _senseless(search, SimpleNamespace(chosen=bare), rest) == ""
