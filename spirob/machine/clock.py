@@ -87,7 +87,8 @@ def clock_of(
             "can be used; is the unit of time right?"
         )
     rows = [found.rows[p] for p in parts]
-    seconds = [part - part[0] for part in _chosen(where, clocks, rows, signals, said)]
+    chosen, rows = _chosen(where, clocks, rows, signals, said)
+    seconds = [part - part[0] for part in chosen]
     for k in range(1, len(seconds)):
         seconds[k] += seconds[k - 1][-1] + AGAIN
     begins = np.cumsum(sizes)[:-1]
@@ -170,10 +171,13 @@ def _chosen(
     rows: list[np.ndarray],
     signals: Mapping[str, np.ndarray],
     said: list[str],
-) -> list[np.ndarray]:
-    """Seconds of the rows of each stretch: by the stamps, or even where that is smoother."""
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Seconds and rows of each stretch: by the stamps, or even where that is smoother.
+
+    Stamps that are not believed for the time of a row are not believed for its order either.
+    """
     if all(c.even is None for c in clocks):
-        return [c.given for c in clocks]
+        return [c.given for c in clocks], rows
     even = [c.given if c.even is None else c.even for c in clocks]
     given = [_rising(c.given, c.period) for c in clocks]
     longest = max(range(len(rows)), key=lambda k: len(rows[k]))
@@ -200,7 +204,28 @@ def _chosen(
         )
     else:
         said.append(f"{where}: samples are uneven by up to {moved:.0%}; put on an even grid.")
-    return even if is_even else given
+    if not is_even:
+        return given, rows
+    back = [_smoother_as_logged(r, signals) for r in rows]
+    if any(back):
+        said.append(f"{where}: rows put in order of time are smoother as logged, and stay so.")
+    return even, [np.sort(r) if b else r for r, b in zip(rows, back, strict=True)]
+
+
+def _smoother_as_logged(rows: np.ndarray, signals: Mapping[str, np.ndarray]) -> bool:
+    """Whether rows on an even clock, (n,), are smoother in the order in which they were logged.
+
+    Asked where the stamps put some elsewhere, about these and the rows beside.
+    """
+    logged = np.sort(rows)
+    near = np.flatnonzero(np.convolve(rows != logged, np.ones(3), "same")[1:-1]) + 1
+    gain = 0.0
+    for values in signals.values():
+        one, two = (np.abs(np.diff(values[r], 2))[near - 1] for r in (logged, rows))
+        good = np.isfinite(one) & np.isfinite(two)
+        left, right = np.sum(one[good]), np.sum(two[good])
+        gain += np.log(right / left) if left > 0 and right > 0 else 0.0
+    return bool(gain > 0.0)
 
 
 def _rising(seconds: np.ndarray, period: float) -> np.ndarray:

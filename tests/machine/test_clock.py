@@ -42,6 +42,33 @@ def test_late_stamps_and_uneven_rows_are_told_apart(size, seed):
     assert "put on an even grid" in said[0]
 
 
+@pytest.mark.parametrize("jitter", [0.25, 0.4])
+def test_stamps_that_cross_by_jitter_do_not_exchange_rows(jitter):
+    rng = np.random.default_rng(9)
+    even = np.arange(3000) / RATE
+    stamps = even + jitter * rng.standard_normal(3000) / RATE
+    assert np.any(np.diff(stamps) < 0)
+    motion = moved(even)["q"] + 2e-5 * rng.standard_normal(3000)
+    said: list[str] = []
+    found = clock_of("log", stamps, 1.0, {"q": motion, "u": np.sin(3.0 * even)}, said)
+    np.testing.assert_array_equal(found.rows, np.arange(3000))
+    np.testing.assert_allclose(np.diff(found.seconds), 1 / RATE, rtol=1e-3)
+    assert "smoother as logged, and stay so" in said[-1]
+
+
+def test_rows_that_were_logged_in_another_order_are_put_in_order_of_late_stamps():
+    rng = np.random.default_rng(4)
+    even = np.arange(3000) / RATE
+    stamps = even + 0.9 * rng.random(3000) / RATE
+    order = np.arange(3000)
+    order[100::400], order[101::400] = order[101::400], order[100::400].copy()
+    signals = {"q": moved(even)["q"][order]}
+    said: list[str] = []
+    found = clock_of("log", stamps[order], 1.0, signals, said)
+    np.testing.assert_array_equal(order[found.rows], np.arange(3000))
+    assert not any("as logged" in sentence for sentence in said)
+
+
 @given(st.integers(2, 30), st.floats(0.0, 1e9))
 def test_a_coarse_clock_is_spread_and_said(rows, origin):
     even = np.arange(1500) / RATE
