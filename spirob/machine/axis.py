@@ -11,7 +11,7 @@ from spirob.diagnosis.model import Found, Model, alike
 from spirob.diagnosis.search import Search
 from spirob.diagnosis.verdict import TWICE
 from spirob.effects import Effect
-from spirob.errors import NothingLeft
+from spirob.errors import DataError
 from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
 from spirob.machine.differing import counted_alike, differing
 from spirob.machine.document import SHORTER, written
@@ -86,13 +86,13 @@ def _says_more(again: Judged, judged: Judged) -> bool:
 def _taught_by_all(
     told: Callable[..., Ready], ready: Ready, logs: list[Recording], said: str
 ) -> Judged | None:
-    """The verdict with the end of every log held out; None where they are too short for it."""
+    """The verdict with the end of every log held out; None where its logs are too short for it."""
     moved, lost = moving(ready.rig, logs, ready.rest_speed)
     try:
         kept, held, more = ends_aside(moved)
-    except NothingLeft:
+        return judged_of(_found(told(kept, held, [f"{said} {ASIDE}", *more, *lost])))
+    except DataError:
         return None
-    return judged_of(_found(told(kept, held, [f"{said} {ASIDE}", *more, *lost])))
 
 
 def _found(ready: Ready) -> Searched:

@@ -76,12 +76,13 @@ def partnered(rig: RigFile, recordings: Sequence[Recording]) -> list[Recording]:
     where a known delay is longer than every piece of every trial.
     """
     fitted = rig.fit.get("delay")
-    known = abs(rig.known.get("delay", 0.0))
-    farthest = known if fitted is None else max(fitted.high, -fitted.low)
+    known = rig.known.get("delay", 0.0)
+    farthest = abs(known) if fitted is None else max(fitted.high, -fitted.low)
     cut = [inside(r, farthest) for r in recordings]
     if cut and fitted is None and not any(r.pieces for r in cut):
         raise DataError(
-            f"known.delay: {farthest:.3g} s leave no row of the logs a partner: is it in seconds?"
+            f"known.delay: {known:.3g} s leave no row a partner in what is fitted, or held out, of "
+            "the logs: is it in seconds?"
         )
     return cut if all(r.pieces for r in cut) else list(recordings)
 

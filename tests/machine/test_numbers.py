@@ -8,6 +8,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from spirob.errors import ConfigError
+from spirob.machine import axis
 from spirob.machine.axis import diagnose_recordings
 from spirob.machine.differing import may_differ, tells
 from spirob.machine.inverse import InverseProblem
@@ -106,6 +107,14 @@ def test_a_zero_of_a_log_is_that_of_a_column():
         problem = InverseProblem(described, None, logs, [], SIZES, 0.02, numbers)
         found.append(problem({"rig.inertia": INERTIA}))
     assert found[0] == pytest.approx(found[1], abs=1e-9)
+
+
+def test_a_repeated_search_that_cannot_be_leaves_the_verdict_of_the_first(monkeypatch):
+    monkeypatch.setattr(axis, "untaught", lambda *told: "The held-out logs show more.")
+    late = rig(known={"delay": -3.0})
+    found = diagnosed(late, [log(0, length=8.0)], [log(1, length=8.0)])
+    assert found.verdict
+    assert any("The held-out logs show more." in said for said in found.notes)
 
 
 def test_logs_under_another_force_each_are_found_to_differ():
