@@ -2,8 +2,9 @@
 
 A number of their own is another force, payload or zero in each: that of every log has to pass what
 an effect has to pass, and the held-out logs must not deny it; of several that do, the one that fits
-these best is taken.  Where one does, a force that only the held-out logs have otherwise is one of
-them: it is plainer than all others.
+these best is taken, and of those that leave no more by what counts the one with the fewest numbers.
+Where one does, a force that only the held-out logs have otherwise is one of them: it is plainer
+than all others.
 
 Whole turns: a position that begins again after a turn is unwrapped from where each log begins, so
 logs of a motion over several turns may be some turns apart.  What depends on the place (a spring, a
@@ -49,7 +50,7 @@ PRIOR = 1e-3  # of the columns' mean square, against what few rows tell
 def differing(
     ready: Ready, search: RigSearch, chosen: Model, rival: Model | None = None
 ) -> tuple[Ready, str] | None:
-    """The rig whose logs differ by the kind of number that fits best, and what is said of it.
+    """The rig whose logs differ by the plainest kind that fits as the best, and what is said of it.
 
     rival  of effects that the numbers of logs are to replace: they are to explain as much
     """
@@ -69,8 +70,18 @@ def differing(
     if alone and PLAINEST not in fits:
         told[PLAINEST] = ready.told(per_log=(PLAINEST,))
         fits[PLAINEST] = _fitted(told[PLAINEST], chosen, PLAINEST)
-    best = min(fits, key=lambda kind: fits[kind].heldout_square)
+    best = plainest(fits, search.worth.least)
     return told[best], _said(best, fits, search.models.size)
+
+
+def plainest(fits: Mapping[str, Model], least: float) -> str:
+    """The kind with the fewest numbers that leaves of the held-out logs what the best one leaves.
+
+    least  size of what counts: what is left within its square of the best is the same
+    """
+    best = min(model.heldout_square for model in fits.values())
+    alike = [kind for kind, model in fits.items() if model.heldout_square - best < least**2]
+    return min(alike, key=lambda k: (len(fits[k].fit.estimates), fits[k].heldout_square))
 
 
 def _fitted(told: Ready, chosen: Model, kind: str) -> Model:

@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 from spirob.errors import ConfigError
 from spirob.machine import axis
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.differing import may_differ, tells
+from spirob.machine.differing import may_differ, plainest, tells
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.numbers import log_numbers, with_payload
 from spirob.machine.preparation import ready_of, search_of
@@ -157,6 +157,17 @@ def test_a_mount_that_was_moved_is_no_payload():
     assert re.search(r"held-out logs leave 0\.\d+% of the effort, with offset \d+\.", told)
     numbers = found.findings[0].numbers
     assert numbers["sine"]["value"] == pytest.approx(WEIGHT, rel=0.01)
+
+
+@pytest.mark.parametrize(("left", "best"), [(1.0, "zero"), (1.5, "payload")])
+def test_of_kinds_that_leave_the_same_the_one_with_fewest_numbers_is_taken(left, best):
+    """A payload with its inertia, sine and cosine gives what a zero that moved gives, and more."""
+    numbers = {"offset": (4, 90.0), "zero": (5, left), "payload": (8, 0.98)}
+    fits = {
+        kind: SimpleNamespace(heldout_square=square, fit=SimpleNamespace(estimates=range(count)))
+        for kind, (count, square) in numbers.items()
+    }
+    assert plainest(fits, 0.5) == best
 
 
 def test_zeros_of_logs_that_nothing_tells_are_told():
