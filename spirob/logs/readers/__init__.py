@@ -11,7 +11,8 @@ One file for each kind of log; a new file here is a new kind, no list names it:
     PLAIN          such a file, where it is small, is read without a process of its own; optional
 
 columns.py    what all of them share: the table, and any column or array to numbers
-topics.py     what logs of messages share: fields, one time for several topics
+topics.py     what logs of messages share: one time for several topics
+fields.py     the number at one place of a message
 decoders.py   bytes to messages: JSON, protobuf, ROS
 
 A reader runs in a process of its own (`apart`), with bounded time and memory.  Native code that a

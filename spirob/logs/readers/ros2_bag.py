@@ -34,7 +34,10 @@ def read(asked: Asked) -> Table:
         if path.suffix == ".db3":
             logs.append(Database(path))
         elif path.suffix == ".mcap":
-            logs.append(McapLog(Asked(path)))
+            part = McapLog(Asked(path))
+            logs.append(part)
+            for note in part.notes:
+                table.say(f"{printable(path.name)}: {note}.")
     if not logs:
         raise DataError(f"{asked.name}: is a folder without .db3 or .mcap files")
     return read_topics(Files(logs), asked, table)

@@ -1,147 +1,21 @@
 """What logs of messages share: bags of ROS, MCAP, CAN.
 
 Topics of a log become columns `/topic.field`, on the time of the first topic that is wanted; a
-field is a number in a message: `joints[0].position`, `pose.position.x`, `position[elbow]`.
-
-A message is made of dicts or records (of ROS, of protobuf) and lists.  An index may be a word where
-a list of names as long as the array stands beside it or above, as in ROS's JointState.  The index
-of an array of one may be left out.  A stamp, of seconds and nanoseconds, is a number in seconds.
+field is a number in a message (`fields`): `joints[0].position`, `pose.position.x`.
 """
 
-import dataclasses
-import re
 from array import array
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Protocol
 
 import numpy as np
 
 from spirob.errors import DataError, NothingLeft
-from spirob.logs.readers.columns import Asked, Table
+from spirob.logs.readers.columns import LISTED, Asked, Table, example
 from spirob.logs.readers.decoders import Decode, Encoding, decoder
-
-_STEP = re.compile(r"\.?([^.\[\]]+)|\[([^\[\]]{1,100})\]")
-STAMPS = [("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec"), ("seconds", "nanos")]
-LONGEST = 64  # elements of an array that are listed
-DEEPEST = 12  # structures within structures
-
-
-class Field:
-    """The number at one place of every message of a topic."""
-
-    def __init__(self, place: str) -> None:
-        self.is_time = False
-        self._steps: list[tuple[str, int | None]] | None = []
-        self._first: int | None = None
-        at = 0
-        while at < len(place) and self._steps is not None:
-            step = _STEP.match(place, at)
-            if step is None or (step[1] or "").startswith("_"):
-                self._steps = None
-                return
-            index = int(step[2]) if step[2] and step[2].isdecimal() else None
-            self._steps.append((step[1], -1) if step[1] else (step[2], index))
-            at = step.end()
-
-    def of(self, message: Any) -> float:
-        """The number; not a number where there is none.  Stamps count from the first."""
-        above: list[Any] = []
-        for name, index in self._steps or ():
-            above.append(message)
-            if index == -1:
-                message = _member(message, name)
-            else:
-                message = _element(message, name, index, above)
-        if self._steps is None or message is None:
-            return np.nan
-        if _is_list(message) and len(message) == 1:
-            message = message[0]
-        stamp = _stamp(message)
-        if stamp is None:
-            return _number(message)
-        self.is_time = True
-        self._first = stamp if self._first is None else self._first
-        return (stamp - self._first) / 1e9
-
-
-def listed(message: Any, place: str, above: Sequence[Any] = ()) -> Iterator[str]:
-    """The places of all numbers in a message, each with `place` before it."""
-    if len(above) > DEEPEST:
-        return
-    if _is_list(message):
-        labels = _labels(len(message), above)
-        if len(message) == 1:
-            yield from listed(message[0], place, (*above, message))
-        else:
-            for k in range(min(len(message), LONGEST)):
-                label = labels[k] if labels else k
-                yield from listed(message[k], f"{place}[{label}]", (*above, message))
-    elif _stamp(message) is not None or not np.isnan(_number(message, nan=0.0)):
-        yield place
-    else:
-        for name, inner in _members(message).items():
-            yield from listed(inner, f"{place}.{name}", (*above, message))
-
-
-def _member(message: Any, name: str) -> Any:
-    if isinstance(message, Mapping):
-        return message.get(name)
-    return getattr(message, name, None)
-
-
-def _element(message: Any, name: str, index: int | None, above: Sequence[Any]) -> Any:
-    if not _is_list(message):
-        return message.get(name) if isinstance(message, Mapping) else None
-    if index is None:
-        labels = _labels(len(message), above)
-        index = labels.index(name) if labels and name in labels else None
-    return message[index] if index is not None and index < len(message) else None
-
-
-def _members(message: Any) -> dict[str, Any]:
-    if isinstance(message, Mapping):
-        return {str(name): inner for name, inner in message.items()}
-    if dataclasses.is_dataclass(message):
-        return {f.name: getattr(message, f.name) for f in dataclasses.fields(message)}
-    kind = getattr(message, "DESCRIPTOR", None)
-    return {f.name: getattr(message, f.name) for f in kind.fields} if kind else {}
-
-
-def _labels(count: int, above: Sequence[Any]) -> list[str] | None:
-    """A list of `count` different names, the nearest one above."""
-    for message in reversed(above):
-        for inner in _members(message).values():
-            if _is_list(inner) and len(inner) == count and all(isinstance(n, str) for n in inner):
-                names = list(inner)
-                if len(set(names)) == count:
-                    return names
-    return None
-
-
-def _is_list(message: Any) -> bool:
-    if isinstance(message, str | bytes | Mapping):
-        return False
-    return hasattr(message, "__getitem__") and hasattr(message, "__len__")
-
-
-def _stamp(message: Any) -> int | None:
-    """Nanoseconds of a stamp."""
-    for seconds, nanos in STAMPS:
-        whole, part = _member(message, seconds), _member(message, nanos)
-        if isinstance(whole, int) and isinstance(part, int):
-            return whole * 10**9 + part
-    return None
-
-
-def _number(message: Any, nan: float = np.nan) -> float:
-    if not isinstance(message, int | float | np.number):
-        return np.nan
-    try:
-        found = float(message)
-    except OverflowError:
-        return np.inf
-    return nan if np.isnan(found) else found
+from spirob.logs.readers.fields import Field, listed
 
 
 @dataclass
@@ -195,6 +69,7 @@ def put_together(table: Table, series: Sequence[Series], wanted: bool) -> None:
 
 
 MOST = 1000  # fields that are read where none is named
+DAMAGED = 0.05  # of a topic's messages may be broken, as such a share of rows may be out of place
 SEARCHED = 20_000  # messages in which one of each topic is looked for
 
 
@@ -215,7 +90,8 @@ class Log(Protocol):
 def read_topics(log: Log, asked: Asked, table: Table) -> Table:
     """Add to a table what is wanted of a log, or else all its numbers.
 
-    Raises DataError where a message that is wanted is broken, NothingLeft where there is none.
+    Raises DataError where more than a few messages that are wanted are broken or none holds a
+    number, NothingLeft where there is none.
     """
     decoders = _Decoders(asked.name, log.encodings)
     fields = _wanted(log.encodings, asked.wanted)
@@ -231,25 +107,57 @@ def read_topics(log: Log, asked: Asked, table: Table) -> Table:
     put_together(table, series, bool(asked.wanted))
     for places in fields.values():
         table.units |= {n: "s" for n, f in places.items() if f.is_time and n in table.columns}
-    if any(name not in table.columns for name in asked.wanted):
-        _tell_others(log, decoders, table)
+    if not table.columns or any(name not in table.columns for name in asked.wanted):
+        _tell_others(log, decoders, fields, table)
     return table
 
 
-def _tell_others(log: Log, decoders: "_Decoders", table: Table) -> None:
+def _tell_others(
+    log: Log, decoders: "_Decoders", fields: Mapping[str, Mapping[str, Field]], table: Table
+) -> None:
     """Name what there is; where nothing of that was wanted, time is given none the less.
 
-    Raises NothingLeft where there is no message at all.
+    Raises NothingLeft where there is no message at all, DataError where none holds a number.
     """
     found = _offered(log, decoders)
     if not found:
-        raise NothingLeft(f"{table.name}: holds no message")
+        raise NothingLeft(f"{table.name}: holds no message{_besides(table)}")
     offered = {topic: names for topic, names in found.items() if names}
-    table.others = [name for names in offered.values() for name in names] or list(log.encodings)
-    if not table.columns and offered:
+    _tell_texts(log, decoders, fields, table)
+    if not offered:
+        held = ", ".join(f"'{name}' holds {text}, not numbers" for name, text in table.text.items())
+        none = f"no message of {', '.join(found)} holds a number that can be read"
+        raise DataError(f"{table.name}: {held or none}{_besides(table)}")
+    table.others = [name for names in offered.values() for name in names]
+    if not table.columns:
         topic = next(iter(offered))
         stamps = [logged for _, logged, _ in log.messages([topic])]
         put_together(table, [Series(topic, np.array(stamps, np.int64), {})], wanted=True)
+
+
+def _tell_texts(
+    log: Log, decoders: "_Decoders", fields: Mapping[str, Mapping[str, Field]], table: Table
+) -> None:
+    """What texts there are in place of the numbers that are wanted."""
+    for topic, places in fields.items():
+        left = {name: field for name, field in places.items() if name not in table.columns}
+        for _, _, data in islice(log.messages([topic]) if left else (), SEARCHED):
+            message = decoders.whole(topic, data)
+            texts = {name: field.at(message) for name, field in left.items()}
+            held = {name: text for name, text in texts.items() if isinstance(text, str)}
+            table.text |= {name: f"text such as {example(text)}" for name, text in held.items()}
+            if message is not None:
+                break
+
+
+def _besides(table: Table) -> str:
+    """What is said of a log already, behind the reason why it cannot be used."""
+    said = [s.removeprefix(f"{table.name}: ").removesuffix(".") for s in table.said[:LISTED]]
+    return "".join(f"; {sentence}" for sentence in said)
+
+
+class Broken(DataError):
+    """A message that its decoder cannot read; others of its topic it may."""
 
 
 class _Decoders:
@@ -266,7 +174,14 @@ class _Decoders:
             return self._made[topic](data)
         except Exception as error:  # code that a library makes of a definition raises anything
             said = " ".join(str(error).split())[:200] or type(error).__name__
-            raise DataError(f"{self._where}: a message of {topic} is broken: {said}") from None
+            raise Broken(f"{self._where}: a message of {topic} is broken: {said}") from None
+
+    def whole(self, topic: str, data: bytes) -> Any:
+        """The message; None where it is broken."""
+        try:
+            return self(topic, data)
+        except Broken:
+            return None
 
 
 def _wanted(topics: Collection[str], names: Collection[str]) -> dict[str, dict[str, Field]]:
@@ -284,14 +199,18 @@ def _offered(log: Log, decoders: _Decoders) -> dict[str, list[str]]:
     """Names of all numbers in one message of each topic that can be decoded."""
     found: dict[str, list[str]] = {}
     left = set(log.encodings)
-    for searched, (topic, _, data) in enumerate(log.messages(left)):
-        if topic not in found:
-            left.discard(topic)
-            try:
-                found[topic] = list(listed(decoders(topic, data), topic))
-            except DataError:
-                found[topic] = []
-        if not left or searched > SEARCHED:
+    for topic, _, data in islice(log.messages(left), SEARCHED):
+        if topic not in left:
+            continue
+        found[topic] = []
+        try:
+            found[topic] = list(listed(decoders(topic, data), topic))
+        except Broken:  # the next one may be whole
+            continue
+        except DataError:
+            pass
+        left.discard(topic)
+        if not left:
             break
     return found
 
@@ -301,9 +220,16 @@ def _series(
 ) -> Iterator[Series]:
     stamps = {topic: array("q") for topic in fields}
     rows = {topic: array("d") for topic in fields}
-    missed = dict.fromkeys(fields, 0)
+    missed, whole, lost = (dict.fromkeys(fields, 0) for _ in range(3))
+    broken: dict[str, str] = {}
     for topic, logged, data in log.messages(fields) if fields else ():
-        message = decoders(topic, data)
+        try:
+            message = decoders(topic, data)
+        except Broken as error:
+            lost[topic] += 1
+            broken.setdefault(topic, str(error))
+            continue
+        whole[topic] += 1
         row = [field.of(message) for field in fields[topic].values()]
         if all(np.isnan(row)):
             missed[topic] += 1
@@ -311,6 +237,10 @@ def _series(
         stamps[topic].append(logged)
         rows[topic].extend(row)
     for topic, places in fields.items():
+        if lost[topic] > DAMAGED * (lost[topic] + whole[topic]):
+            raise DataError(broken[topic])
+        if lost[topic]:
+            table.say(f"{lost[topic]} messages of {topic} are broken and left out.")
         values = np.frombuffer(rows[topic], float).reshape(-1, len(places))
         columns = {name: values[:, k] for k, name in enumerate(places)}
         columns = {n: v for n, v in columns.items() if not np.all(np.isnan(v))}

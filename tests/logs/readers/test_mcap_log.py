@@ -17,16 +17,16 @@ BEGIN = 1_700_000_000_000_000_000
 STEP = 10_000_000
 
 
-def written(path, topics, compression=CompressionType.ZSTD, encoding="json"):
+def written(path, topics, compression=CompressionType.ZSTD, encoding="json", chunk=2**20):
     """topics  name -> messages, each the time [ns] since the beginning and what it says."""
     with path.open("wb") as file:
-        writer = Writer(file, compression=compression)
+        writer = Writer(file, compression=compression, chunk_size=chunk)
         writer.start()
         schema = writer.register_schema("Any", "jsonschema", b"{}")
         for topic, messages in topics.items():
             channel = writer.register_channel(topic, encoding, schema)
             for since, said in messages:
-                data = json.dumps(said).encode()
+                data = said if isinstance(said, bytes) else json.dumps(said).encode()
                 writer.add_message(channel, BEGIN + since, data, BEGIN + since)
         writer.finish()
     return path
@@ -140,3 +140,42 @@ def test_messages_that_are_deep_or_no_messages_are_no_crash(tmp_path):
     path = written(tmp_path / "a.mcap", {"/j": messages})
     table = read_table(path, ["/j.x"])
     assert table.column("/j.x").tolist() == [np.inf]
+
+
+def test_texts_in_place_of_numbers_are_told(tmp_path):
+    texts = [(k * STEP, {"pos": f"{k}.12", "on": "yes"}) for k in range(30)]
+    path = written(tmp_path / "a.mcap", {"/servo": texts})
+    for wanted in (["time", "/servo.pos"], ["/servo.pos"]):
+        with pytest.raises(DataError, match=r"^a.mcap: '/servo.pos' holds text such as '0.12'"):
+            read_table(path, wanted)
+    with pytest.raises(DataError, match=r"^a.mcap: no message of /servo holds a number that can"):
+        read_table(path, ["time", "/servo.speed"])
+    path = written(tmp_path / "b.mcap", {"/servo": [(t, {"n": 1, **m}) for t, m in texts]})
+    with pytest.raises(DataError, match=r"'/servo.pos' holds text such as '0.12', not numbers"):
+        read_table(path, ["time", "/servo.pos"]).column("/servo.pos")
+
+
+def test_a_chunk_that_is_lost_is_told_where_no_number_is_left(tmp_path):
+    servo = [(k * STEP, {"pos": k}) for k in range(30)]
+    topics = {"/said": [(0, {"fills a chunk": "b" * 1000})], "/servo": servo}
+    path = written(tmp_path / "a.mcap", topics, CompressionType.NONE, chunk=1000)
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(b'"pos"', b'"pso"'))
+    with pytest.raises(DataError, match=r"no message of /said holds a number .* is lost: .*check"):
+        read_table(path, ["time", "/servo.pos"])
+
+
+@pytest.mark.parametrize("lost", [1, 2])
+def test_a_few_broken_messages_are_left_out(tmp_path, lost):
+    messages = [(k * STEP, {"x": float(k)}) for k in range(40)]
+    messages[:lost] = [(k * STEP, b'{"x": ') for k in range(lost)]
+    table = read_table(written(tmp_path / "a.mcap", {"/j": messages}), ["time", "/j.x"])
+    np.testing.assert_array_equal(table.column("/j.x"), np.arange(lost, 40))
+    assert f"a.mcap: {lost} messages of /j are broken and left out." in table.said
+    assert "/j.x" in read_table(tmp_path / "a.mcap").columns
+
+
+def test_many_broken_messages_are_refused(tmp_path):
+    messages = [(k * STEP, {"x": k} if k % 10 else b"{") for k in range(40)]
+    with pytest.raises(DataError, match="a message of /j is broken: Expecting"):
+        read_table(written(tmp_path / "a.mcap", {"/j": messages}), ["time", "/j.x"])
