@@ -109,9 +109,12 @@ def sized(value: float) -> float:
 
 
 def number(value: object) -> object:
-    """The value itself; raises ValueError for true and false, which count as 1 and 0 elsewhere."""
-    if isinstance(value, bool):
-        raise ValueError(f"'{str(value).lower()}' is no number")
+    """The value itself; raises ValueError for what only Python counts as a number.
+
+    True and false are no 1 and 0, and the text 1_000 is no thousand.
+    """
+    if isinstance(value, bool) or (isinstance(value, str) and "_" in value):
+        raise ValueError(f"'{str(value)[:40].lower()}' is no number")
     return value
 
 
@@ -123,6 +126,9 @@ def sized_not_zero(value: float) -> float:
     if value == 0.0:
         raise ValueError("0 would erase it")
     return sized(value)
+
+
+SizeNotZero = Annotated[float, BeforeValidator(number), AfterValidator(sized_not_zero)]
 
 
 # exponents of metre, kilogram, second, ampere, kelvin; `reading` is whatever a sensor reports

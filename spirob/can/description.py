@@ -31,8 +31,8 @@ import numpy as np
 from cantools.database import Database, Error, load_string
 from cantools.database.can import Message, Signal
 from pydantic import (
-    AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     StringConstraints,
@@ -41,7 +41,7 @@ from pydantic import (
 )
 
 from spirob.errors import ConfigError, DataError
-from spirob.units import Size, sized_not_zero
+from spirob.units import Size, SizeNotZero, number
 
 Text = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 TURNS = {"turn": 1.0, "rev": 1.0, "rad": 1 / (2 * pi), "deg": 1 / 360, "count": 1 / 8192}
@@ -64,7 +64,7 @@ class Source(Strict):
 
     message: Text
     signal: Text
-    sign: Literal[1, -1] = 1
+    sign: Annotated[Literal[1, -1], BeforeValidator(number)] = 1
 
 
 class Command(Strict):
@@ -72,8 +72,8 @@ class Command(Strict):
 
     message: Text
     signal: Text
-    per_ampere: Annotated[float, AfterValidator(sized_not_zero)] = 1.0
-    per_volt: Annotated[float, AfterValidator(sized_not_zero)] | None = None
+    per_ampere: SizeNotZero = 1.0
+    per_volt: SizeNotZero | None = None
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:

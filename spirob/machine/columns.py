@@ -1,9 +1,10 @@
 """The columns of a log in a description, and their units: motion, effort, time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, get_args
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -186,6 +187,15 @@ class EffortColumn(Column):
     def title(self) -> str:
         """What it is called in a sentence."""
         return self.name or f"motor {'voltage' if self.kind == 'duty' else self.kind}"
+
+
+def _each_once(names: Sequence[str]) -> Sequence[str]:
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise ValueError(f"'{twice[0]}' is given twice")
+    return names
+
+
+Once = AfterValidator(_each_once)
 
 
 def used_once(channels: Mapping[str, Column]) -> None:

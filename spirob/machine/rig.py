@@ -5,10 +5,10 @@ filters and the rows that are left out.  Data, never code; an unknown key is an 
 where it stands.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.machine.columns import (
@@ -21,6 +21,7 @@ from spirob.machine.columns import (
     EffortColumn,
     Entry,
     MotionColumn,
+    Once,
     PositionColumn,
     TimeColumn,
     used_once,
@@ -170,6 +171,7 @@ NUMBERS = {
     "payload_cosine": "effort for a payload of 1 at position 0, or anywhere on a slide",
     "payload_sine": "effort for a payload of 1 at a quarter turn from position 0",
 }
+NEVER_NEGATIVE = ("inertia", "viscous", "scale", "back_emf", "payload_inertia")
 PER_LOG = {
     "offset": "effort that this log needs more than others",
     "payload": "what the axis carries in this log",
@@ -177,13 +179,6 @@ PER_LOG = {
 }
 
 
-def _each_once(names: Sequence[str]) -> Sequence[str]:
-    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
-        raise ValueError(f"'{twice[0]}' is given twice")
-    return names
-
-
-Once = AfterValidator(_each_once)
 Effects = Annotated[list[str], Field(max_length=MOST_EFFECTS), Once]
 
 
@@ -231,8 +226,12 @@ class RigFile(Entry):
         for name, one in value.items():
             if name not in NUMBERS:
                 raise ValueError(f"no number '{name}'; a rig has: {', '.join(NUMBERS)}")
-            if name == "scale" and (one.nominal if isinstance(one, Bounded) else one) == 0.0:
+            begin = one.nominal if isinstance(one, Bounded) else one
+            if name == "scale" and begin == 0.0:
                 raise ValueError("scale: at 0 no effort makes a torque")
+            if name in NEVER_NEGATIVE and begin < 0.0:
+                why = "effort.factor: -1 turns the sign" if name == "scale" else "no machine has it"
+                raise ValueError(f"{name}: {begin:g} is less than 0; {why}")
             if isinstance(one, Bounded) and 0.0 < abs(one.nominal) < STEP * (one.high - one.low):
                 raise ValueError(
                     f"{name}: bounds {1 / STEP:.1g} times as wide as its nominal value of "

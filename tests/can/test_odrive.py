@@ -111,6 +111,13 @@ def test_units_come_from_the_dbc_and_signs_from_the_description():
         (DRIVE.text.replace("odrive.dbc", "../odrive.dbc"), None, "key 'dbc'"),
         (DRIVE.text.replace("0.0203", "0.0", 1), None, r"per_ampere': 0 would erase it"),
         (DRIVE.text.replace("0.0203", "1e-300", 1), None, r"per_ampere': 1e-300 is no size"),
+        (DRIVE.text.replace("0.0203", "true", 1), None, "per_ampere': 'true' is no number"),
+        (DRIVE.text.replace("0.0203", "1_000", 1), None, "per_ampere': '1_000' is no number"),
+        (
+            DRIVE.text.replace("Pos_Estimate", "Pos_Estimate, sign: true", 1),
+            None,
+            "'true' is no nu",
+        ),
         (DRIVE.text.replace("0.0203", "2026-13-45", 1), None, "per_ampere': Input should be"),
         (DRIVE.text + "name: again\n", None, "'name' is given twice, first in line"),
         (DRIVE.text, "rubbish", "is no DBC file"),
