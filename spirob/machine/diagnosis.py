@@ -21,7 +21,7 @@ from spirob.diagnosis.criteria import Criteria, Settings
 from spirob.diagnosis.schema import checked
 from spirob.effects import Effect
 from spirob.errors import ConfigError, DataError, NothingLeft, SimulationError
-from spirob.files import named
+from spirob.files import inside, named
 from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile
@@ -155,7 +155,7 @@ def _read(
         raise ConfigError(f"{role}: a list of logs, got a single one")
     if not isinstance(logs, Sequence):
         raise ConfigError(f"{role}: a list of logs, got {type(logs).__name__}")
-    dbc = None if rig.dbc is None else folder / rig.dbc
+    dbc = None if rig.dbc is None else inside(rig.dbc, folder, "dbc")
     found, empty = [], []
     for k, log in enumerate(logs):
         if isinstance(log, pd.DataFrame):

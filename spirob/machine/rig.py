@@ -195,7 +195,7 @@ class RigFile(Entry):
     gear        radians of the motor for one radian, or one metre, of position; absent: 1, or one
                 turn over the whole stroke
     effects     what the model holds already; a name that ends in .py is a file of the user's own
-    dbc         file beside the description that decodes the frames of a log of a CAN bus
+    dbc         file beside or below the description that decodes the frames of a log of a CAN bus
     criteria    how the search decides, where that is to differ
     """
 

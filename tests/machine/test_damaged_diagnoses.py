@@ -5,6 +5,7 @@ of file of its own and hurt in ways of its own; units, clock and columns are dra
 """
 
 from collections.abc import Callable
+from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -125,7 +126,7 @@ class Drawn:
         with TemporaryDirectory() as folder:
             if self.kept.bus == "can":
                 (Path(folder) / "a.dbc").write_text(DBC)
-                description["dbc"] = str(Path(folder) / "a.dbc")
+                description["dbc"] = "a.dbc"
             made = []
             for k, (rate, hurts, kind) in enumerate(self.logs):
                 log = Log(machine(3 * self.seed + k), rate, self.seed + k, SECONDS)
@@ -140,7 +141,8 @@ class Drawn:
                         Path(folder) / f"log{k}",
                     )
                 )
-            return spirob.diagnose(description, train=made[:2], test=made[2:])
+            with chdir(folder):
+                return spirob.diagnose(description, train=made[:2], test=made[2:])
 
 
 def is_right(found: Diagnosis, drawn: Drawn) -> bool:

@@ -147,6 +147,18 @@ def test_what_cannot_be_used_is_a_sentence_and_no_result(tmp_path, rig, capsys):
     assert not out.exists()
 
 
+@pytest.mark.parametrize("given", ["../other.dbc", "/etc/hostname", "link.dbc"])
+def test_a_dbc_file_lies_beside_or_below_the_description(tmp_path, given):
+    folder = tmp_path / "rig"
+    folder.mkdir()
+    (tmp_path / "other.dbc").write_text("secret")
+    (folder / "link.dbc").symlink_to(tmp_path / "other.dbc")
+    (folder / "rig.yaml").write_text(yaml.safe_dump(description(dbc=given)))
+    (folder / "a.log").write_text("(1.0) can0 100#00\n")
+    with pytest.raises(ConfigError, match=f"dbc: '{given}' leads out of"):
+        diagnose(folder / "rig.yaml", [folder / "a.log"], [])
+
+
 def test_from_python_the_same_are_errors(tmp_path, rig):
     good = log(tmp_path, "0.csv", 0)
     for wrong, kind in (("a\0b.csv", DataError), (tmp_path / "none.csv", MissingLog)):

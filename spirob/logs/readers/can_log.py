@@ -32,6 +32,7 @@ FRAME = re.compile(  # candump -L, or candump -t a as it is seen
     r"(?:#([0-9A-Fa-f]*)|##[0-9A-Fa-f]([0-9A-Fa-f]*)|\s+\[\d+\]((?:\s+[0-9A-Fa-f]{2})*))"
     r"(?:\s+[RT]|\s+'.*)?\s*"
 )
+SYNTAX = re.compile(r"Invalid syntax at line \d+, column \d+")  # behind it stands the line itself
 Key = tuple[int, bool]  # identifier, whether it is one of 29 bits
 
 
@@ -85,7 +86,8 @@ def _messages(path: Path) -> "dict[Key, Message]":
         base = cantools.database.load_string(text, database_format="dbc", strict=False)
         assert isinstance(base, Database)
     except Exception as error:  # a text may be anything, and so is what the parser raises
-        said = " ".join(str(error).split())[:200]
+        place = SYNTAX.search(str(error))
+        said = place[0].lower() if place else " ".join(str(error).split())[:200]
         raise DataError(f"{where}: is no DBC file: {said}") from None
     return {(m.frame_id, m.is_extended_frame): m for m in base.messages if m.signals}
 

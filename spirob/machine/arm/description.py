@@ -167,7 +167,7 @@ class ArmFile(Entry):
                  A list of names is read as a mapping of each to None
     known        numbers of the model, or of effects that it holds, by name; they are not fitted
     effects      those that the model holds already
-    dbc          file beside the description that decodes the frames of a CAN log
+    dbc          file beside or below the description that decodes the frames of a CAN log
     filter, rows of what is compared
     criteria     how the search decides, where that is to differ
     """

@@ -177,3 +177,10 @@ def test_a_frame_too_short_for_a_signal_has_none_of_it(tmp_path, dbc):
     turns = read_table(path, ["time", "cold", "warm"], dbc)
     assert np.isfinite(turns.column("cold")).all()
     assert np.isfinite(turns.column("warm")).mean() > 0.9
+
+
+def test_no_line_of_what_is_no_dbc_file_is_printed(tmp_path):
+    (tmp_path / "other.txt").write_text("secret: 1234\n")
+    with pytest.raises(DataError) as told:
+        read_table(written(tmp_path), ["time", "position"], tmp_path / "other.txt")
+    assert str(told.value).endswith("is no DBC file: invalid syntax at line 1, column 1")
