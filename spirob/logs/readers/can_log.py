@@ -102,7 +102,7 @@ def _frames(path: Path, table: Table) -> Iterator[Frame]:
     if BEGINS.match(head) or path.suffix.lower() not in SUFFIXES - {".log"}:
         yield from _of_text(path, table)
     else:
-        yield from _of_library(path)
+        yield from _of_library(path, table)
 
 
 def _one_clock(frames: Iterator[Frame], table: Table) -> Iterator[Frame]:
@@ -142,15 +142,23 @@ def _of_text(path: Path, table: Table) -> Iterator[Frame]:
         table.say(f"{broken} lines that are no data frame are left out.")
 
 
-def _of_library(path: Path) -> Iterator[Frame]:
+def _of_library(path: Path, table: Table) -> Iterator[Frame]:
     import can
 
     with can.LogReader(path) as reader:
-        for frame in reader:
-            if frame.is_error_frame or frame.is_remote_frame:
-                continue
-            key = frame.arbitration_id, frame.is_extended_id
-            yield Frame(round(frame.timestamp * 1e9), str(frame.channel), key, bytes(frame.data))
+        torn = path.stat().st_size < getattr(reader, "file_size", 0)  # as the head of a .blf says
+        if torn:
+            table.say("the file breaks off; the frames before are used.")
+        try:
+            for frame in reader:
+                if frame.is_error_frame or frame.is_remote_frame:
+                    continue
+                key = frame.arbitration_id, frame.is_extended_id
+                stamp = round(frame.timestamp * 1e9)
+                yield Frame(stamp, str(frame.channel), key, bytes(frame.data))
+        except Exception:  # what the library makes of the torn end may be anything
+            if not torn:
+                raise
 
 
 def _kept(

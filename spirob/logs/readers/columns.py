@@ -99,8 +99,10 @@ def spread(
     """Columns (n,) of a vector, a matrix or an array with named fields; none of a single value.
 
     label, first  how a matrix counts its columns: `name[0]`, or MATLAB's `name(1)`
-    The longer side of a matrix is time.
+    The longer side of a matrix is time.  Of more dimensions those of one element do not count.
     """
+    if array.ndim > 2:
+        array = array.squeeze()
     if array.dtype.names:
         for field in array.dtype.names:
             yield from spread(f"{name}.{field}" if name else field, array[field], label, first)
@@ -113,6 +115,13 @@ def spread(
             return
         for k in range(min(rows.shape[1], MOST)):
             yield name + label.format(k + first), rows[:, k]
+
+
+def tell_twice(table: Table, names: Iterable[str]) -> None:
+    """Say of which name there are several columns, of which the first is used."""
+    for name, count in sorted(Counter(names).items()):
+        if name and count > 1:
+            table.say(f"{count} columns are called '{name}'; the first is used.")
 
 
 LARGEST = 2**28  # bytes of all columns
@@ -292,4 +301,5 @@ def from_frame(frame: "pd.DataFrame", name: str) -> Table:
     for k, column in enumerate(whole.columns):
         if str(column) not in table.columns:
             add(table, str(column), whole.iloc[:, k].to_numpy())
+    tell_twice(table, map(str, whole.columns))
     return table

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spirob.errors import DataError, NothingLeft
-from spirob.logs.readers.columns import Asked, Table, printable, require_room
+from spirob.logs.readers.columns import Asked, Table, printable, require_room, tell_twice
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,8 +55,7 @@ def read(asked: Asked) -> Table:
     frame, cut = _parse(where, text, separator, decimal)
     for k, name in enumerate(frame.columns):
         add(table, str(name).strip().strip('"'), frame.iloc[:, k])
-    for name in sorted({n for n in names if n and names.count(n) > 1}):
-        table.say(f"{names.count(name)} columns are called '{name}'; the first is used.")
+    tell_twice(table, names)
     if cut:
         table.say("rows have more cells than there are names; those beyond are left out.")
     if lost := text.count("\n") - 1 - len(frame):

@@ -44,5 +44,7 @@ def _take(table: Table, name: str, file: IO[bytes]) -> None:
             raise ValueError("it holds Python objects (a pickle), which are never loaded") from None
         table.text[name] = "Python objects (a pickle), which are never loaded"
         return
+    if array.squeeze().ndim > 2:
+        table.text[name or "column"] = f"an array of {array.ndim} dimensions"
     for label, values in spread(name if name or array.dtype.names else "column", array):
         add(table, label, values)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spirob.logs.readers.columns import Asked, Table
+from spirob.logs.readers.columns import Asked, Table, tell_twice
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -37,8 +37,10 @@ def read(asked: Asked) -> Table:
             found = file.read(columns=some, use_threads=False)
         for _ in range(4):  # structures within structures
             found = found.flatten()
-        for name, column in zip(found.column_names, found.columns, strict=True):
-            _take(table, name, column)
+        names = found.column_names
+        for name in dict.fromkeys(names):
+            _take(table, name, found.column(names.index(name)))
+        tell_twice(table, names)
     except pa.ArrowMemoryError:
         raise MemoryError from None
     return table
@@ -48,7 +50,11 @@ def _some(file: "pq.ParquetFile", wanted: tuple[str, ...]) -> list[str] | None:
     """Which columns are read; None means all."""
     about = file.metadata
     names = file.schema_arrow.names
-    some = [n for n in names if any(w == n or w.startswith((f"{n}.", f"{n}[")) for w in wanted)]
+    some = [
+        n
+        for n in dict.fromkeys(names)
+        if any(w == n or w.startswith((f"{n}.", f"{n}[")) for w in wanted)
+    ]
     return some if some and 8 * about.num_rows * about.num_columns > LIGHT else None
 
 

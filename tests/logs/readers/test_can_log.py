@@ -184,3 +184,17 @@ def test_no_line_of_what_is_no_dbc_file_is_printed(tmp_path):
     with pytest.raises(DataError) as told:
         read_table(written(tmp_path), ["time", "position"], tmp_path / "other.txt")
     assert str(told.value).endswith("is no DBC file: invalid syntax at line 1, column 1")
+
+
+def test_a_blf_file_that_breaks_off_is_read_and_said(tmp_path, dbc):
+    path = tmp_path / "a.blf"
+    with can.Logger(path, max_container_size=500) as log:
+        for stamp, _, number, data in lines(200):
+            log(can.Message(stamp, number, is_extended_id=False, data=data))
+    assert read_table(path, ["position"], dbc).said == []
+    content = path.read_bytes()
+    for left in range(len(content) // 2, len(content) // 2 + 100, 20):
+        path.write_bytes(content[:left])
+        table = read_table(path, ["position"], dbc)
+        assert 0 < len(table.column("position")) < 200
+        assert table.said == ["a.blf: the file breaks off; the frames before are used."]

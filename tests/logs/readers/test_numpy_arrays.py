@@ -100,3 +100,11 @@ def test_a_size_that_is_only_claimed_is_refused(tmp_path):
     (tmp_path / "a.npy").write_bytes(head.getvalue() + bytes(800))
     with pytest.raises(DataError, match="this is no readable NumPy file"):
         read_table(tmp_path / "a.npy")
+
+
+def test_an_array_of_three_dimensions_is_told_or_is_a_column(tmp_path):
+    np.savez(tmp_path / "a.npz", t=T, q=T.reshape(1, -1, 1), cube=np.zeros((30, 3, 3)))
+    table = read_table(tmp_path / "a.npz", ["t", "q"])
+    np.testing.assert_array_equal(table.column("q"), T)
+    with pytest.raises(DataError, match="column 'cube' holds an array of 3 dimensions, not num"):
+        table.column("cube")

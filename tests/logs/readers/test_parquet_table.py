@@ -10,6 +10,7 @@ import pytest
 
 from spirob.errors import DataError
 from spirob.logs.readers import parquet_table, read_table
+from spirob.logs.readers.columns import Asked
 
 N = 50
 
@@ -77,3 +78,14 @@ def test_of_a_large_file_only_what_is_wanted_is_read(tmp_path, monkeypatch):
     assert 8 * rows * len(columns) > parquet_table.LIGHT
     with pytest.raises(DataError, match=r"more than (512|1024) MiB"):
         read_table(written(tmp_path, **{f"c{k}": columns["c0"] for k in range(190)}))
+
+
+def test_of_two_columns_of_one_name_the_first_is_used_and_said(tmp_path, monkeypatch):
+    columns = [pa.array(np.arange(float(N)) * k) for k in (1, 2, 3)]
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.Table.from_arrays(columns, names=["t", "q", "q"]), path)
+    for light in (parquet_table.LIGHT, 1):
+        monkeypatch.setattr(parquet_table, "LIGHT", light)
+        table = parquet_table.read(Asked(path, ("t", "q")))
+        np.testing.assert_array_equal(table.column("q"), 2.0 * np.arange(N))
+        assert table.said == ["a.parquet: 2 columns are called 'q'; the first is used."]
