@@ -26,6 +26,7 @@ SCALARS = {  # kind -> how it is written, and the characters it may begin with
         list("-+.0123456789"),
     ),
 }
+IN_MEMORY = re.compile(r'\s+in "<(byte|unicode) string>",?')  # what the library calls a text
 WRITTEN = {CORE + kind: re.compile(rf"(?:{text})\Z") for kind, (text, _) in SCALARS.items()}
 KINDS = {*WRITTEN, *(CORE + name for name in ("str", "seq", "map"))}
 
@@ -68,7 +69,14 @@ def read(text: str | bytes, where: str) -> Any:
     except Mistake as error:
         raise ConfigError(f"{where}: {error}") from None
     except (yaml.YAMLError, ValueError) as error:  # what cannot be decoded is a ValueError
-        raise ConfigError(f"{where}: is not YAML: {' '.join(str(error).split())[:200]}") from None
+        raise ConfigError(f"{where}: is not YAML: {_told(error)}") from None
+
+
+def _told(error: Exception) -> str:
+    """What the library says, with the line alone of the place that it shows."""
+    if isinstance(error, yaml.MarkedYAMLError) and error.problem and error.problem_mark:
+        return f"line {error.problem_mark.line + 1}: {error.problem}"
+    return " ".join(IN_MEMORY.sub(" at", str(error)).split())[:200]
 
 
 def text(content: bytes) -> str:

@@ -5,6 +5,7 @@ beside or below itself; any other is given by hand.  Each is tried in a process 
 run here: one that never ends, or ends the program, is told in a sentence.
 """
 
+import re
 import signal
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -23,6 +24,7 @@ from spirob.machine.kernel_loop import loop_of
 from spirob.machine.rig import RigFile
 
 LARGEST = 2**18  # bytes of a description
+KIND = re.compile(r"function-.*|literal\[.*|float|Column")  # which of several an entry may be
 
 
 def load_rig(path: Path | str) -> tuple[RigFile | ArmFile, Path]:
@@ -48,8 +50,10 @@ def described(given: object, where: str) -> RigFile | ArmFile:
 
 def _first(error: ValidationError) -> str:
     wrong = error.errors()[0]
-    place = ".".join(str(part) for part in wrong["loc"])
+    place = ".".join(part for part in map(str, wrong["loc"]) if not KIND.fullmatch(part))
     said = wrong["msg"].removeprefix("Value error, ")
+    if wrong["type"] == "model_type":
+        said = "a mapping of keys is needed"
     if wrong["type"] in ("extra_forbidden", "unexpected_keyword_argument"):  # of a record
         said = "no such key; docs/rig_keys.md lists all"
     more = error.error_count() - 1

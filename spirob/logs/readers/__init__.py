@@ -25,6 +25,7 @@ import importlib
 import multiprocessing
 import os
 import pkgutil
+import re
 import signal
 import sys
 import threading
@@ -39,6 +40,7 @@ from typing import Any
 from spirob.errors import DataError, MissingLog, NothingLeft
 from spirob.logs.readers.columns import Asked, Table, finished, printable
 
+OBJECT = re.compile(r":? ?<[^<>]* object at 0x[0-9a-f]+>")  # as Python prints what has no text
 SMALL = 2**22  # bytes of a plain file that is read here
 HEAD = 512  # bytes in which a file shows its kind
 ALWAYS = ("spirob.logs.readers", "pandas")  # loaded before the first process is forked
@@ -74,7 +76,7 @@ def read_table(
             return _read(kind.__name__, asked)
         return apart(_read, kind.__name__, asked, needs=getattr(kind, "NEEDS", ()))
     except (ValueError, RecursionError) as error:
-        said = printable(" ".join(str(error).split())[:300])
+        said = printable(" ".join(OBJECT.sub("", str(error)).split())[:300])
         raise DataError(f"{where}: this is no readable {kind.KIND}: {said}") from None
 
 

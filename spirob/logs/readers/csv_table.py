@@ -161,4 +161,5 @@ def _parse(where: str, text: str, separator: str, decimal: str) -> tuple["pd.Dat
         said = " ".join(str(error).split())
         if "out of memory" in said:
             raise MemoryError from None
-        raise DataError(f"{where}: rows differ in their number of cells ({said[:120]})") from error
+        said = said.removeprefix("Error tokenizing data. C error: ")[:120]
+        raise DataError(f"{where}: no table of numbers: {said}") from error

@@ -184,3 +184,9 @@ def test_any_table_gives_columns_or_a_sentence(tmp_path, rows, separator):
         read_table(path)
     except DataError as error:
         assert path.name in str(error)
+
+
+def test_a_quote_that_never_ends_is_told_in_the_words_of_a_user(tmp_path):
+    (tmp_path / "a.csv").write_text('t,q\n1,2\n2,3\n3,"4\n4,5\n5,6\n')
+    with pytest.raises(DataError, match="no table of numbers: EOF inside string starting at row 3"):
+        read_table(tmp_path / "a.csv")

@@ -108,3 +108,11 @@ def test_an_array_of_three_dimensions_is_told_or_is_a_column(tmp_path):
     np.testing.assert_array_equal(table.column("q"), T)
     with pytest.raises(DataError, match="column 'cube' holds an array of 3 dimensions, not num"):
         table.column("cube")
+
+
+def test_no_address_of_an_object_is_printed(tmp_path):
+    head = b"{'descr': '<f8', 'fortran_order': False, 'shape': tuple((3,)), }".ljust(117) + b"\n"
+    size = len(head).to_bytes(2, "little")
+    (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + size + head + bytes(24))
+    with pytest.raises(DataError, match=r"no readable NumPy file: malformed .* on line 1$"):
+        read_table(tmp_path / "a.npy")
