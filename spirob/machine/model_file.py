@@ -8,7 +8,7 @@ further files is refused.
 
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, SubElement, tostring
 
@@ -18,6 +18,7 @@ from defusedxml.ElementTree import fromstring
 
 from spirob import files
 from spirob.errors import ConfigError
+from spirob.units import MOST
 
 LARGEST = 2**20  # bytes of a model file
 MESHES = 2**23  # bytes of all its meshes
@@ -98,13 +99,23 @@ def _parsed(text: bytes, path: Path) -> Element:
 
 
 def _finite(tree: Element, path: Path) -> None:
-    """Raise where an attribute holds a number that is none: MuJoCo takes it for one not given."""
+    """Raise where an attribute holds a number that is none, or none of a machine.
+
+    MuJoCo takes what is not a number for one not given.
+    """
     for element in tree.iter():
         for key, value in element.attrib.items():
-            if {word.lstrip("+-").lower() for word in value.split()} & {"nan", "inf", "infinity"}:
+            if any(not abs(number) <= MOST for number in _numbers(value)):
                 raise ConfigError(
-                    f"{path}: {key} of a <{element.tag}> is '{value[:40]}', no number"
+                    f"{path}: {key} of a <{element.tag}> is '{value[:40]}', no number of a machine"
                 )
+
+
+def _numbers(text: str) -> Iterator[float]:
+    """The words of a text that are numbers."""
+    for word in text.split():
+        with suppress(ValueError):
+            yield float(word)
 
 
 def _only_what_moves(tree: Element, path: Path) -> None:

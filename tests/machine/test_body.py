@@ -60,7 +60,9 @@ def test_a_tendon_drives_through_its_lever(tmp_path):
 def test_a_body_that_is_no_machine_is_a_sentence(tmp_path):
     with pytest.raises(ConfigError, match=r"gravity of a <option> is '.*nan', no number"):
         body(tmp_path, PENDULUM.replace("-9.81", "nan"))
-    made = body(tmp_path, PENDULUM.replace("-9.81", "-1e308"))
+    with pytest.raises(ConfigError, match=r"gravity of a <option> is .*, no number of a machine"):
+        body(tmp_path, PENDULUM.replace("-9.81", "-1e308"))
+    made = body(tmp_path, PENDULUM.replace("-9.81", "-1e15").replace('mass="0.4"', 'mass="1e9"'))
     with pytest.raises(DataError, match="asks for an effort of"):
         made.needs(piece(), 0.2)
 

@@ -54,6 +54,7 @@ def mesh(file, more="", compiler=""):
         (PENDULUM.replace("mass=", "weight="), "MuJoCo cannot read"),
         (PENDULUM.replace('mass="0.4"', 'mass="nan"'), "mass of a <.*> is 'nan', no number"),
         (within('<geom size="0.1" mass="+inf"/>'), "mass of a <geom> is '.inf', no number"),
+        (within('<geom size="0.1" mass="1e300"/>'), "mass of a <geom> is '1e300', no number of"),
         ("<robot name='r'><link name='l'/></robot>", "begins with <mujoco>"),
         ("no xml", "is no XML"),
         ("", "is no XML"),
