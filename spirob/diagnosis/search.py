@@ -259,17 +259,18 @@ class Search(Generic[M]):
                 if self.models.plain(model):
                     return model
                 weak = list(model.effects)
-            model = self.worth.best([lesser[e] for e in weak or denied])
+            model = self.worth.best([lesser[e] for e in (*weak, *denied)])
         return model
 
     def _exchanged(self, model: Model) -> Model:
-        """Exchange effects for better or simpler ones until none is left."""
+        """Exchange effects for better or simpler ones that the held-out trials do not refute."""
         for _ in range(self.criteria.most):
             if self.models.complete(model):
                 return model
             others = [m for e in model.effects for m in self.exchanges(model, e)]
             others += [m for e in model.effects for m in self._divided(model, e)]
-            chosen = self.worth.simplest(self.worth.standing([model, *others]))
+            others = [m for m in others if not self.worth.refuted(m, model)]
+            chosen = self.worth.simplest([model, *others])
             if chosen is model:
                 return model
             model = chosen
