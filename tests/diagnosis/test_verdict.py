@@ -12,7 +12,6 @@ from spirob.diagnosis.conclusion import Weighed, concluded, likely, weigh
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.document import candidates, findings
 from spirob.diagnosis.model import Offer
-from spirob.diagnosis.search import Search
 from spirob.diagnosis.verdict import AGAIN, SENSELESS, Verdict, judge, searched
 from spirob.effects import find_effects
 from tests.diagnosis.machines import SAMPLES, Linear, ended, fit_of, model
@@ -171,27 +170,6 @@ def test_what_is_unlikely_beside_what_is_likely_goes_and_is_said(second, names):
     assert verdict.probability == min(verdict.weighed[n].probability for n in names)
 
 
-@pytest.mark.parametrize("confirmed", [True, False])
-def test_what_held_out_trials_confirm_only_beside_what_goes_is_not_named(confirmed, monkeypatch):
-    """KIN takes half of what EFFECT leaves held out, but by itself nothing if not confirmed."""
-    chance = lambda figures, name, of: 0.1 if name == OTHER.name() else 0.9  # noqa: E731
-    monkeypatch.setattr(module, "probability", chance)
-    models = [
-        model([EFFECT], 0.006, 0.004),
-        model([KIN], 0.009, 0.009),
-        model([OTHER], 0.009, 0.009),
-        model([EFFECT, KIN], 0.004, 0.003 if confirmed else 0.00399),
-        model([EFFECT, OTHER], 0.005, 0.004),
-        model([KIN, OTHER], 0.008, 0.008),
-        model([EFFECT, KIN, OTHER], 0.002, 0.002),
-    ]
-    one = ended(BARE, *models, least=0.0005)
-    last, weighed = concluded(one.search, one.found)
-    assert last.found.chosen.names == ({NAME, KIN.name()} if confirmed else {NAME})
-    assert likely(weighed) == ([NAME, KIN.name()] if confirmed else [NAME])
-    assert weighed[KIN.name()].probability == (0.9 if confirmed else 0.0)
-
-
 @pytest.mark.parametrize(("half", "names"), [(4.0, [NAME]), (0.9, [NAME, OTHER.name()])])
 def test_of_effects_that_hide_each_other_one_is_named(half, names):
     """Half intervals of 4 for amplitudes of 1 tell none of two; alone the first is known to 5 %.
@@ -344,19 +322,3 @@ def test_pipeline_trial_and_arm_are_judged_in_one_go():
     assert any("chosen so far: coulomb_friction" in line for line in told)
     again = Linear(0.1 * one, {EFFECT: one, OTHER: two})
     assert searched(again, [EFFECT, OTHER], Criteria(), doubts=DOUBTS)[1].doubts == DOUBTS
-
-
-def test_what_was_likely_beside_a_dropped_effect_is_asked_again_alone(monkeypatch):
-    """EFFECT makes a part of what FAR makes whole, and OTHER, which is dropped, the rest."""
-    one, two = np.random.default_rng(2).standard_normal((2, 2 * SAMPLES))
-    machine = Linear(0.1 * (one + two), {EFFECT: one, OTHER: two, FAR: one + two})
-    search = Search(machine, [EFFECT, OTHER, FAR], Criteria(most=2))
-    chance = lambda figures, name, of: 0.1 if name == OTHER.name() else 0.9  # noqa: E731
-    monkeypatch.setattr(module, "probability", chance)
-    search.run()
-    pair = search.settled(machine.fitted((EFFECT, OTHER), {}))
-    assert pair.chosen.names == {NAME, OTHER.name()}
-    last, weighed = concluded(search, pair)
-    assert last.found.chosen.names == {FAR.name()}
-    assert likely(weighed) == [FAR.name()]
-    assert weighed[OTHER.name()].probability == 0.1
