@@ -5,6 +5,7 @@ Of the laws of dry friction, known by what their kernels do, a set holds one.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -20,7 +21,7 @@ SLOW, FAST = 1e3, 1e4  # rest speeds at which sliding friction has settled
 LOW = (1.0, 3.0, 10.0)  # rest speeds among which a level is highest
 HIGHER = 1.1
 SETTLING = 100  # steps that a memory is given for that
-STEP = 1e-3  # s
+STEP = 1.0  # s
 
 
 class Scored:
@@ -248,15 +249,20 @@ def is_dry(effect: type[Effect]) -> bool:
     return abs(fast) > 0.0 and abs(fast - slow) < 1e-3 * abs(fast) and fast * back < 0.0
 
 
-def falls(effect: type[Effect]) -> bool:
-    """Whether the level of a dry friction is higher at low speed than at high speed."""
-    low = max(abs(_settled(effect, speed)) for speed in LOW)
-    return low > HIGHER * abs(_settled(effect, FAST))
+def falls(effect: type[Effect], numbers: Mapping[str, float] = MappingProxyType({})) -> bool:
+    """Whether the level of a dry friction is higher at low speed than at high speed.
+
+    numbers  by their names in the effect; nominal where none are given
+    """
+    low = max(abs(_settled(effect, speed, numbers)) for speed in LOW)
+    return low > HIGHER * abs(_settled(effect, FAST, numbers))
 
 
-def _settled(effect: type[Effect], speed: float) -> float:
+def _settled(
+    effect: type[Effect], speed: float, numbers: Mapping[str, float] = MappingProxyType({})
+) -> float:
     given = {a: 1.0 if s == "motor.rest_speed" else speed for a, s in effect.reads.items()}
-    given |= {f: p.nominal for f, p in effect.parameters().items()}
+    given |= {f: p.nominal for f, p in effect.parameters().items()} | dict(numbers)
     given |= {"dt": STEP} if "dt" in effect.arguments() else {}
     memory = dict(effect.state)
     if not memory:

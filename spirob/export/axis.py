@@ -52,6 +52,7 @@ SIGNALS = {
     "motor.command": "effort",
     "motor.load_torque": "load",
     "motor.inertia_torque": "(LOAD_INERTIA * a)",
+    "winch.displacement": "q",
     "hinge.angle": "q",
     "hinge.speed": "v",
     "hinge.stiffness": "HINGE_STIFFNESS",

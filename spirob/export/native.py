@@ -162,6 +162,11 @@ def _force(machine: Machine, one: Held, model: Corrected) -> None:
     _bias(machine, one.values["force"])
 
 
+def _spring(machine: Machine, one: Held, model: Corrected) -> None:
+    machine.driven.stiffness += np.array([one.values["stiffness"], 0.0, 0.0])
+    _bias(machine, -one.values["bias"])
+
+
 def _gain(machine: Machine, one: Held, model: Corrected) -> None:
     drive = machine.spec.actuator(machine.drive)
     drive.gainprm[0] /= 1.0 + one.values["gain_error"]
@@ -258,6 +263,7 @@ HOLDERS: dict[tuple[str, str], Holder] = {
     ("tip_payload", "body.tip_mass"): tip,
     ("joint_viscoelasticity", "body.hinge_torque"): _maxwell,
     ("constant_force", "tendon.force"): _force,
+    ("parallel_spring", "tendon.force"): _spring,
     ("current_gain", "sensing.current"): _gain,
     ("current_offset", "sensing.current"): _offset,
     ("current_lag", "sensing.report"): _lag,

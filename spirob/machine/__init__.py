@@ -44,7 +44,6 @@ What is left, doubted and shown:
     composed/                      by which law
     plausibility.py, odd_logs.py   do data and description fit, do the logs fit together
     plain_columns.py               what inertia, friction, a force and a weight explain alone
-    springs.py                     would a spring explain it
     differing.py                   do logs differ by a number of their own, or by whole turns
     forward/                       the model run forward
     result.py, document.py, page_tables.py

@@ -31,7 +31,6 @@ from spirob.machine.recording import Recording
 from spirob.machine.result import Diagnosis
 from spirob.machine.rig import Bounded, RigFile
 from spirob.machine.selection import ASIDE, ends_aside
-from spirob.machine.springs import with_spring
 from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
 
 NOT_ELSEWHERE = f"Not looked for about another delay: {SHORTER}"
@@ -70,7 +69,6 @@ def diagnose_recordings(
             progress("once more, with the end of every log held out")
             again = _taught_by_all(told, judged.done.ready, [*train, *test], said)
             judged = again if again and _says_more(again, judged) else judged.noted(said)
-        judged = with_spring(judged, lambda told: judged_of(_once_more(_searched(told))))
         odd = only_of_logs(judged.search, judged.found, judged.verdict)
         return replace(written(judged), strange=odd.names if odd and not odd.mended else ())
 

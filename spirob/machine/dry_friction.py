@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from spirob.diagnosis.conclusion import Weighed
-from spirob.diagnosis.model import Model, is_constant, is_dry, richness
+from spirob.diagnosis.model import Model, falls, is_constant, is_dry, richness
 from spirob.diagnosis.rivals import is_worse
 from spirob.diagnosis.verdict import plain
 from spirob.effects import Effect
@@ -67,14 +67,18 @@ def with_plainer(
 ) -> dict[str, Weighed]:
     """The weighed, other dry friction as a rival of a law that is told by a part of itself alone.
 
-    Of Stribeck friction whose peak may be none no more is known than that it is dry.
+    Of Stribeck friction whose peak may be none, or is none beside a soft sign of the speed, no more
+    is known than that it is dry.
     """
     told = dict(weighed)
     for effect in chosen.effects:
         name, one = effect.name(), weighed.get(effect.name())
-        amplitudes = {f"{name}.{field}": zero for field, zero in effect.neutral.items()}
-        found = [(chosen.fit.estimates.get(n), zero) for n, zero in amplitudes.items()]
-        if one and is_dry(effect) and any(e and e.low <= zero <= e.high for e, zero in found):
+        found = {field: chosen.fit.estimates.get(f"{name}.{field}") for field in effect.fitted()}
+        none = [
+            e for f, e in found.items() if e and e.low <= effect.neutral.get(f, np.nan) <= e.high
+        ]
+        numbers = {field: e.value for field, e in found.items() if e}
+        if one and is_dry(effect) and (none or (falls(effect) and not falls(effect, numbers))):
             others = {e.name() for e in search.candidates if is_dry(e)} - {name, *one.equivalents}
             told[name] = replace(one, rivals=sorted({*one.rivals, *others}))
     return told

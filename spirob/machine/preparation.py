@@ -16,7 +16,7 @@ from spirob.identify.problem import effort_rms
 from spirob.machine.body import RigidBody
 from spirob.machine.delays import is_told, partnered, strange
 from spirob.machine.inverse import InverseProblem, Work
-from spirob.machine.laws import LEVER, for_axis, shares_inertia
+from spirob.machine.laws import LEVER, SPRING, for_axis, shares_inertia
 from spirob.machine.loading import chosen, files
 from spirob.machine.models import Models
 from spirob.machine.numbers import log_numbers, with_payload
@@ -259,6 +259,8 @@ def _reason(
     hinged = not isinstance(rig.body, str)
     if rig.position is None and (reads & PLACED or port == "sensing.displacement"):
         return "the log has no position"
+    if effect.name() == SPRING and "stiffness" in {*rig.fit, *rig.known}:
+        return "the description has a spring"
     if shares_inertia(effect) and not (hinged or "inertia" in rig.fit or rig.known.get("inertia")):
         return "the rig moves no inertia that could stay behind"
     if port == "command.current" and rig.effort.origin != "command":

@@ -20,7 +20,7 @@ LIBRARY = """
     stretch capstan_friction creep
     joint_viscoelasticity stiffness_hardening rest_curvature mount_tilt tip_payload
     current_offset current_gain current_lag feedback_latency encoder_eccentricity
-    constant_force
+    constant_force parallel_spring
 """
 
 

@@ -39,6 +39,7 @@ MORE = {
     "encoder_eccentricity": {"cosine": 0.5, "second_sine": 0.3},
     "mount_tilt": {"pitch": 0.05},
     "tip_payload": {"cosine": 0.5},
+    "parallel_spring": {"bias": 0.3},
 }
 
 

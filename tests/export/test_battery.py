@@ -40,7 +40,7 @@ OF_THE_ARM = set(all_effects()) - PLAIN - HINGED  # `test_arm` and `test_kernels
 NATIVE = {  # what plain MJCF holds, within this share of its size
     "cogging", "constant_force", "coulomb_friction", "current_gain", "current_lag",
     "current_offset", "feedback_latency", "gear_compliance", "joint_viscoelasticity",
-    "mount_tilt", "presliding_friction", "quadratic_drag", "rest_curvature",
+    "mount_tilt", "parallel_spring", "presliding_friction", "quadratic_drag", "rest_curvature",
     "stiffness_hardening", "stribeck_friction", "tip_payload",
 }  # fmt: skip
 SAID = 0.05

@@ -273,6 +273,20 @@ def test_a_peak_that_may_be_none_is_told_beside_friction_without_one(low, rivals
     assert told["stribeck_friction"].rivals == rivals
 
 
+@pytest.mark.parametrize(("softness", "rivals"), [(7.5, ["coulomb_friction"]), (0.5, [])])
+def test_a_peak_within_the_soft_sign_of_the_speed_is_none(softness, rivals):
+    """The curve never lies above its level at speed, though the peak's own number is plain."""
+    made = machines.model([StribeckFriction], 0.05)
+    numbers = {"coulomb_torque": 1.3, "breakaway_excess": 5.6, "stribeck_ratio": 2.0}
+    for field, value in {**numbers, "softness": softness, "presliding": 1e-5}.items():
+        told = Estimate(value, 0.9 * value, 1.1 * value, "1", False)
+        made.fit.estimates[f"stribeck_friction.{field}"] = told
+    search = machines.ended(machines.model([], 1.0), made).search
+    search.candidates = [StribeckFriction, all_effects()["coulomb_friction"]]
+    told = with_plainer(search, made, {"stribeck_friction": Weighed(0.9, 0.9)})
+    assert told["stribeck_friction"].rivals == rivals
+
+
 @pytest.mark.parametrize("low", [1e-5, 2e-5])
 def test_a_peak_that_flips_at_once_is_no_bristle_that_no_log_shows(low):
     """Its way ends at none that is told from none."""

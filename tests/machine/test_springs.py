@@ -1,29 +1,19 @@
-"""A spring that the description does not fit is told, and gives no other name."""
-
-import re
-from dataclasses import dataclass, replace
-from types import SimpleNamespace
+"""A spring of an axis is an effect: found with its rest and sign, and in the place of no other."""
 
 import numpy as np
 import pytest
 
-from spirob.diagnosis.conclusion import Weighed
-from spirob.diagnosis.criteria import Criteria, Worth
-from spirob.diagnosis.model import Found
 from spirob.effects import all_effects, find_effects
-from spirob.identify.intervals import Estimate
-from spirob.machine import springs
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.inverse import Work
-from spirob.machine.judging import Judged
+from spirob.machine.laws import LEVER, SPRING, related
 from spirob.machine.preparation import ready_of
 from spirob.machine.recording import prepare
-from spirob.machine.rig import Bounded, RigFile
+from spirob.machine.rig import RigFile
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())
 KEPT = {"coulomb_friction", "constant_force", "current_offset", "quadratic_drag", "tip_payload"}
-OTHERS = set(all_effects()) - KEPT
+OTHERS = set(all_effects()) - KEPT - {SPRING}
 
 
 def log(name, tones, spring=0.0, rest=0.0, dry=0.0, cubic=0.0, size=0.2):
@@ -42,101 +32,43 @@ def diagnosed(tmp_path, rig=RIG, **acts):
     return diagnose_recordings(rig, tmp_path, logs, test, without=OTHERS).document
 
 
-def told(document):
-    return [text for text in document["repairs"] if "stiffness" in text]
+def names(document):
+    return {effect["name"] for effect in document["effects"]}
 
 
-@pytest.mark.parametrize("rest", [0.0, 0.15])
-def test_a_spring_that_is_not_described_is_told_and_fitted(tmp_path, rest):
-    document = diagnosed(tmp_path, spring=1.0, rest=rest)
-    assert {e["name"] for e in document["effects"]} <= {"constant_force", "current_offset"}
-    (said,) = told(document)
-    size, low, high = map(
-        float, re.search(r"spring of ([\d.]+) \S+ \(([\d.]+) to ([\d.]+)\)", said).groups()
-    )
-    assert low <= 1.0 <= high  # as rounded
-    assert size == pytest.approx(1.0, rel=0.05)
-    assert document["numbers"]["stiffness"]["value"] == pytest.approx(1.0, rel=0.05)
+@pytest.mark.parametrize(("spring", "rest"), [(1.0, 0.0), (1.0, 0.15), (1.0, 5.0), (-1.0, 0.1)])
+def test_a_spring_is_named_with_its_rest_and_its_sign(tmp_path, spring, rest):
+    document = diagnosed(tmp_path, spring=spring, rest=rest)
+    assert document["verdict"] == "named"
+    (found,) = document["effects"]
+    assert (found["name"], found["equivalents"], found["rivals"]) == (SPRING, [], [])
+    about = found["parameters"]
+    assert about["stiffness"]["value"] == pytest.approx(spring, rel=0.01)
+    assert about["stiffness"]["unit"] == "N·m/rad"
+    assert about["bias"]["value"] == pytest.approx(-spring * rest, rel=0.01, abs=2e-3)
     assert document["ladder"][-1]["test"]["rmse"] < 0.05 * document["effort_rms"]["test"]
 
 
-def test_a_weight_held_upright_is_a_spring_of_the_other_sign(tmp_path):
-    document = diagnosed(tmp_path, spring=-1.0)
-    (said,) = told(document)
-    assert re.search(r"a spring of -(1|0\.99\d) N·m/rad", said)
-    assert "a weight held upright" in said
-    assert document["numbers"]["stiffness"]["value"] == pytest.approx(-1.0, rel=0.05)
+@pytest.mark.parametrize("rest", [0.0, 1.0])
+def test_a_spring_and_dry_friction_are_both_named(tmp_path, rest):
+    assert names(diagnosed(tmp_path, spring=0.5, rest=rest, dry=0.2)) == {
+        SPRING,
+        "coulomb_friction",
+    }
 
 
 @pytest.mark.parametrize("key", ["fit", "known"])
-def test_of_a_spring_that_is_described_nothing_is_told(tmp_path, key):
-    spring = {"nominal": 1.0, "low": 0.0, "high": 10.0} if key == "fit" else 0.5
+def test_a_spring_that_is_described_is_no_effect(tmp_path, key):
+    spring = {"nominal": 1.0, "low": 0.0, "high": 10.0} if key == "fit" else 1.0
     given = description()
     given[key] = {**given.get(key, {}), "stiffness": spring}
-    assert told(diagnosed(tmp_path, RigFile.model_validate(given), spring=1.0)) == []
+    document = diagnosed(tmp_path, RigFile.model_validate(given), spring=1.0)
+    assert document["verdict"] == "nothing_missing"
+    assert document["excluded"][SPRING] == "the description has a spring"
 
 
-def test_no_spring_is_told_where_friction_is_missing(tmp_path):
-    document = diagnosed(tmp_path, dry=0.2)
-    assert [e["name"] for e in document["effects"]] == ["coulomb_friction"]
-    assert told(document) == []
-
-
-@dataclass(frozen=True)
-class Logs:
-    """A rig's logs, as far as they are looked at here."""
-
-    rig: RigFile = RIG
-    work: Work | None = None
-    bounds: Bounded | None = None
-
-    def progress(self, text):
-        """Nobody reads it."""
-
-
-@pytest.mark.parametrize(
-    ("probability", "left", "fitted"),
-    [(0.7, 0.05, True), (0.7, 0.3, False), (0.7, None, False), (0.2, 0.05, True)],
-)
-@pytest.mark.parametrize("kind", ["unknown", "named"])
-def test_a_name_falls_where_a_spring_in_its_place_leaves_half(
-    monkeypatch, probability, left, fitted, kind
-):
-    """left  squared error that a spring leaves held out in the name's place, which leaves 0.4"""
-    ripple = find_effects(["torque_ripple"])[0]
-    bounds = Bounded(nominal=1.0, low=0.0, high=9.0)
-    estimates = {"rig.stiffness": Estimate(2.0, 1.9, 2.1, "N·m/rad", False)}
-
-    def model(square):
-        fit = SimpleNamespace(estimates=estimates, changes={})
-        known = {"effects": (ripple,), "fit": fit, "errors": np.full(16, square)}
-        return SimpleNamespace(**known, mean_square=square, heldout_square=square)
-
-    sprung = None if left is None else (None, model(left))
-    beside = SimpleNamespace(fitted=lambda effects, _: None if effects else sprung, bounds=bounds)
-    monkeypatch.setattr(springs._Beside, "of", lambda ready: beside)
-    monkeypatch.setattr(springs, "effort_rms", lambda problem: 1.0)
-    ready = Logs()
-    monkeypatch.setattr(springs, "_sprung", lambda ready, bounds: replace(ready, bounds=bounds))
-    models = SimpleNamespace(promised=0.5, heldout=None)
-    search = SimpleNamespace(models=models, worth=Worth(Criteria(), 0.1))
-    weighed = {"torque_ripple": Weighed(probability, probability)}
-    verdict = SimpleNamespace(doubts=(), weighed=weighed)
-    done = SimpleNamespace(ready=ready, search=search, is_long=False)
-    judged = Judged(done, Found([model(0.4)]), verdict, None)
-    asked = []
-    explained = model(0.05 if kind == "unknown" else 0.6)  # more than without the spring
-    kinds = SimpleNamespace(kind=kind)
-    again = SimpleNamespace(noted=lambda said: said, explained=explained, verdict=kinds)
-    found = springs.with_spring(judged, lambda told: asked.append(told.bounds) or again)
-    assert asked == [bounds] * fitted
-    if not fitted:
-        assert found is judged
-        return
-    likely = r"Not torque ripple.*: a spring of 2 N·m/rad .* leave 22\.4% .* and it 63\.2%"
-    unlikely = r"With a spring of 2 N·m/rad .*, 22\.4% of the effort .* without it 63\.2%"
-    assert re.match(likely if probability > 0.5 else unlikely, found)
-    assert found.endswith(springs.FITTED)
+def test_no_spring_is_named_where_friction_is_missing(tmp_path):
+    assert names(diagnosed(tmp_path, dry=0.2)) == {"coulomb_friction"}
 
 
 @pytest.mark.parametrize("size", [0.2, 1.0])
@@ -148,11 +80,13 @@ def test_a_spring_that_grows_with_the_way_is_no_straight_one_and_no_weight(tmp_p
     assert "cubic" in document["composed"]["terms"]
 
 
-def test_a_weight_is_no_candidate_beside_a_spring_that_is_not_described(tmp_path):
-    ready = ready_of(RIG, tmp_path, [log("a", (3.0, 7.1), size=1.0)], [])
-    assert "tip_payload" in {e.name() for e in ready.possible}
-    bounds = Bounded(nominal=1.0, low=0.0, high=9.0)
-    told = springs._sprung(ready, bounds)
-    assert told.rig.fit["stiffness"] == bounds
-    assert {e.name() for e in told.possible} == {e.name() for e in ready.possible} - {"tip_payload"}
-    assert "tip_payload" in told.excluded
+def test_a_spring_stands_beside_no_weight_and_no_constant_force(tmp_path):
+    """It holds the one; with the other it makes a spring that grows with the way."""
+    possible = ready_of(RIG, tmp_path, [log("a", (3.0, 7.1), size=1.0)], []).possible
+    assert SPRING in {e.name() for e in possible}
+    (spring,) = find_effects([SPRING])
+    for pull in (*LEVER.values(), *find_effects(["constant_force", "current_offset"])):
+        assert related(spring, [pull])
+        assert related(pull, [spring])
+        assert not related(pull, find_effects(["coulomb_friction"]))
+    assert not related(spring, find_effects(["coulomb_friction", "cogging"]))

@@ -52,6 +52,8 @@ class Hidden(NamedTuple):
     phase: float = 0.0
     weight: float = 0.0  # T
     hangs: float = 0.0  # position in which the weight hangs
+    spring: float = 0.0  # T at the ends of the stroke, from where it is at rest
+    at_rest: float = 0.0
     cubic: float = 0.0  # T at the ends of the stroke
     magnets: float = 0.0  # T, with a pitch that changes along the way
     pitch: float = 1.0
@@ -142,6 +144,10 @@ def hiding(kind: str, scale: Scale, rng: np.random.Generator) -> Hiding:
         "tip_payload": (
             {"hangs": scale.middle + between(-1.5, 1.5)},
             {"weight": torque, "payload": 1.0},
+        ),
+        "parallel_spring": (
+            {"at_rest": scale.middle + half * between(-2.0, 2.0), "half": half},
+            {"spring": torque},
         ),
         "constant_force": ({}, {"force": float(rng.choice([-1, 1])) * torque}),
         "current_offset": ({}, {"offset": float(rng.choice([-1, 1])) * torque}),
@@ -239,6 +245,7 @@ def passive(q, v, cells, h):
         wave = math.sin(angle) + h.second * math.sin(2.0 * angle + 1.0)
         torque -= h.wave * (wave + h.third * math.sin(3.0 * angle + 2.0))
     torque -= h.weight * math.sin(q - h.hangs)
+    torque -= h.spring * (q - h.at_rest) / h.half
     torque -= h.cubic * far * far * far
     torque -= h.magnets * math.sin(h.pitch * far * (1.0 + 0.7 * abs(far)))
     torque -= h.hysteresis * cells[BEND]

@@ -104,6 +104,7 @@ PASSIVE = frozenset(
         "asymmetric_viscous_friction",
         "quadratic_drag",
         "cogging",
+        "parallel_spring",
         "constant_force",
         "current_offset",
         "current_gain",

@@ -55,6 +55,7 @@ SIGNALS = {  # what a kernel reads -> expression in the loop
     "motor.command": "effort",
     "motor.load_torque": "load",
     "motor.inertia_torque": "(own[LOAD] * a)",
+    "winch.displacement": "q",
     "hinge.angle": "q",
     "hinge.speed": "v",
     "hinge.stiffness": "own[HINGE]",

@@ -14,7 +14,7 @@ tip_payload.py                   weight on a lever that no model file describes
 
 from collections.abc import Collection, Iterable
 
-from spirob.diagnosis.model import another_dry
+from spirob.diagnosis.model import another_dry, is_constant
 from spirob.effects import Effect, all_effects
 from spirob.machine.laws import load_side
 from spirob.machine.laws.backlash import Backlash
@@ -39,6 +39,7 @@ LEVER: dict[str, type[Effect]] = {TipPayload.name(): TipPayload}
 LOSSES: dict[str, type[Effect]] = {
     law.name(): law for law in (LoadDependentFriction, DirectionDependentEfficiency)
 }
+SPRING = "parallel_spring"
 SHARE = "rotor_share"  # of the moved inertia that is the motor's own
 TURNED = 1.0  # rad: over less, a weight on a lever is a spring with an offset
 INERTIA = "N·m·s²/rad"  # of a number that says how much of the moved inertia is the load's
@@ -92,11 +93,21 @@ def related(effect: type[Effect], others: Collection[type[Effect]]) -> bool:
 
     One load stays behind the motor in one way: play has its teeth's spring already.  A gear's teeth
     lose by their load in one way, which friction by the load and an efficiency by direction tell.
+    A spring holds a constant force, and beside a weight it is one that grows with the way.
     """
+    if effect.name() == SPRING:
+        return any(map(_is_of_a_spring, others))
+    if _is_of_a_spring(effect):
+        return any(other.name() == SPRING for other in others)
     for kind in (shares_inertia, _loses_by_load):
         if kind(effect):
             return any(kind(other) for other in others)
     return another_dry(effect, others)
+
+
+def _is_of_a_spring(effect: type[Effect]) -> bool:
+    """Whether a spring holds it already, or beside it would be no straight one."""
+    return is_constant(effect) or effect in LEVER.values()
 
 
 def _loses_by_load(effect: type[Effect]) -> bool:
