@@ -276,7 +276,8 @@ class Worth:
         """The poorest model to which no other is clearly preferable, of equals one that stands.
 
         A richer model has to be better by the least size of an effect: the edges of a smooth sign
-        never fit quite, and a richer law always takes some of that.
+        never fit quite, and a richer law always takes some of that.  And the held-out trials must
+        not contradict it, as an addition.
         """
         best = min(models, key=lambda m: m.mean_square)
         equal = self.standing([m for m in models if m is best or not self._beaten(m, best)])
@@ -290,6 +291,12 @@ class Worth:
         return [m for m in models if not any(self.refuted(m, other) for other in models)]
 
     def _beaten(self, model: Model, best: Model) -> bool:
-        if model.numbers < best.numbers:
-            return self._falls(model, best, self.settings.richer * self.least)
-        return self.clearly(model, best)
+        if model.numbers >= best.numbers:
+            return self.clearly(model, best)
+        falls = self._falls(model, best, self.settings.richer * self.least)
+        return falls and not self._rises(model, best)
+
+    def _rises(self, before: Scored, after: Scored) -> bool:
+        """Whether the held-out error rises by what counts."""
+        rise = after.heldout_square - before.heldout_square
+        return rise > max(self.settings.veto * before.heldout_square, self.least**2)
