@@ -92,6 +92,19 @@ def test_a_richer_law_has_to_be_better_by_the_size_that_is_asked(rich, richer, w
     assert simplest(0.050, rich, richer=richer) is winner
 
 
+@pytest.mark.parametrize(
+    ("held", "winner"),
+    [
+        (0.0538, SIMPLE),  # held out 0.020 of the least size of 0.01 more than the 0.050 of SIMPLE
+        (0.0505, RICH),  # 0.007, within what counts
+        (0.045, RICH),
+    ],
+)
+def test_a_richer_law_that_the_held_out_trials_contradict_is_no_better(held, winner):
+    models = [machines.model([SIMPLE], 0.050), machines.model([RICH], 0.040, held)]
+    assert Worth(Criteria(), 0.01).simplest(models).effects == (winner,)
+
+
 def test_a_small_gain_makes_a_richer_law_worth_it_only_where_no_size_is_asked():
     assert simplest(0.005, 0.004, richer=0.0) is RICH
     assert simplest(0.005, 0.004, richer=1.0) is SIMPLE
