@@ -269,6 +269,8 @@ def _reason(
         return "a logged command is no report of a current"
     if port == "sensing.current" and rig.effort.kind in ("voltage", "duty"):
         return f"a {rig.effort.kind} is regulated by no sensor of a current"
+    if port == "motor.drive_torque" and "motor.current" in reads and not _tells_current(rig):
+        return f"a {rig.effort.kind} tells no current where no `back_emf` is fitted or known"
     if port == "sensing.frame" and reads:
         return "the frame of a bus is not in the log"
     if port in DRIVE and rig.effort.origin == "sensor":
@@ -287,6 +289,11 @@ def _reason(
         return f"the rig has no {port.replace('.', ' ')}"
     missing = reads - SIGNALS - ({"motor.command"} if rig.effort.origin == "command" else set())
     return _unread(missing)
+
+
+def _tells_current(rig: RigFile) -> bool:
+    """Whether the effort, less a back-EMF, is in proportion to the motor's current."""
+    return rig.effort.kind not in ("voltage", "duty") or "back_emf" in {*rig.fit, *rig.known}
 
 
 def _unread(missing: set[str]) -> str:

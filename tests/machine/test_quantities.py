@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from spirob.effects import find_effects
 from spirob.machine.inverse import InverseProblem
 from spirob.machine.leftovers import rig_ceiling
+from spirob.machine.preparation import applicable
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
 from spirob.machine.scaling import Sizes
@@ -95,6 +97,24 @@ def test_a_duty_with_its_supply_is_a_voltage():
     )
     for made in (fixed, logged):
         same(made, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("effort", "known", "told"),
+    [
+        ({"unit": "A", "kind": "current"}, {}, True),
+        ({"unit": "V", "kind": "voltage"}, {}, False),
+        ({"unit": "1", "kind": "duty", "supply": 12.0}, {}, False),
+        ({"unit": "V", "kind": "voltage"}, {"back_emf": 0.1}, True),
+    ],
+)
+def test_laws_of_the_current_are_asked_where_the_effort_tells_it(effort, known, told):
+    """Of a voltage what the turning motor sets against it has to be known."""
+    given = description(effort={"column": "u", **effort}, known=known)
+    laws = find_effects(["torque_constant_saturation", "winding_heating", "torque_ripple"])
+    possible, excluded = applicable(laws, RigFile.model_validate(given), False, 0.0, True)
+    assert [e.name() for e in possible] == [e.name() for e in (laws if told else laws[2:])]
+    assert told or all("tells no current" in said for said in excluded.values())
 
 
 @pytest.mark.parametrize(
