@@ -3,6 +3,7 @@
 The library is found by walking this package, a user's own file by its path; `table` lists it.
 
 effect.py  what an effect is;  generated.py  its kernel as text in a generated loop
+formula.py  what a kernel may hold, so that it ends;
 check.py   the laws that every effect is held to;  replay.py  the signals they are run on
 """
 
@@ -16,6 +17,7 @@ from pathlib import Path
 from types import ModuleType
 
 from spirob.effects.effect import Effect
+from spirob.effects.formula import open_end
 from spirob.errors import EffectError, SpirobError
 
 
@@ -53,7 +55,8 @@ def find_effects(names: list[str]) -> list[type[Effect]]:
 def load_file(path: Path) -> dict[str, type[Effect]]:
     """The effects defined in a user's own Python file; the same classes while it stays as it is.
 
-    Raises EffectError when the file is absent, does not run, declares wrongly or holds no effect.
+    Raises EffectError when the file is absent, does not run, declares wrongly, holds no effect, or
+    one with a kernel that need not come to an end.
     """
     try:
         return _loaded(path.resolve(), path.read_bytes())
@@ -78,6 +81,9 @@ def _loaded(path: Path, content: bytes) -> dict[str, type[Effect]]:
         raise EffectError(f" fails: {type(wrong).__name__}: {wrong}") from wrong
     if not (found := _effects_in(module)):
         raise EffectError(" defines no effect")
+    for effect in found.values():
+        if said := open_end(effect.kernel):
+            raise EffectError(f": {said}")
     return found
 
 

@@ -10,6 +10,7 @@ the single motor: a machine with two of them gets such a number twice, as mean a
 (left minus right).
 """
 
+import ast
 import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
@@ -214,11 +215,19 @@ def evaluate(
     symbols = {about.symbol: numbers[name] for name, about in effect.parameters().items()}
     names = {**FUNCTIONS, **arguments, **symbols, "__builtins__": {}}
     try:
-        value = eval(compile(text, "<equation>", "eval"), names)
+        tree = _Real().visit(ast.parse(text.strip(), mode="eval"))
+        value = eval(compile(ast.fix_missing_locations(tree), "<equation>", "eval"), names)
     except (SyntaxError, NameError, TypeError) as wrong:
         known = ", ".join([*symbols, *arguments, *FUNCTIONS])
         raise EffectError(f"equation '{text}': {wrong}; it may use {known}") from wrong
     return np.asarray(value, dtype=float) * np.ones(_length(arguments))
+
+
+class _Real(ast.NodeTransformer):
+    """Whole numbers as numbers of a machine: a power of powers of those overflows at once."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        return ast.Constant(float(node.value)) if type(node.value) is int else node
 
 
 def _length(arguments: Mapping[str, np.ndarray | float]) -> int:

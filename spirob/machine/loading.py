@@ -2,7 +2,8 @@
 
 A file with an effect is a program.  A description may come from anybody, so it names only files
 beside or below itself; any other is given by hand.  Each is tried in a process apart before it is
-run here: one that never ends, or ends the program, is told in a sentence.
+run here: one that never ends, or ends the program, is told in a sentence.  A kernel that is taken
+ends at any numbers (`effects.formula`).
 """
 
 import re

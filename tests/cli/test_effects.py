@@ -62,6 +62,6 @@ def test_a_kernel_that_breaks_its_own_laws_is_not_put_into_the_model(checked):
 
 
 def test_a_kernel_that_cannot_be_compiled_is_a_sentence(checked):
-    code, said = checked("warmth = final +", "warmth = eval('final') +")
+    code, said = checked("warmth = final +", "warmth = math.fsum((final,)) +")
     assert code == 2
     assert said["compiled"].startswith("broken: it cannot be compiled")

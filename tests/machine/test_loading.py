@@ -49,7 +49,7 @@ def test_a_description_names_files_beside_or_below_itself(tmp_path):
         ("x = 1", "defines no effect"),
         (GOOD.replace(KERNEL, "return torque / (speed - speed)"), "kernel fails: ZeroDivision"),
         (GOOD.replace(KERNEL, "raise ValueError('no')"), "kernel fails: "),
-        (GOOD.replace(KERNEL, "return absent(speed)"), "kernel fails: NameError"),
+        (GOOD.replace(KERNEL, "return absent(speed)"), "nothing that a kernel can call"),
         (GOOD.replace(KERNEL, "return torque, speed"), "kernel fails: "),
         ("import math\n" + GOOD.replace(KERNEL, "return speed * math.nan"), "no finite number"),
     ],
@@ -59,32 +59,22 @@ def test_a_file_that_fails_is_a_sentence(tmp_path, text, sentence):
         chosen([written(tmp_path, text)])
 
 
-@pytest.mark.parametrize(
-    ("text", "longest"),  # to compile a kernel takes two seconds or three
-    [
-        ("while True:\n    pass", 1),
-        (
-            GOOD.replace(
-                KERNEL, "while speed != 1e9:\n            torque += 1.0\n        return torque"
-            ),
-            3,
-        ),
-        (
-            GOOD.replace(  # beyond the declared span of a speed
-                KERNEL, "while speed > 2e4:\n            torque += 1.0\n        return torque"
-            ),
-            3,
-        ),
-    ],
-)
-def test_a_file_that_never_ends_is_ended(tmp_path, monkeypatch, text, longest):
-    monkeypatch.setattr(loading, "LONGEST", longest)
-    path = written(tmp_path, text)
-    with pytest.raises(
-        EffectError, match=rf"does not end in {longest} s of computing or \d+ s in all$"
-    ):
+def test_a_file_that_never_ends_is_ended(tmp_path, monkeypatch):
+    monkeypatch.setattr(loading, "LONGEST", 1)
+    path = written(tmp_path, "while True:\n    pass")
+    with pytest.raises(EffectError, match=r"does not end in 1 s of computing or \d+ s in all$"):
         tried(path, kernel=True)
     assert main(["effects", "check", path]) == 2
+
+
+@pytest.mark.parametrize("far", ["speed != 1e9", "speed > 2e4", "speed == 0.123456789"])
+def test_a_kernel_that_may_never_end_is_refused_wherever_it_would(tmp_path, capsys, far):
+    loop = f"while {far}:\n            torque += 1.0\n        return torque"
+    path = written(tmp_path, GOOD.replace(KERNEL, loop))
+    with pytest.raises(EffectError, match=r"own\.py': line \d+: `while .* a kernel is a formula"):
+        chosen([path])
+    assert main(["effects", "check", path]) == 2
+    assert "a kernel is a formula" in capsys.readouterr().err
 
 
 def test_a_script_of_any_form_may_ask(tmp_path):
