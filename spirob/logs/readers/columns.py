@@ -222,9 +222,9 @@ def add(table: Table, name: str, values: "np.ndarray | pd.Series") -> None:
     if kind in "fiub":
         table.columns[name] = np.asarray(values, float)
     elif kind == "M":
-        _add_times(table, name, np.asarray(values).astype("datetime64[ns]"))
+        _add_times(table, name, np.asarray(values))
     elif kind == "m":
-        _add_seconds(table, name, np.asarray(values).astype("timedelta64[ns]"))
+        _add_seconds(table, name, np.asarray(values))
     elif kind in "SUO":
         cells = pd.Series(values, dtype=object).map(_plain)  # which tells what objects are
         if isinstance(cells.dtype, pd.DatetimeTZDtype):
@@ -264,17 +264,33 @@ def _add_text(table: Table, name: str, cells: "pd.Series") -> None:
     elif texts.str.fullmatch(OF_DAY).sum() >= enough:
         _add_hours(table, name, pd.to_timedelta(texts.reindex(cells.index), errors="coerce"))
     else:
-        times = pd.to_datetime(texts, format="ISO8601", utc=True, errors="coerce")
-        known = times.dt.tz_localize(None).reindex(cells.index)
-        _add_times(table, name, known.to_numpy("datetime64[ns]"))
+        times = _dates(texts)
+        if times.isna().all():  # such as the month 13
+            table.text[name] = f"text such as {example(filled.iloc[0])}"
+        else:
+            _add_times(table, name, times.reindex(cells.index).to_numpy())
+
+
+def _dates(texts: "pd.Series") -> "pd.Series":
+    """Instants of ISO 8601; to a microsecond where a year lies beyond what counts nanoseconds."""
+    import pandas as pd
+
+    def instants(cells: "pd.Series") -> "pd.Series":
+        read = pd.to_datetime(cells, format="ISO8601", utc=True, errors="coerce")
+        return read.dt.tz_localize(None)
+
+    times = instants(texts)
+    if times.isna().all():
+        times = instants(texts.str.replace(r"(\.\d{6})\d+", r"\1", regex=True))
+    return times
 
 
 def _add_times(table: Table, name: str, times: np.ndarray) -> None:
-    """Instants, (n,) datetime64[ns], as seconds since the first; exact to a nanosecond."""
+    """Instants, (n,) datetime64, as seconds since the first, as exact as they are."""
     known = times[~np.isnat(times)]
-    first = known[0] if len(known) else np.datetime64(0, "ns")
+    first = known[0] if len(known) else np.datetime64(0, "s")
     _add_seconds(table, name, times - first)
-    since = np.datetime_as_string(first, "ms")
+    since = str(first)[: len("2025-01-01T00:00:00.000")]
     table.say(f"'{name}' holds dates; they are seconds since {since} (UTC).")
 
 
@@ -289,8 +305,7 @@ def _add_hours(table: Table, name: str, times: "pd.Series") -> None:
 
 
 def _add_seconds(table: Table, name: str, spans: np.ndarray) -> None:
-    seconds = spans.astype("timedelta64[ns]").astype(np.int64) / 1e9
-    table.columns[name] = np.where(np.isnat(spans), np.nan, seconds)
+    table.columns[name] = spans / np.timedelta64(1, "s")
     table.units[name] = "s"
 
 

@@ -77,7 +77,7 @@ def _take(table: Table, name: str, column: "pa.ChunkedArray") -> None:
                 add(table, f"{name}[{k}]", rows[:, k])
             table.columns.update(spread(name, rows) if rows.shape[1] == 1 else ())
     elif pa.types.is_timestamp(kind) or pa.types.is_date(kind):
-        add(table, name, column.cast(pa.timestamp("ns"), safe=False).to_numpy())
+        add(table, name, column.to_numpy())
     elif pa.types.is_time(kind):
         counted = column.cast(pa.time64("ns")).cast(pa.int64()).cast(pa.duration("ns"))
         add(table, name, counted.to_numpy())

@@ -37,6 +37,15 @@ def test_times_are_seconds_since_the_first(tmp_path, column, seconds):
     assert table.units == {"t": "s"}
 
 
+@pytest.mark.parametrize("unit", ["ms", "us"])
+def test_years_that_nanoseconds_do_not_reach_are_told_as_they_are(tmp_path, unit):
+    first = np.datetime64("9999-12-31T23:59:30", "ms")
+    stamps = (first + np.arange(N)).astype(f"datetime64[{unit}]")
+    table = read_table(written(tmp_path, t=pa.array(stamps), q=np.zeros(N)))
+    np.testing.assert_allclose(table.column("t"), 1e-3 * np.arange(N), rtol=1e-12)
+    assert table.said[0].endswith("seconds since 9999-12-31T23:59:30.000 (UTC).")
+
+
 def test_what_is_missing_is_not_a_number(tmp_path):
     stamps = pa.array([None, *range(1, N)], pa.timestamp("us"))
     table = read_table(written(tmp_path, t=stamps, k=pa.array([1, None] * (N // 2))))
