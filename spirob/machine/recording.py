@@ -239,14 +239,10 @@ def _controlled(grid: Grid, rig: RigFile, period: float) -> Grid:
     """A piece with the effort that its controller asks for, where the log has none."""
     if rig.control is None or rig.effort.source != "control":
         return grid
-    p, d, i, a, b = rig.control.gains
-    wrong = grid["reference"] - grid["position"]
     v = grid["velocity"] if "velocity" in grid else derivative(grid["position"], period)
-    wound = cumulative_trapezoid(a * wrong - b * v, dx=period, initial=0.0)
-    asked = p * wrong - d * v + i * np.asarray(wound)
-    most = np.inf if rig.control.limit is None else rig.control.limit
-    size = rig.effort.scale * grid.get("supply", 1.0)
-    return {**grid, "effort": size * np.clip(asked, -most, most)}
+    goal = grid["reference"]
+    asked = rig.control.asked(goal - grid["position"], derivative(goal, period), v, period)
+    return {**grid, "effort": rig.effort.scale * grid.get("supply", 1.0) * asked}
 
 
 def _computed(name: str, rig: RigFile) -> list[str]:

@@ -26,6 +26,7 @@ from spirob.machine.columns import (
     TimeColumn,
     used_once,
 )
+from spirob.machine.controller import Control
 from spirob.units import Size, units_of
 
 __all__ = [
@@ -111,39 +112,6 @@ class Rows(Entry):
     minimum_speed: float | None = Field(default=None, ge=0)
     maximum_speed: float | None = Field(default=None, gt=0)
     standstill: Literal["drop", "keep"] = "drop"
-
-
-class Control(Entry):
-    """What the controller asks for, in the unit of effort, from position and speed in SI.
-
-    u = velocity·e + integral·∫e  with  e = position·(reference - q) - v,  a cascade, or
-    u = kp·(reference - q) - kd·v + ki·∫(reference - q);  no more than ± limit
-    """
-
-    position: float | None = None
-    velocity: float | None = None
-    integral: float = 0.0
-    kp: float | None = None
-    kd: float = 0.0
-    ki: float = 0.0
-    limit: float | None = Field(default=None, gt=0)
-
-    @model_validator(mode="after")
-    def _one_form(self) -> "Control":
-        cascade = self.position is not None and self.velocity is not None
-        if cascade == (self.kp is not None):
-            raise ValueError("give position and velocity of a cascade, or kp, kd and ki")
-        if not any(self.gains[:3]):
-            raise ValueError("with gains of 0 a controller asks for nothing")
-        return self
-
-    @property
-    def gains(self) -> tuple[float, float, float, float, float]:
-        """(P, D, I, a, b) of u = P·(r - q) - D·v + I·∫(a·(r - q) - b·v)."""
-        if self.kp is not None:
-            return self.kp, self.kd, self.ki, 1.0, 0.0
-        position, velocity = self.position or 0.0, self.velocity or 0.0
-        return velocity * position, velocity, self.integral, position, 1.0
 
 
 class OwnNumbers(Entry):

@@ -123,15 +123,18 @@ def test_laws_of_the_current_are_asked_where_the_effort_tells_it(effort, known, 
         {"kp": 4.0, "kd": 0.3, "ki": 0.5},
         {"position": 8.0, "velocity": 0.5, "integral": 0.2},
         {"kp": 4.0, "limit": 0.2},
+        {"kp": 4.0, "kd": 0.3, "rate": "error"},
+        {"position": 8.0, "velocity": 0.5, "integral": 0.2, "rate": "error"},
     ],
 )
 def test_the_effort_of_a_controller_follows_from_its_gains_and_error(control):
     reference = Q + 0.05 * np.sin(3 * T)
-    p, d, i, a, b = RigFile.model_validate(
+    p, d, i, a, b, _ = RigFile.model_validate(
         description(control=control, reference={"column": "r", "unit": "rad"})
     ).control.gains
-    wound = np.cumsum(a * (reference - Q) - b * V) * (T[1] - T[0])
-    asked = p * (reference - Q) - d * V + i * wound
+    rate = (V + 0.15 * np.cos(3 * T) if control.get("rate") == "error" else 0.0) - V
+    wound = np.cumsum(a * (reference - Q) + b * rate) * (T[1] - T[0])
+    asked = p * (reference - Q) + d * rate + i * wound
     asked = np.clip(asked, -control.get("limit", np.inf), control.get("limit", np.inf))
     given = read({"u": asked})
     made = read(

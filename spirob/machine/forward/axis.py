@@ -167,7 +167,7 @@ class Axis:
         self._where = body.where if body else np.zeros(len(self.motion.q))
 
     def run(
-        self, segments: np.ndarray, given: np.ndarray, control: Sequence[float] = (0.0,) * 8
+        self, segments: np.ndarray, given: np.ndarray, control: Sequence[float] = (0.0,) * 9
     ) -> np.ndarray:
         """Position, speed and effort along all pieces, (3, n), NaN where no segment lies.
 

@@ -139,7 +139,7 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
               measured motion of its piece before
     given     (n,): effort at each row, linear in between, or position to follow where a controller
               runs, which then holds its effort from row to row
-    control   (8,): 1 where it runs, the five of `Control.gains`, factor to SI, limit in SI
+    control   (9,): 1 where it runs, the six of `Control.gains`, factor to SI, limit in SI
     own, p    as `torque` takes them;  start (m,) what memory begins with
     table     (rows, nodes, AT) of the body, no nodes without one
     grid      (2,) first node and the distance to the next
@@ -150,11 +150,12 @@ def loop_of(effects: Sequence[type[Effect]]) -> Callable[..., None]:
     return load("\n\n".join(parts), KIND).run
 
 
-def asked(q, v, goal, dt, control, wound):
-    """Effort that a controller asks for, and the next integral of its error."""
-    wound += dt * (control[4] * (goal - q) - control[5] * v)
-    effort = control[6] * (control[1] * (goal - q) - control[2] * v + control[3] * wound)
-    return min(max(effort, -control[7]), control[7]), wound
+def asked(q, v, goal, pace, dt, control, wound):
+    """Effort that a controller asks for, and the next integral of its error; the goal's pace."""
+    rate = control[6] * pace - v
+    wound += dt * (control[4] * (goal - q) + control[5] * rate)
+    effort = control[7] * (control[1] * (goal - q) + control[2] * rate + control[3] * wound)
+    return min(max(effort, -control[8]), control[8]), wound
 
 
 def beside(q, row, table, grid, at):
@@ -235,7 +236,9 @@ def run(out, segments, steps, motion, given, control, own, p, start, table, grid
             after = min(k + 1, last - 1)
             effort, rise = given[k], given[after] - given[k]
             if control[0] > 0.0:
-                effort, wound = asked(q, v, given[k], steps[s], control, wound)
+                before = max(k - 1, first)
+                pace = (given[after] - given[before]) / (max(after - before, 1) * steps[s])
+                effort, wound = asked(q, v, given[k], pace, steps[s], control, wound)
                 rise = 0.0
             out[0, k], out[1, k], out[2, k] = q, v, effort
             for part in range(parts):

@@ -58,6 +58,18 @@ def test_a_controller_hides_an_error_in_motion_but_not_in_effort():
     assert wrong["effort"]["rmse"] > 3 * right["effort"]["rmse"]
 
 
+def test_a_gain_on_the_rate_of_the_error_does_not_hold_the_axis_back():
+    """On the speed alone it does, by kd/kp of it."""
+    reference = {"column": "r", "unit": "rad"}
+    held, led = (
+        errors(RIGHT, swinging(predict="closed_loop", control=control, reference=reference))
+        for control in ({"kp": 50.0, "kd": 8.0}, {"kp": 50.0, "kd": 8.0, "rate": "error"})
+    )
+    late = 8.0 / 50.0 * W * np.sqrt(0.5)
+    assert held["whole"]["position"]["rmse"] == pytest.approx(late, rel=0.3)
+    assert led["whole"]["position"]["rmse"] < 0.1 * late
+
+
 def test_an_error_lies_within_its_interval_and_one_log_gives_none_of_the_whole():
     wrong = errors(WRONG)
     assert wrong["whole"]["position"]["interval"] == [None, None]

@@ -7,7 +7,7 @@ from spirob.effects import find_effects
 from spirob.machine.forward import torque
 from spirob.machine.forward.torque import AT, OWN, memory_of
 
-NONE = (0.0,) * 6
+NONE = (0.0,) * 9
 
 
 def played(h, seconds, own, at=(0.0, 0.0), effort=np.zeros_like, effects=(), numbers=()):
