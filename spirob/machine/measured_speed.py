@@ -73,7 +73,10 @@ def measured(
         return []
     noise = acceleration_noise(np.concatenate(given) / found.scale, 1, cutoff, period)
     if noise > OWN * acceleration_noise(places[0], 2, cutoff, period):
-        said.append(f"{title} is noisier than the derivative of the position and was left out.")
+        off = "" if found.scale == 1.0 else f", which it is {found.scale:.2g} times,"
+        said.append(
+            f"{title} is noisier than the derivative of the position{off} and was left out."
+        )
         return []
     if found.scale != 1.0:
         said.append(f"{title} is {found.scale:.3g} times the derivative of the position; scaled.")

@@ -74,6 +74,14 @@ def test_the_less_noisy_of_both_is_used():
     assert error < prepared(noisy, BARE, step=0.1)[1]
 
 
+@pytest.mark.parametrize("scale", [0.5, -1.0, 57.3])
+def test_of_a_noisy_speed_the_scale_or_sign_is_told_too(scale):
+    said, error = prepared(lambda t: scale * (motion(t)[1] + 0.1 * NOISE))
+    told = f"derivative of the position, which it is {scale:.2g} times, and was left out."
+    assert said == [f"log: 'v' is noisier than the {told}"]
+    assert error < 1e-2
+
+
 def test_a_speed_that_is_mostly_empty_is_left_out():
     said, _ = prepared(lambda t: np.where(np.arange(len(t)) % 10 == 0, motion(t)[1], np.nan))
     assert said == ["log: 'v' is mostly empty and left out."]
