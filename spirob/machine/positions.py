@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from spirob.errors import DataError
-from spirob.machine.unwrapping import ANOTHER, LONG, Track, modulus_of, without_wraps
+from spirob.machine.unwrapping import ANOTHER, FULL, LONG, Track, modulus_of, without_wraps
 
 FEW, LEAST = 0.01, 10  # share of a log that may be jumps, and how many at least
 SINGLE = 0.05  # share of it that may be spikes: what they hide stands beside them
@@ -14,6 +14,7 @@ UNUSUAL = ((0.98, 8.0), (0.9, 30.0))  # so many times what such a share of the r
 BACK = 0.2  # of a spike by which the position may have moved on behind it
 SURELY = 6.0  # times what is usual: a change of speed, and a speed that is none of its noise
 LACKING, WHOLE = 4, 0.15  # rows that may lack without a stamp that tells, and how near to whole
+COUNTS = "lost counts or a reset"
 SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
 
 
@@ -85,7 +86,9 @@ def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.nda
     moving = _goes_on(rates, found.before, found.after) & (track.apart[at] <= LONG * track.period)
     lost = moving & found.whole_rows
     said += _lost(where, name, found, lost)
-    said += _of_counts(where, name, found, ~lost, moving, max(LEAST, FEW * len(rates)))
+    most = max(LEAST, FEW * len(rates))
+    whole = FULL * float(np.ptp(track.values))
+    said += _of_counts(where, name, found, ~lost, moving, most, whole)
     leaps = np.zeros_like(track.values)
     counts = moving & ~lost
     leaps[at[counts] + 1] = (found.step - found.way)[counts]
@@ -132,9 +135,18 @@ def _lost(where: str, name: str, found: _Jumps, lost: np.ndarray) -> list[str]:
 
 
 def _of_counts(
-    where: str, name: str, found: _Jumps, jumps: np.ndarray, moving: np.ndarray, most: float
+    where: str,
+    name: str,
+    found: _Jumps,
+    jumps: np.ndarray,
+    moving: np.ndarray,
+    most: float,
+    whole: float,
 ) -> list[str]:
-    """That the position jumps, where (k,) says so; raise DataError where it does more often."""
+    """That the position jumps, where (k,) says so; raise DataError where it does more often.
+
+    whole  a step from one end of what the position reaches to the other: it may begin again there
+    """
     if not jumps.any():
         return []
     k = int(np.argmax(jumps))
@@ -146,7 +158,9 @@ def _of_counts(
     if jumps.sum() > most:
         raise DataError(f"{told}, and {jumps.sum()} times in all: lost counts, or a wrong unit?")
     ends = "its motion goes on behind it" if moving[jumps].all() else ANOTHER
-    return [f"{told}{_more(jumps)}: lost counts or a reset; the log was cut there, and {ends}."]
+    wraps = moving[jumps].all() and np.abs(found.step[jumps]).min() > whole
+    why = "it begins again after as much (position.modulus), or was reset" if wraps else COUNTS
+    return [f"{told}{_more(jumps)}: {why}; the log was cut there, and {ends}."]
 
 
 def _more(where: np.ndarray) -> str:

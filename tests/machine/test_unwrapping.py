@@ -135,6 +135,17 @@ def test_what_never_wraps_is_left_alone(reach):
     assert found.modulus is None
 
 
+def test_one_step_over_all_that_the_position_reaches_may_be_a_turn_of_its_own():
+    seconds = 0.01 * np.arange(1200)
+    moved = 2.5 * seconds + 0.3 * np.sin(3.0 * seconds)
+    wrapped = Track(np.mod(moved, 23.0), seconds, 0.01, 0.055, usual=(TURN,))
+    said: list[str] = []
+    found = repaired("log", "q", wrapped, said)
+    np.testing.assert_allclose(found.values, moved, atol=1e-3)
+    assert "'q' jumps by -23 at 9" in said[0]
+    assert "it begins again after as much (position.modulus), or was reset" in said[0]
+
+
 def test_one_step_of_no_known_size_is_a_jump_and_many_are_refused():
     seconds = 0.01 * np.arange(1200)
     true = motion(seconds, 3.0, np.random.default_rng(1))
