@@ -50,7 +50,7 @@ def read(asked: Asked) -> Table:
     if asked.dbc is None:
         raise DataError(
             f"{asked.name}: a CAN log needs the DBC file that says what its frames mean; "
-            "give --dbc FILE or `dbc:` in the description"
+            "give `dbc:` in the description, or --dbc FILE to `spirob import`"
         )
     table, messages = Table(asked.name), _messages(asked.dbc)
     names = {k: [f"{m.name}.{s.name}" for s in m.signals] for k, m in messages.items()}

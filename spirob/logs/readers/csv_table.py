@@ -21,6 +21,7 @@ LARGEST = 2**27  # bytes of text, which takes several times as much while it is 
 COLUMNS = 5000  # more are no table
 UNEVEN = 0.05  # of the rows may have too many cells; more is no table
 SAMPLE = 50  # lines from which separator and decimal sign are told
+TITLES = 20  # lines that may stand above the line of names
 SEPARATORS = (",", ";", "\t", "|", " ")
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|NaN|NA|null)?")
 TIME = re.compile(r"\d{4}-?\d\d-?\d\d([T ].*\d.*)?|\d\d?:\d\d:\d\d([.,]\d+)?")
@@ -45,9 +46,12 @@ def read(asked: Asked) -> Table:
         raise NothingLeft(
             f"{where}: {len(lines)} lines are no table; it takes a line of names, and rows"
         )
-    separator, decimal = _dialect(where, lines)
-    names = _cells(lines[0], separator)
-    if all(NUMBER.fullmatch(cell) or TIME.fullmatch(cell) for cell in names):
+    separator, decimal, titles = _dialect(where, lines)
+    if titles:
+        table.say(f"its first {titles} lines are no table and were left out.")
+        text = text.split("\n", titles)[titles]
+    names = _cells(lines[titles], separator)
+    if _numbers(names):
         if len(_cells(comment, separator)) != len(names):
             raise DataError(f"{where}: the first line holds numbers; it must name the columns")
         names, text = _cells(comment, separator), f"{comment}\n{text}"
@@ -99,16 +103,40 @@ def _decoded(content: bytes, where: str) -> str:
     return text
 
 
-def _dialect(where: str, lines: list[str]) -> tuple[str, str]:
-    """The separator and decimal sign under which most cells of most columns are numbers."""
+def _dialect(where: str, lines: list[str]) -> tuple[str, str, int]:
+    """Separator and decimal sign, and how many lines stand above the table, such as a logger's.
+
+    Below those the names are no numbers, and blanks, which titles hold too, are tried last.
+    """
+    if any(lines[0].count(separator) >= COLUMNS for separator in SEPARATORS):
+        raise DataError(f"{where}: more than {COLUMNS} columns are no table")
+    cells = {separator: [_cells(line, separator) for line in lines] for separator in SEPARATORS}
+    below = range(1, min(TITLES, len(lines) - 3) + 1)
+    tries = [(0, SEPARATORS), *((k, SEPARATORS[:-1]) for k in below), *((k, (" ",)) for k in below)]
+    for closely in (True, False):
+        for titles, separators in tries if closely else tries[:1]:
+            rows = {separator: cells[separator][titles:] for separator in separators}
+            if titles:
+                rows = {s: r for s, r in rows.items() if not any(map(NUMBER.fullmatch, r[0]))}
+            if found := _told_by(rows, closely):
+                return *found, titles
+    raise DataError(
+        f"{where}: no table of numbers; expected a line of names, then rows with the same "
+        "number of cells, separated by comma, semicolon, tabulator or blanks"
+    )
+
+
+def _told_by(tables: dict[str, list[list[str]]], closely: bool) -> tuple[str, str] | None:
+    """The separator and decimal sign under which most cells of most columns are numbers.
+
+    tables   separator -> cells of names and of rows
+    closely  the first row has as many cells as there are names, too
+    """
     best, chosen = 0.0, ("", "")
-    for separator in SEPARATORS:
-        if lines[0].count(separator) >= COLUMNS:
-            raise DataError(f"{where}: more than {COLUMNS} columns are no table")
-        names = _cells(lines[0], separator)
-        rows = [_cells(line, separator) for line in lines[1:]]
+    for separator, (names, *rows) in tables.items():
         even = [row for row in rows if len(row) == len(names)]
-        if len(names) < 2 or len(even) < 0.9 * len(rows):
+        torn = closely and len(rows[0]) != len(names)
+        if len(names) < 2 or len(even) < 0.9 * len(rows) or torn:
             continue
         for decimal in (".", ","):
             if decimal == separator:
@@ -117,12 +145,12 @@ def _dialect(where: str, lines: list[str]) -> tuple[str, str]:
             quality = good / len(rows)
             if quality > best:
                 best, chosen = quality, (separator, decimal)
-    if best < 1.5:
-        raise DataError(
-            f"{where}: no table of numbers; expected a line of names, then rows with the same "
-            "number of cells, separated by comma, semicolon, tabulator or blanks"
-        )
-    return chosen
+    return chosen if best >= 1.5 else None
+
+
+def _numbers(cells: list[str]) -> bool:
+    """Whether a line holds numbers and times alone."""
+    return all(NUMBER.fullmatch(cell) or TIME.fullmatch(cell) for cell in cells)
 
 
 def _told(cell: str, decimal: str) -> bool:

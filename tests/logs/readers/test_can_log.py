@@ -130,7 +130,7 @@ def test_what_python_can_writes_is_decoded(tmp_path, dbc, name):
 
 
 def test_without_a_dbc_file_it_is_asked_for(tmp_path):
-    with pytest.raises(DataError, match=r"give --dbc FILE or `dbc:` in the description"):
+    with pytest.raises(DataError, match=r"give `dbc:` in the description, or --dbc FILE to"):
         read_table(written(tmp_path))
 
 

@@ -53,6 +53,22 @@ def test_names_in_the_last_comment_are_names_as_numpy_writes_them(separator, tmp
     np.testing.assert_allclose(np.column_stack([columns[n] for n in "tqu"]), ROWS)
 
 
+@pytest.mark.parametrize("separator", [",", ";", "\t", "|"])
+def test_titles_above_the_names_are_left_out_and_said(separator, tmp_path):
+    path = written(tmp_path / "a.csv", separator, "." if separator == "," else ",")
+    titles = ["Motion logger 2.1", f"Date{separator}2024-05-02", f"Rate{separator}1 kHz", ""]
+    path.write_text("\n".join([*titles, path.read_text()]))
+    table = read_table(path)
+    np.testing.assert_allclose(np.column_stack([table.columns[n] for n in "tqu"]), ROWS, atol=1e-9)
+    assert table.said[0] == "a.csv: its first 3 lines are no table and were left out."
+
+
+def test_names_that_are_too_few_are_no_titles(tmp_path):
+    (tmp_path / "a.csv").write_text("\n".join(["t,q", *["1,2,3"] * 20]))
+    with pytest.raises(DataError, match="a line of names, then rows with the same number of cells"):
+        read_table(tmp_path / "a.csv")
+
+
 def test_a_quoted_name_may_hold_the_separator(tmp_path):
     table = read_table(written(tmp_path / "a.csv", ",", ".", head='t{0}"current, A"{0}u'))
     np.testing.assert_allclose(table.column("current, A"), [row[1] for row in ROWS])
