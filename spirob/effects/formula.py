@@ -57,7 +57,8 @@ def _faults(tree: ast.stmt, function: FunctionType, above: tuple[Any, ...]) -> I
         line = f"line {getattr(node, 'lineno', tree.lineno)}: "
         grows = isinstance(node, ast.List) and node not in given
         if node in marks or grows or not isinstance(node, PARTS):
-            yield f"{line}`{_shown(node)}`; {SAID}"
+            ends = " may never end" if isinstance(node, ast.While) else ""
+            yield f"{line}`{_shown(node)}`{ends}; {SAID}"
         elif isinstance(node, ast.Call) and (wrong := _call(node, function, above)):
             yield line + wrong
 
