@@ -1,4 +1,4 @@
-"""How processes end: SIGTERM as Ctrl-C does, and none outlives the one that started it.
+"""How processes end: SIGTERM as Ctrl-C does, none outlives the one that started it, no leftovers.
 
     python -m spirob.ending MODULE ...
 
@@ -12,9 +12,24 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 
 EVERY = 0.5  # s, between two looks at the parent
+_LEFT: list[Callable[[], object]] = []
+
+
+def at_end(action: Callable[[], object]) -> None:
+    """`action` takes away what this process leaves elsewhere, also where its end is cut short."""
+    _LEFT.append(action)
+
+
+def tidy() -> None:
+    """Take away what is left; for an end that runs nothing else (`os._exit`)."""
+    while _LEFT:
+        with suppress(Exception):
+            _LEFT.pop()()
 
 
 def stop_as_by_hand() -> None:

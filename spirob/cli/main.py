@@ -14,7 +14,7 @@ from contextlib import suppress
 from types import ModuleType
 
 from spirob.cli import DONE, MEANINGS, MISTAKE, STOPPED, commands
-from spirob.ending import stop_as_by_hand
+from spirob.ending import stop_as_by_hand, tidy
 from spirob.errors import SpirobError
 from spirob.files import refused
 
@@ -100,6 +100,7 @@ def _end(code: int) -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):  # its reader has gone, or it is closed
             stream.flush()
+    tidy()
     os._exit(code)
 
 

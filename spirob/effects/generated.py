@@ -19,6 +19,7 @@ from pathlib import Path
 from types import ModuleType
 
 from spirob.effects.effect import Effect
+from spirob.ending import at_end
 
 # only what is compiled with it calls it: no entry for Python, nothing of its own on disk
 CALLED = "no_cpython_wrapper=True, no_cfunc_wrapper=True"
@@ -85,7 +86,9 @@ def _kept() -> Path:
 @cache
 def _passing() -> tempfile.TemporaryDirectory[str]:
     """The one folder of this process, removed at its end."""
-    return tempfile.TemporaryDirectory(prefix="spirob_")
+    folder = tempfile.TemporaryDirectory(prefix="spirob_")
+    at_end(folder.cleanup)
+    return folder
 
 
 def _written(folder: Path, name: str, source: str) -> Path:

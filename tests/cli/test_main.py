@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import re
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import yaml
 from spirob.cli import main as command
 from spirob.cli.main import main
 from tests.effects.effects import TEMPLATE
+from tests.effects.test_declaration import GOOD
 from tests.machine.rigs import damper
 
 
@@ -157,3 +159,23 @@ def test_no_effect_of_ones_own_turns_a_refusal_into_success(rig, tmp_path, at_th
     assert answer.returncode == 2
     assert answer.stderr.startswith("spirob: ")
     assert answer.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("cached", [True, False])
+@pytest.mark.parametrize("kernel", ["return torque / (speed - speed)", "return -torque * speed"])
+def test_a_refusal_leaves_no_folder_behind(rig, tmp_path, cached, kernel):
+    """Neither of processes apart nor of what is generated where the cache cannot be written."""
+    text = GOOD.replace("return -torque * speed", kernel)
+    (tmp_path / "own.py").write_text(text)
+    (tmp_path / "a.npz").write_bytes(b"no archive")
+    (tmp_path / "tmp").mkdir()
+    (tmp_path / "file").write_text("in which no folder can be made")
+    given = ["--rig", str(rig / "rig.yaml"), "--train", str(tmp_path / "a.npz")]
+    given += ["--effects", str(tmp_path / "own.py"), "--out", str(tmp_path / "out")]
+    env = {**os.environ, "TMPDIR": str(tmp_path / "tmp")}
+    env["XDG_CACHE_HOME"] = str(tmp_path / ("cache" if cached else "file"))
+    asked = [sys.executable, "-m", "spirob.cli.main", "diagnose", *given]
+    answer = subprocess.run(asked, capture_output=True, text=True, check=False, env=env)
+    assert answer.returncode == 2
+    assert answer.stderr.count("\n") == 1
+    assert list((tmp_path / "tmp").iterdir()) == []

@@ -26,17 +26,21 @@ import multiprocessing
 import os
 import pkgutil
 import re
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
+from multiprocessing import util
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from spirob.ending import at_end
 from spirob.errors import DataError, MissingLog, NothingLeft
 from spirob.logs.readers.columns import Asked, Table, finished, printable
 
@@ -136,12 +140,23 @@ def apart(
     Raises the DataError that it raises, ValueError for any other, Crashed where its process dies,
     and TooLong where it takes longer, or ends by a timer of its own (`signal.ITIMER_PROF`).
     """
-    methods = multiprocessing.get_all_start_methods()
-    context: Any = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-    if "forkserver" in methods:
+    with tempfile.TemporaryDirectory(prefix="spirob_", ignore_cleanup_errors=True) as place:
+        return _apart(function, arguments, place, needs, longest)
+
+
+def _apart(
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    place: str,
+    needs: Sequence[str],
+    longest: float,
+) -> Any:
+    """What `apart` says; `place` holds what the process leaves behind when it is ended."""
+    context = _context()
+    if context.get_start_method() == "forkserver":
         context.set_forkserver_preload([*ALWAYS, *needs])
     here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_answer, args=(there, function, arguments), daemon=True)
+    process = context.Process(target=_answer, args=(there, place, function, arguments), daemon=True)
     with _main_left_alone():
         process.start()
     there.close()
@@ -163,6 +178,14 @@ def apart(
     return value
 
 
+@cache
+def _context() -> Any:
+    """How processes are started: each from one that has loaded what most need, where there is."""
+    at_end(lambda: shutil.rmtree(util.get_temp_dir(), ignore_errors=True))  # its sockets
+    methods = multiprocessing.get_all_start_methods()
+    return multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+
+
 @contextmanager
 def _main_left_alone() -> Iterator[None]:
     """The process that starts does not run a script of the user's again, as it else would."""
@@ -175,8 +198,11 @@ def _main_left_alone() -> Iterator[None]:
             sys.modules["__main__"] = main
 
 
-def _answer(there: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+def _answer(
+    there: Connection, place: str, function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> None:
     _bound()
+    tempfile.tempdir = place
     own = os.getpid()
 
     def tell(done: bool, value: Any) -> None:
