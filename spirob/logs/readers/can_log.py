@@ -4,6 +4,7 @@ Columns are `message.signal`, and `signal` where only one message has it; `time`
 first message that is wanted.
 """
 
+import logging
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from spirob.errors import DataError
+from spirob.errors import DataError, NothingLeft
 from spirob.logs.readers.columns import Asked, Table, printable
 from spirob.logs.readers.topics import Series, put_together
 
@@ -57,9 +58,11 @@ def read(asked: Asked) -> Table:
     chosen = [k for w in asked.wanted for k in names if any(_is(w, n) for n in names[k])]
     chosen = list(dict.fromkeys(chosen)) or list(names)
     kept, met = _kept(_one_clock(_frames(asked.path, table), table), set(chosen), table)
+    if not met:
+        raise NothingLeft(f"{asked.name}: holds no frame")
     known = [key for key in names if key in met]
     if not known:
-        ids = ", ".join(f"{number:X}" for number, _ in sorted(met)[:20]) or "none"
+        ids = ", ".join(f"{number:X}" for number, _ in sorted(met)[:20])
         raise DataError(f"{asked.name}: the DBC file knows none of its frames; identifiers: {ids}")
     series = [_decoded(messages[key], kept[key]) for key in chosen if key in kept]
     put_together(table, series, bool(asked.wanted))
@@ -73,6 +76,7 @@ def _messages(path: Path) -> "dict[Key, Message]":
     import cantools
     from cantools.database import Database
 
+    logging.getLogger("cantools").setLevel(logging.ERROR)  # it tells every message given twice
     where = printable(str(path))
     try:
         with path.open("rb") as file:

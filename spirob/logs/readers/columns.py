@@ -301,7 +301,8 @@ def _add_hours(table: Table, name: str, times: "pd.Series") -> None:
     passed = np.cumsum(np.diff(seconds[known], prepend=seconds[known[:1]]) < -DAY / 2)
     seconds[known] += DAY * passed - seconds[known[0]]
     table.columns[name], table.units[name] = seconds, "s"
-    table.say(f"'{name}' holds times of day; they are seconds since {times.iloc[known[0]]}.")
+    since = str(times.iloc[known[0]]).removeprefix("0 days ")
+    table.say(f"'{name}' holds times of day; they are seconds since {since}.")
 
 
 def _add_seconds(table: Table, name: str, spans: np.ndarray) -> None:

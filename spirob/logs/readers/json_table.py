@@ -20,6 +20,7 @@ PLAIN = True
 LARGEST = 2**27  # bytes of text
 DEEPEST = 8  # structures within structures
 COLUMNS = 5000
+DIGITS = 18
 
 
 def read(asked: Asked) -> Table:
@@ -53,21 +54,33 @@ def _require_table(rows: int, columns: int) -> None:
 def _content(asked: Asked, table: Table) -> Any:
     content = asked.path.read_bytes()
     try:
-        return json.loads(content, object_pairs_hook=_once)
+        return _loaded(content)
     except json.JSONDecodeError as error:
         lines = [line for line in content.splitlines() if line.strip()]
         by_lines = asked.path.suffix.lower() != ".json" or error.msg.startswith("Extra data")
         if not (by_lines and lines):
             raise
     try:
-        rows = [json.loads(line, object_pairs_hook=_once) for line in lines[:-1]]
+        rows = [_loaded(line) for line in lines[:-1]]
     except json.JSONDecodeError as error:
         raise ValueError(f"neither one document nor one for each line: {error}") from None
     try:
-        rows.append(json.loads(lines[-1], object_pairs_hook=_once))
+        rows.append(_loaded(lines[-1]))
     except json.JSONDecodeError:
         table.say("the last line breaks off and is left out.")
     return rows
+
+
+def _loaded(text: bytes) -> Any:
+    try:
+        return json.loads(text, object_pairs_hook=_once, parse_int=_whole)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+
+
+def _whole(digits: str) -> int | float:
+    """A whole number; one that no 64 bits hold as a float, infinite where that holds it not."""
+    return int(digits) if len(digits) <= DIGITS else float(digits)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ SUFFIXES = {".npz", ".npy"}
 
 LARGEST = 2**28  # bytes that all arrays unpack to
 MOST = 5000  # arrays
+ARCHIVE = b"PK\x03\x04"
 
 
 def read(asked: Asked) -> Table:
@@ -19,6 +20,9 @@ def read(asked: Asked) -> Table:
     table = Table(asked.name)
     if not zipfile.is_zipfile(asked.path):
         with asked.path.open("rb") as file:
+            if file.read(len(ARCHIVE)) == ARCHIVE:
+                raise ValueError("the archive breaks off")
+            file.seek(0)
             _take(table, "", file)
         return table
     with zipfile.ZipFile(asked.path) as archive:

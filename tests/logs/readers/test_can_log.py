@@ -4,7 +4,7 @@ import can
 import numpy as np
 import pytest
 
-from spirob.errors import DataError, MissingChannel
+from spirob.errors import DataError, MissingChannel, NothingLeft
 from spirob.logs.readers import read_table
 
 DBC = """VERSION ""
@@ -141,6 +141,20 @@ def test_what_is_no_dbc_file_is_refused(tmp_path, content):
         read_table(written(tmp_path), (), tmp_path / "a.dbc")
     with pytest.raises(DataError, match=r"b\.dbc: the DBC file cannot be read"):
         read_table(written(tmp_path), (), tmp_path / "b.dbc")
+
+
+def test_a_dbc_file_that_gives_a_message_twice_says_nothing_of_its_own(tmp_path, dbc, capfd):
+    text = DBC + DBC[DBC.index("BO_ 257") : DBC.index("BO_ 258")] * 3
+    dbc.write_text(text)
+    assert read_table(written(tmp_path), ["position"], dbc).columns
+    assert capfd.readouterr().err == ""
+
+
+def test_a_log_without_a_frame_says_so(tmp_path, dbc):
+    with can.Logger(tmp_path / "a.blf"):
+        pass
+    with pytest.raises(NothingLeft, match=r"a\.blf: holds no frame"):
+        read_table(tmp_path / "a.blf", ["position"], dbc)
 
 
 def test_a_log_that_is_none_is_refused(tmp_path, dbc):

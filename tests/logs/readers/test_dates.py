@@ -42,3 +42,9 @@ def test_what_no_calendar_holds_is_text(stamp):
     table = from_frame(pd.DataFrame({"t": [stamp] * 5, "q": np.arange(5.0)}), "a")
     with pytest.raises(DataError, match=rf"'t'.* text such as '{stamp}'"):
         table.column("t")
+
+
+def test_a_time_of_day_is_told_as_it_stands():
+    stamps = [f"23:59:5{k}" for k in range(5)]
+    table = from_frame(pd.DataFrame({"t": stamps, "q": np.arange(5.0)}), "a")
+    assert table.said == ["a: 't' holds times of day; they are seconds since 23:59:50."]

@@ -116,3 +116,11 @@ def test_no_address_of_an_object_is_printed(tmp_path):
     (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + size + head + bytes(24))
     with pytest.raises(DataError, match=r"no readable NumPy file: malformed .* on line 1$"):
         read_table(tmp_path / "a.npy")
+
+
+def test_an_archive_that_breaks_off_says_so(tmp_path):
+    np.savez(tmp_path / "a.npz", q=np.arange(1000.0))
+    content = (tmp_path / "a.npz").read_bytes()
+    (tmp_path / "a.npz").write_bytes(content[: len(content) // 2])
+    with pytest.raises(DataError, match=r"a\.npz: .* the archive breaks off"):
+        read_table(tmp_path / "a.npz")
