@@ -137,23 +137,33 @@ class Ended:
     left: Left
 
 
-def kin(search: Search[Any], chosen: Model, effect: type[Effect]) -> list[str]:
+def kin(search: Search[Any], found: Found, effect: type[Effect]) -> list[str]:
     """Names of the effects that make most of what this one makes, in its place; the best first.
 
-    Their models differ from the chosen one by less than half the squared error that the effect
-    takes, on the samples that are fitted; the held-out trials refute none of them.
+    In the chosen model, where all beside it is, or on its rung, beside what takes more.
     """
-    rest = chosen.names - {effect.name()}
-    fall = search.models.tried[rest].mean_square - chosen.mean_square
-    found = {}
-    for model in search.models.tried.values():
-        other = model.names - rest
-        if len(other) != 1 or len(model.names) != len(chosen.names) or model.names == chosen.names:
+    rung = next(model for model in found.rungs if effect in model.effects)
+    makes = _in_place(search, rung, effect) | _in_place(search, found.chosen, effect)
+    return sorted(makes, key=lambda name: makes[name])
+
+
+def _in_place(search: Search[Any], model: Model, effect: type[Effect]) -> dict[str, float]:
+    """The held-out squares of models with another effect in the place of this one, by its name.
+
+    They differ from this model by less than half the squared error that the effect takes, on the
+    samples that are fitted; the held-out trials refute none of them.
+    """
+    rest = model.names - {effect.name()}
+    fall = search.models.tried[rest].mean_square - model.mean_square
+    makes = {}
+    for other in search.models.tried.values():
+        name = other.names - rest
+        if len(name) != 1 or len(other.names) != len(model.names) or other.names == model.names:
             continue
-        apart = float(np.mean((model.fit.residual - chosen.fit.residual) ** 2))
-        if apart < MOSTLY * fall and not search.worth.refuted(model, chosen):
-            found[next(iter(other))] = model.heldout_square
-    return sorted(found, key=lambda name: found[name])
+        apart = float(np.mean((other.fit.residual - model.fit.residual) ** 2))
+        if apart < MOSTLY * fall and not search.worth.refuted(other, model):
+            makes[next(iter(name))] = other.heldout_square
+    return makes
 
 
 def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
@@ -171,7 +181,7 @@ def figures(ended: Ended, effect: type[Effect]) -> dict[str, float]:
     told = {
         "fall_heldout": ratio(without.heldout_square, chosen.heldout_square),
         "ahead_heldout": ahead({effect.name()}),
-        "ahead_of_kin": ahead({effect.name(), *kin(search, chosen, effect)}),
+        "ahead_of_kin": ahead({effect.name(), *kin(search, found, effect)}),
         "left": ratio(left.share * chosen.mean_square, max(fall, 0.0)),
         "sharp": sharp(search.models, chosen.fit, effect),
         "place": float(order.index(effect.name())),

@@ -121,7 +121,7 @@ def weigh(ended: Ended, denied: Denied = lambda model: ()) -> dict[str, Weighed]
         own = 0.0 if refuted else probability(shown, name, ended.search.models.certainty)
         one = Weighed(own, own, found.equivalents[name], found.rivals[name], shown)
         unsure = 0.0 < own < LIKELY
-        others = kin(ended.search, found.chosen, effect) if unsure else []
+        others = kin(ended.search, found, effect) if unsure else []
         weighed[name] = _with_kin(one, name, others)
     return weighed
 

@@ -159,10 +159,23 @@ def test_what_makes_most_of_an_effect_is_of_its_kin(apart, far, said):
     near, third = model([OTHER], 1.0, 0.11, apart * WAVE), model([THIRD], 1.0, 0.12, far * WAVE)
     chosen = model([EFFECT], 0.0, 0.1, 0.0 * WAVE)
     one = ended(model([], 1.0), near, third, chosen)
-    assert kin(one.search, chosen, EFFECT) == [e.name() for e in said]
+    assert kin(one.search, one.found, EFFECT) == [e.name() for e in said]
 
 
 def test_what_the_held_out_trials_refute_is_of_no_kin():
     near = model([OTHER], 1.0, 0.5, 0.1 * WAVE)
     chosen = model([EFFECT], 0.0, 0.1, 0.0 * WAVE)
-    assert kin(ended(model([], 1.0), near, chosen).search, chosen, EFFECT) == []
+    one = ended(model([], 1.0), near, chosen)
+    assert kin(one.search, one.found, EFFECT) == []
+
+
+def test_its_kin_on_its_rung_is_its_kin_beside_lesser_effects_too():
+    """What was added since hardly fits beside the other one."""
+    near, rung = model([OTHER], 1.0, 0.2, 0.1 * WAVE), model([EFFECT], 0.1, 0.2, 0.0 * WAVE)
+    beside = model([THIRD], 0.9, 0.9, 0.9 * WAVE)
+    refuted = model([OTHER, THIRD], 1.0, 0.9, 0.0 * WAVE)
+    chosen = model([EFFECT, THIRD], 0.0, 0.1, 0.0 * WAVE)
+    one = ended(model([], 1.0), near, beside, refuted, rung, chosen)
+    found = replace(one.found, rungs=[one.found.rungs[0], rung, chosen])
+    assert kin(one.search, found, EFFECT) == [OTHER.name()]
+    assert kin(one.search, replace(found, rungs=[*found.rungs[:1], chosen]), EFFECT) == []
