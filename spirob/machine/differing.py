@@ -231,14 +231,10 @@ def turns(logs: Sequence[tuple[str, Log]], turn: float) -> dict[str, int]:
 
 def _best(known: Sequence[Log], log: Log, turn: float) -> int:
     """The turn at which the curves of the known logs tell the most of another; 0 in doubt."""
+    known, log = _of_turns(known, log, turn)
     low = min(float(one.q.min()) for one in known)
     high = max(float(one.q.max()) for one in known)
-    columns = scipy.sparse.vstack([_columns(one, low, high, turn) for one in known])
-    wanted = np.concatenate([one.residual for one in known])
-    products = columns.T @ columns
-    power = PRIOR * products.diagonal() + 1e-300
-    whole = scipy.sparse.csc_array(products + scipy.sparse.diags_array(power))
-    curves = scipy.sparse.linalg.spsolve(whole, columns.T @ wanted)
+    curves = _curves(known, low, high, turn)
     ends = (low - float(log.q.max())) / turn, (high - float(log.q.min())) / turn
     tried = range(max(int(np.ceil(ends[0])), -MOST), min(int(np.floor(ends[1])), MOST) + 1)
     left = {0: float(np.sum(log.residual**2))}
@@ -249,6 +245,30 @@ def _best(known: Sequence[Log], log: Log, turn: float) -> int:
     best = min(left, key=lambda k: (left[k], abs(k)))
     enough = TELLS * min(left[0], float(np.sum(log.residual**2)))
     return best if left[best] < enough else 0
+
+
+def _of_turns(known: Sequence[Log], log: Log, turn: float) -> tuple[list[Log], Log]:
+    """The logs without what comes round in every turn, as dry friction does, by the known ones.
+
+    It tells of no turn, and yet more where the curves reach than beyond them.
+    """
+    within = [replace(one, q=np.mod(one.q, turn)) for one in (*known, log)]
+    curves = _curves(within[:-1], 0.0, turn, turn)
+    less = [
+        replace(one, residual=one.residual - _columns(inside, 0.0, turn, turn) @ curves)
+        for one, inside in zip((*known, log), within, strict=True)
+    ]
+    return less[:-1], less[-1]
+
+
+def _curves(known: Sequence[Log], low: float, high: float, turn: float) -> np.ndarray:
+    """What the residuals of logs are by place, speed and its sign, (3·knots,)."""
+    columns = scipy.sparse.vstack([_columns(one, low, high, turn) for one in known])
+    products = columns.T @ columns
+    power = PRIOR * products.diagonal() + 1e-300
+    whole = scipy.sparse.csc_array(products + scipy.sparse.diags_array(power))
+    wanted = columns.T @ np.concatenate([one.residual for one in known])
+    return np.asarray(scipy.sparse.linalg.spsolve(whole, wanted))
 
 
 def _columns(log: Log, low: float, high: float, turn: float) -> scipy.sparse.csr_array:

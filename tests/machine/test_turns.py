@@ -54,6 +54,16 @@ def test_nothing_is_counted_where_the_turn_does_not_show(force):
     assert turns(logs, TURN) == {"a": 0, "b": 0}
 
 
+@pytest.mark.parametrize(
+    "force", [lambda q, v: 0.3 * np.sign(v), lambda q, v: 0.3 * v, lambda q, v: np.cos(q)]
+)
+@pytest.mark.parametrize("far", [6.0, 14.0])
+def test_what_comes_round_in_every_turn_tells_of_none(force, far):
+    """It would where the other log ends within the known ones: beyond them nothing is told."""
+    logs = [("a", log((-9.0, 9.0), force)), ("b", log((-9.0 + far, 8.0 + far), force, 1))]
+    assert turns(logs, TURN) == {"a": 0, "b": 0}
+
+
 def test_a_log_that_was_never_near_the_others_stays():
     far = log((-3.0, 3.0), spring, 1).moved((MOST + 5) * TURN)
     assert turns([("a", log((-9.0, 9.0), spring)), ("b", far)], TURN) == {"a": 0, "b": 0}
