@@ -72,6 +72,9 @@ def files(names: Sequence[str], folder: Path, given: Sequence[Path | str] = ()) 
 
     names  in a description in `folder`;  given  by hand, with paths from where the program runs
     """
+    if isinstance(given, str | Path) or not isinstance(given, Sequence):
+        one = "a single one" if isinstance(given, str | Path) else type(given).__name__
+        raise ConfigError(f"effects: a list of names and files, got {one}")
     try:
         own = [str(inside(n, folder, "effects")) if n.endswith(".py") else n for n in names]
     except ConfigError as error:

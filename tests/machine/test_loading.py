@@ -40,6 +40,14 @@ def test_a_description_names_files_beside_or_below_itself(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("given", "got"), [("coulomb_friction", "a single one"), (None, "NoneType"), (3, "int")]
+)
+def test_effects_by_hand_are_a_list(tmp_path, given, got):
+    with pytest.raises(ConfigError, match=rf"effects: a list of names and files, got {got}"):
+        files([], tmp_path, given)
+
+
+@pytest.mark.parametrize(
     ("text", "sentence"),
     [
         ("import sys\nsys.exit(0)", "fails: SystemExit: 0"),
