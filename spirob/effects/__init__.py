@@ -3,7 +3,7 @@
 The library is found by walking this package, a user's own file by its path; `table` lists it.
 
 effect.py  what an effect is;  generated.py  its kernel as text in a generated loop
-formula.py  what a kernel may hold, so that it ends;
+formula.py  what a kernel may hold, so that it comes to an end
 check.py   the laws that every effect is held to;  replay.py  the signals they are run on
 """
 

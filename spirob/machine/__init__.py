@@ -4,6 +4,7 @@
 
 What a rig is:
     rig.py, columns.py             its description, and the columns of its logs
+    controller.py                  what the controller asks for under which a log was made
     loading.py                     both from disk
     body.py, model_file.py         the body behind the motor, of a model in MuJoCo's format
     arm/                           our arm, logged by somebody else
