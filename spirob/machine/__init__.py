@@ -12,7 +12,6 @@ Its logs, made even, filtered, alike:
     selection.py, checks.py, broken_stretches.py
                                    which logs take part, and which of their rows
     recording.py                   one trial in SI
-    controller.py                  an effort that its gains and its error tell
     rests.py                       its rows at which the axis stands
     grids.py, clock.py             even grids of a log's columns; when each row was, and which hold
                                    the frame before
