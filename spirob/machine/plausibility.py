@@ -252,7 +252,7 @@ def _turned(search: RigSearch, chosen: Model) -> str:
         return ""
     return (
         "With the sign of the effort turned, inertia, friction and weight explain all but "
-        f"{100.0 * (1.0 - turned):.2g}% of its variance, as logged all but "
+        f"{100.0 * (1.0 - turned):.2g}% of its variance, as it is all but "
         f"{100.0 * min(1.0, 1.0 - as_logged):.2g}%: give the effort or the motion the factor -1."
     )
 

@@ -244,6 +244,6 @@ def without_sign(search: RigSearch, chosen: Model) -> str:
         return ""
     return (
         "The effort has one sign while the axis moves both ways. With the sign of the speed "
-        f"inertia, friction and weight leave {np.sqrt(signed / size):.0%} of it, as logged "
+        f"inertia, friction and weight leave {np.sqrt(signed / size):.0%} of it, as it is "
         f"{np.sqrt(logged / size):.0%}: was it logged without its sign?"
     )
