@@ -88,13 +88,14 @@ def _told_apart(
     """A search, without effects that cannot be told from the others, if one is likely then.
 
     Effects that make the same together are as vague as one another, and none of them is likely.
-    Vague is an effect none of whose amplitudes is told: their intervals reach what is neutral.
+    Vague is an effect none of whose amplitudes is told: their intervals reach what is neutral, or
+    they ended at a bound.
     The vaguest goes, of those without which no more is left than without another, by half.
     """
     search, found, told = ended.search, ended.found, weighed
     while len(told) > 1 and not likely(told):
         sharp = {e: told[e.name()].figures["sharp"] for e in found.chosen.effects}
-        if min(sharp.values()) >= 0.0:
+        if min(sharp.values()) > 0.0:
             break
         lesser = {e: search.without(found.chosen, e) for e in sharp}
         best = search.worth.best(list(lesser.values()))

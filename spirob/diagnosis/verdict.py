@@ -100,7 +100,7 @@ def judge(
     if vetoed := [name for name in found.vetoed if not _lowers(ended, name)]:
         explanation += (
             f" {', '.join(plain(n) for n in vetoed)} would lower the error on the training "
-            "trials, but not on the held-out ones, and is not named."
+            "trials, but not on the held-out ones: not named."
         )
     unsure = {n: one for n, one in weighed.items() if one.together < LIKELY}
     if unsure and not doubts:

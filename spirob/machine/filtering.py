@@ -215,16 +215,35 @@ def possible_cutoff(
 def usual_cutoff(values: np.ndarray, order: int, effort: np.ndarray, period: float) -> float:
     """The filter's cutoff [Hz] for a log on an even grid, where the description names none.
 
+    It is low enough where the noise of the acceleration is a hundredth of it, or makes no more of
+    the effort than the least effect that counts: where inertia asks for little, that noise, too.
+
     values  position (order 2) or velocity (1), which is differentiated to acceleration
     """
     usual, wanted = 1.0 / (SAMPLES * period), SLOWEST * _band(effort, period)
     fastest = min(FASTEST, max(usual, min(wanted, ENOUGH, 1.0 / (LEAST * period))))
     slowest = min(FASTEST, usual, wanted)
+    inertia, most = _inertia(values, order, effort, slowest, period), CLEAN * float(np.std(effort))
     for cutoff in map(float, np.geomspace(fastest, slowest, STEPS)):
         size = float(np.std(_derived(smooth(values, BELOW * cutoff, period), order, period)))
-        if acceleration_noise(values, order, cutoff, period) <= CLEAN * size:
+        noise = acceleration_noise(values, order, cutoff, period)
+        if noise <= CLEAN * size or (cutoff <= ENOUGH and inertia * noise <= most):
             return cutoff
     return slowest
+
+
+def _inertia(
+    values: np.ndarray, order: int, effort: np.ndarray, cutoff: float, period: float
+) -> float:
+    """What of an effort an acceleration asks for, by a fit of it, the speed and a constant.
+
+    What a spring or a weight asks for is taken as the acceleration's, too.
+    """
+    passed = smooth(values, BELOW * cutoff, period)
+    speed = _derived(passed, order - 1, period)
+    columns = np.column_stack([np.ones(len(speed)), speed, derivative(speed, period)])
+    asked = smooth(effort, BELOW * cutoff, period)
+    return abs(float(np.linalg.lstsq(columns, asked, rcond=None)[0][-1]))
 
 
 def least_cutoff(values: np.ndarray, period: float) -> float:

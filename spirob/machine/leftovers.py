@@ -35,6 +35,8 @@ LEAST_SHARE = 0.25  # of the squared residual that motion must explain to speak 
 # of the effort's RMS, and times the noise: three quarters of the square are then no noise
 MUCH, NOISY = 0.1, 2.0
 
+TURNS = {"rad": "a turn of the axis", "m": "the whole stroke"}  # where no gear is described
+
 
 @dataclass(frozen=True)
 class RigCeiling:
@@ -43,7 +45,8 @@ class RigCeiling:
     left       (N,) residual that it leaves on the training trials
     heldout    (M,) the same on the held-out ones
     share      of the squared residual that it explains, 0 where it explains nothing
-    order      periods in a turn (or unit angle) of the strongest wave;  wave  its share
+    order      periods in a turn of the strongest wave;  wave  its share
+    turn       of what, in words
     by_signal  what tells the share that a group of signals explains by itself
     """
 
@@ -53,6 +56,7 @@ class RigCeiling:
     order: float
     wave: float
     by_signal: Callable[[], dict[str, float]]
+    turn: str = "a turn of the motor"
 
     @cached_property
     def alone(self) -> dict[str, float]:
@@ -87,7 +91,8 @@ def rig_ceiling(
     known = train.rig.position is not None and len(power)  # a speed tells no place to come back to
     top = int(np.argmax(power)) if known else 0
     order, wave = (float(orders[top]), float(power[top])) if known else (0.0, 0.0)
-    return RigCeiling(whole, rest, share(residual, whole), order, wave, by_signal)
+    turn = "a turn of the motor" if train.rig.gear else TURNS[train.sizes.axis_unit]
+    return RigCeiling(whole, rest, share(residual, whole), order, wave, by_signal, turn)
 
 
 def depends_on(found: RigCeiling) -> str:
@@ -95,7 +100,7 @@ def depends_on(found: RigCeiling) -> str:
     best = max(found.alone.values())
     said = f"on {named(found.alone)}" if best > NOTHING else "on several signals together"
     if found.wave > TALL * max(found.share, 0.1):
-        said += f", with a wave of {found.order:.3g} periods a turn of the motor"
+        said += f", with a wave of {found.order:.3g} periods in {found.turn}"
     return said
 
 

@@ -69,6 +69,17 @@ def test_the_cutoff_falls_until_noise_is_small():
     assert noise == pytest.approx(float(np.std(left)), rel=0.5)
 
 
+@pytest.mark.parametrize(("inertia", "least", "most"), [(1e-3, 8.0, 12.5), (1.0, 0.0, 4.0)])
+def test_a_noise_that_inertia_makes_nothing_of_holds_no_cutoff_down(inertia, least, most):
+    """A slow axis in coarse counts: of its friction a cutoff for its acceleration leaves little."""
+    t = np.arange(0, 40, 5e-3)
+    q = np.sin(0.6 * t) + 0.4 * np.sin(1.1 * t)
+    v, a = (np.gradient(x, t) for x in (q, np.gradient(q, t)))
+    effort = inertia * a + 0.2 * np.tanh(v / 0.02)
+    coarse = np.round(q / 2e-3) * 2e-3
+    assert least <= usual_cutoff(coarse, 2, effort, 5e-3) <= most
+
+
 @pytest.mark.parametrize("cutoff", [0.01, 0.05, 0.125, 0.25])
 @pytest.mark.parametrize("tone", [0.05, 0.1, 0.2, 0.3])
 def test_beyond_the_edge_the_filters_know_no_end(cutoff, tone):
