@@ -99,8 +99,8 @@ def judge(
     sentence, explanation = (SENSELESS, " ".join(doubts)) if doubts else words.say(kind)
     if vetoed := [name for name in found.vetoed if not _lowers(ended, name)]:
         explanation += (
-            f" {', '.join(plain(n) for n in vetoed)} would lower the error on the training "
-            "trials, but not on the held-out ones: not named."
+            f" Not named, as more is left of the held-out trials than by what was chosen, though "
+            f"it lowers the error on the training trials: {', '.join(plain(n) for n in vetoed)}."
         )
     unsure = {n: one for n, one in weighed.items() if one.together < LIKELY}
     if unsure and not doubts:

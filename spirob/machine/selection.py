@@ -125,8 +125,9 @@ def _rows(columns: Mapping[str, np.ndarray], compared: Sequence[str]) -> bytes:
     return b"" if np.all(table == table[:1]) else table.tobytes()
 
 
-KEPT = 0.3  # of the log is kept aside, as one block at its end
-ASIDE = f"The last {KEPT:.0%} of every log was kept aside."
+KEPT = 0.3  # of the log, and of its way, is kept aside, as one block at its end
+MOST = 0.5  # of the log, at most
+ASIDE = f"The last {KEPT:.0%} of every log, and of its motion, was kept aside."
 SHORTEST_DIVIDED = 4.0  # s of a log that is to be divided
 
 
@@ -150,14 +151,14 @@ def split(
 def ends_aside(logs: list[Recording]) -> tuple[list[Recording], list[Recording], list[str]]:
     """Each log but for its end, these ends, and what is said of logs that are too short for it.
 
-    These are fitted as a whole.  Raises NothingLeft where all of them are.
+    These are fitted as a whole.  An end that is one hold tells next to nothing, so it holds a part
+    of the motion, too.  Raises NothingLeft where all of them are too short.
     """
     kept, held, said = [], [], []
     for recording in logs:
         long = sum(len(p.q) for p in recording.pieces)
         needed = round(SHORTEST_DIVIDED / recording.period)
-        counted = np.cumsum(np.concatenate([p.use for p in recording.pieces]))
-        late = counted > (1.0 - KEPT) * counted[-1]
+        late = _late(recording)
         begin = _part(recording, recording.name, ~late)
         end = _part(recording, f"{recording.name} (end)", late)
         if long >= needed and begin.pieces and end.pieces:
@@ -173,6 +174,17 @@ def ends_aside(logs: list[Recording]) -> tuple[list[Recording], list[Recording],
             f"{round(LEAST / KEPT)} rows that are compared are needed, or a log to hold out"
         )
     return kept, held, said
+
+
+def _late(recording: Recording) -> np.ndarray:
+    """Rows of all pieces that are kept aside, a mask (n,): the last of them, and of the way."""
+    used = np.concatenate([p.use for p in recording.pieces])
+    speed = np.abs(np.concatenate([p.v for p in recording.pieces]))
+    counted, way = np.cumsum(used), np.cumsum(np.where(used, speed, 0.0))
+    half = counted > (1.0 - MOST) * counted[-1]
+    return np.asarray(
+        half & ((counted > (1.0 - KEPT) * counted[-1]) | (way > (1.0 - KEPT) * way[-1]))
+    )
 
 
 MOST_ROWS = 50_000  # of a role: a search keeps a thousand residuals and states in half a gigabyte

@@ -94,6 +94,18 @@ def test_of_long_logs_whose_ends_are_held_out_the_ends_are_used():
         assert 0.4 * MOST_ROWS < rows <= MOST_ROWS
 
 
+@pytest.mark.parametrize(("moves", "begins"), [(40.0, 28.0), (26.0, 20.0), (4.0, 20.0)])
+def test_an_end_that_is_kept_aside_holds_a_part_of_the_motion(moves, begins):
+    """Of 40 s the last 28 to 40 s, or from where 30 % of the way is left, half of all at most."""
+    t = np.arange(0.0, 40.0, 0.01)
+    q = np.where(t < moves, np.sin(4.0 * t), np.sin(4.0 * moves))
+    rig = RigFile.model_validate(description(rows={"standstill": "keep"}))
+    kept, held, _ = ends_aside([prepare("log", {"t": t, "q": q, "u": np.cos(4.0 * t)}, rig)])
+    (piece,) = held[0].pieces
+    assert piece.seconds[piece.use][0] == pytest.approx(begins, abs=1.0)
+    assert kept[0].pieces[0].seconds[kept[0].pieces[0].use][-1] < piece.seconds[piece.use][0]
+
+
 def test_logs_that_a_search_can_keep_are_used_as_they_are():
     logs = [recording(20, 200.0), recording(30, 200.0)]
     assert in_stretches(logs) == (logs, [])
@@ -118,10 +130,10 @@ OPEN = RigFile.model_validate(description(filter={}))
 
 
 def swinging(name, seconds, tone):
-    """A swing with the noise of an encoder, whose usual cutoff is that of its tone."""
+    """A swing of an inertia with an encoder's noise, whose usual cutoff is that of its tone."""
     t = np.arange(0, seconds, 5e-3)
     q = np.sin(2 * np.pi * tone * t) + 0.003 * np.random.default_rng(0).normal(size=len(t))
-    return {"t": t, "q": q, "u": np.cos(2 * np.pi * tone * t), "name": name}
+    return {"t": t, "q": q, "u": -np.sin(2 * np.pi * tone * t), "name": name}
 
 
 def read(log, cutoff):
