@@ -95,7 +95,7 @@ def test_what_the_held_out_log_alone_shows_is_found_with_the_ends_held_out(tmp_p
     found = diagnose_recordings(rig, tmp_path, logs[:1], logs[1:], without=OTHERS)
     assert [f.name for f in found.findings] == ["asymmetric_viscous_friction"]
     (note,) = (text for text in found.notes if "they show what these do not" in text)
-    assert "30% of every log was kept aside" in note
+    assert "30% of every log, and of its motion, was kept aside" in note
 
 
 def test_a_search_that_took_long_is_not_repeated_and_says_so(tmp_path, monkeypatch):
