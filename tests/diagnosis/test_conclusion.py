@@ -52,3 +52,21 @@ def test_what_was_likely_beside_a_dropped_effect_is_asked_again_alone(monkeypatc
     assert last.found.chosen.names == {FAR.name()}
     assert likely(weighed) == [FAR.name()]
     assert weighed[OTHER.name()].probability == 0.1
+
+
+@pytest.mark.parametrize(("sharpness", "goes"), [(-0.2, True), (0.0, True), (0.2, False)])
+def test_of_effects_that_hide_each_other_one_that_ended_at_a_cap_goes(sharpness, goes, monkeypatch):
+    """Its amplitude is told by the bound (0) or not at all; alone the other would be likely."""
+    known = {NAME: 1.0, OTHER.name(): sharpness}
+
+    def shown(one, effect):
+        beside = len(one.found.chosen.effects) - 1.0
+        return {"fall_heldout": 1.0, "sharp": known[effect.name()], "place": beside}
+
+    monkeypatch.setattr(module, "figures", shown)
+    monkeypatch.setattr(module, "probability", lambda f, name, of: 0.2 if f["place"] else 0.9)
+    both = model([EFFECT, OTHER], 0.01)
+    one = ended(model([], 0.1), model([OTHER], 0.06), model([EFFECT], 0.02), both)
+    last, weighed = concluded(one.search, one.found)
+    assert likely(weighed) == ([NAME] if goes else [])
+    assert last.found.chosen.names == ({NAME} if goes else {NAME, OTHER.name()})
