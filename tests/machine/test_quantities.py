@@ -5,7 +5,7 @@ import pytest
 
 from spirob.effects import find_effects
 from spirob.machine.inverse import InverseProblem
-from spirob.machine.leftovers import rig_ceiling
+from spirob.machine.leftovers import depends_on, rig_ceiling
 from spirob.machine.preparation import applicable
 from spirob.machine.recording import prepare
 from spirob.machine.rig import RigFile
@@ -163,3 +163,23 @@ def test_only_a_position_has_waves(placed):
     residual, folds = -problem.measured(), np.arange(len(problem.measured())) // 200 % 2
     found = rig_ceiling(problem, problem, residual, residual, folds)
     assert (found.wave > 0.5) is placed
+
+
+@pytest.mark.parametrize(
+    ("described", "unit", "words"),
+    [
+        ({"gear": 9.0}, "rad", "a turn of the motor"),
+        ({}, "rad", "a turn of the axis"),
+        ({"position": {"column": "q", "unit": "m"}}, "m", "the whole stroke"),
+    ],
+)
+def test_a_wave_is_counted_over_what_is_known_to_turn(described, unit, words):
+    """Of an axis without a gear nothing is known of its motor's turns."""
+    turning = np.cumsum(3.0 + V) * 2e-3
+    made = read({"q": turning, "u": np.sin(4.0 * turning)}, **described)
+    rig = RigFile.model_validate(description(**described))
+    sizes = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", unit)
+    problem = InverseProblem(rig, None, [made], [], sizes, 0.02)
+    residual, folds = -problem.measured(), np.arange(len(problem.measured())) // 200 % 2
+    said = depends_on(rig_ceiling(problem, problem, residual, residual, folds))
+    assert said.endswith(f" periods in {words}")
