@@ -11,7 +11,7 @@ speed says how it turns round.
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from spirob.machine.filtering import sensor_noise
 from spirob.machine.recording import MOVES, Recording
@@ -31,7 +31,7 @@ def without_rests(
     """The trials without the rows at standstill, and a sentence for each that lost some."""
     kept, said = [], []
     rests = [standing(recording, rest_speed) for recording in recordings]
-    if _creeps(recordings, rests, rest_speed):
+    if _creeps(recordings, rest_speed):
         return recordings, []
     for recording, stands in zip(recordings, rests, strict=True):
         pieces = [
@@ -61,39 +61,54 @@ def standing(recording: Recording, rest_speed: float) -> list[np.ndarray]:
     that way, A·w²/8 = v_rest·w, and so long that the way is a count of the sensor; or, for noise
     that is more than its counts, a few times longer.
     """
-    size = float(np.sqrt(np.mean(np.concatenate([p.a for p in recording.pieces]) ** 2)))
-    smear = SMEAR / recording.cutoff
-    found = []
-    for piece in recording.pieces:
-        count = COUNT * sensor_noise(piece.path)
-        window = max(TURNS * 8.0 * rest_speed / max(size, 1e-300), count / rest_speed, smear)
+    smear, found = SMEAR / recording.cutoff, []
+    for piece, window in zip(recording.pieces, _windows(recording, rest_speed), strict=True):
         stands = np.zeros(len(piece.path), dtype=bool)
         for times in LONGER:
-            stands |= _within(piece.path, times * window, rest_speed, smear, recording.period)
+            rows = _rows(times * window, recording.period)
+            middle = _still(piece.path, rows, rest_speed, recording.period)
+            wide = rows + 2 * round(smear / recording.period)
+            stands |= maximum_filter1d(middle.astype(np.uint8), wide, mode="constant") > 0
         found.append(stands)
     return found
 
 
-def _creeps(recordings: list[Recording], rests: list[list[np.ndarray]], rest_speed: float) -> bool:
-    """Whether the speed of rows at rest tells most of their effort, as a line through all logs."""
-    rows = [
-        np.stack([p.v, p.effort])[:, still & (np.abs(p.v) < rest_speed)]
-        for recording, stands in zip(recordings, rests, strict=True)
-        for p, still in zip(recording.pieces, stands, strict=True)
-    ]
-    v, effort = np.concatenate(rows, axis=1)
-    if len(v) < 3 or np.ptp(v) == 0.0 or np.ptp(effort) == 0.0:
-        return False
-    return bool(np.corrcoef(v, effort)[0, 1] ** 2 > TELLS)
+def _windows(recording: Recording, rest_speed: float) -> list[float]:
+    """Seconds over which an axis at rest is seen to be, of each piece."""
+    size = float(np.sqrt(np.mean(np.concatenate([p.a for p in recording.pieces]) ** 2)))
+    least = max(TURNS * 8.0 * rest_speed / max(size, 1e-300), SMEAR / recording.cutoff)
+    return [max(least, COUNT * sensor_noise(p.path) / rest_speed) for p in recording.pieces]
 
 
-def _within(
-    path: np.ndarray, window: float, rest_speed: float, smear: float, period: float
-) -> np.ndarray:
-    """Rows of windows [s] in which a path (n,) spans no more than at the speed of rest, widened."""
-    rows = max(3, round(window / period)) | 1
+def _rows(window: float, period: float) -> int:
+    return max(3, round(window / period)) | 1
+
+
+def _still(path: np.ndarray, rows: int, rest_speed: float, period: float) -> np.ndarray:
+    """Middles of windows in which a path (n,) spans no more than at the speed of rest, (n,)."""
     if rows >= len(path):
         return np.zeros(len(path), dtype=bool)
     span = maximum_filter1d(path, rows) - minimum_filter1d(path, rows)
-    middle = (span <= rest_speed * rows * period).astype(np.uint8)
-    return maximum_filter1d(middle, rows + 2 * round(smear / period), mode="constant") > 0
+    return np.asarray(span <= rest_speed * rows * period)
+
+
+def _creeps(recordings: list[Recording], rest_speed: float) -> bool:
+    """Whether the mean speed of windows at rest tells most of their mean effort, in all logs.
+
+    As logged: a filter mixes the last rows of a rest with an effort that sets in and with the
+    motion that it makes, which tell one another.
+    """
+    found = []
+    for recording in recordings:
+        for piece, window in zip(recording.pieces, _windows(recording, rest_speed), strict=True):
+            rows = _rows(window, recording.period)
+            still = np.flatnonzero(_still(piece.path, rows, rest_speed, recording.period))
+            first, last = still - rows // 2, still + rows // 2
+            whole = (first >= 0) & (last < len(piece.path))
+            way = piece.path[last[whole]] - piece.path[first[whole]]
+            speed = way / ((rows - 1) * recording.period)
+            found.append([speed, uniform_filter1d(piece.raw, rows)[still[whole]]])
+    v, effort = np.concatenate(found, axis=1)
+    if len(v) < 3 or np.ptp(v) == 0.0 or np.ptp(effort) == 0.0:
+        return False
+    return bool(np.corrcoef(v, effort)[0, 1] ** 2 > TELLS)

@@ -1,5 +1,6 @@
 """A law that swings by itself has to give the motion, too: else its name does not stand."""
 
+import copy
 from types import SimpleNamespace
 
 import pytest
@@ -19,14 +20,14 @@ def model(changes, *effects):
     return SimpleNamespace(effects=effects, fit=SimpleNamespace(changes=changes))
 
 
-def misled(said, effect=SHAFT, names=("gear_compliance",), without=BASE):
+def misled(said, effect=SHAFT, names=("gear_compliance",), without=BASE, held=None):
     """What misleads of a model with these numbers, where the axis has the true ones.
 
-    without  numbers of the model without it
+    without  numbers of the model without it;  held  trials held out, the fitted ones again
     """
     axis = asked_for(numbers())
     search = SimpleNamespace(
-        models=SimpleNamespace(train=axis, heldout=axis),
+        models=SimpleNamespace(train=axis, heldout=held or axis),
         without=lambda chosen, effect: model(without),
     )
     return misleading(search, model(said, effect), names)
@@ -55,3 +56,12 @@ def test_what_does_not_swing_by_itself_is_not_asked():
     friction = next(e for e in POSSIBLE if e.name() == "coulomb_friction")
     wrong = BASE | {"coulomb_friction.coulomb_torque": 3.0}
     assert misled(wrong, friction, ["coulomb_friction"]) == []
+
+
+def test_logs_that_were_fitted_deny_what_held_out_rest_does_not():
+    still = copy.deepcopy(asked_for(numbers()))
+    for recording in still.recordings:
+        for piece in recording.pieces:
+            piece.use[20:] = False
+    heavy = numbers(load_inertia=1.03 * BASE["rig.inertia"])
+    assert misled(heavy, held=still) == ["gear_compliance"]

@@ -145,3 +145,15 @@ def test_a_creeping_axis_does_not_rest():
     rested = [prepare("log", {n: one[n].to_numpy() for n in one}, RIG) for one in stuck]
     _, said = without_rests(rested, 0.03)
     assert len(said) == 2
+
+
+def test_an_axis_that_waits_for_a_step_does_not_creep():
+    """A filter carries the step of the effort and of the speed into the wait before it alike."""
+    t = np.arange(0.0, 6.0, 0.02)
+    on = np.maximum(t - 2.0, 0.0)
+    v = 10.0 * (1.0 - np.exp(-on / 0.1))
+    columns = {"t": t, "q": np.cumsum(v) * 0.02, "u": 9.0 * (on > 0.0)}
+    made = prepare("log", columns, RIG)
+    (kept,), (said,) = without_rests([made], 0.1)
+    assert "where the axis stands" in said
+    assert kept.pieces[0].seconds[kept.pieces[0].use].min() > 1.8
