@@ -37,6 +37,11 @@ class Weighed:
         alone, together = (proven(p, share) for p in (self.probability, self.together))
         return replace(self, probability=alone, together=together)
 
+    @property
+    def denied(self) -> "Weighed":
+        """The same, not likely at all."""
+        return replace(self, probability=0.0, together=0.0)
+
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""
         return asdict(self)
@@ -79,7 +84,7 @@ def _denied_alone(ended: Ended, weighed: Mapping[str, Weighed]) -> dict[str, Wei
     search, chosen = ended.search, ended.found.chosen
     lesser = {e.name(): search.without(chosen, e) for e in chosen.effects}
     off = [name for name, model in lesser.items() if search.worth.denied(model, chosen)]
-    return {name: replace(weighed[name], probability=0.0, together=0.0) for name in off}
+    return {name: weighed[name].denied for name in off}
 
 
 def _told_apart(

@@ -294,9 +294,9 @@ class Worth:
         if model.numbers >= best.numbers:
             return self.clearly(model, best)
         falls = self._falls(model, best, self.settings.richer * self.least)
-        return falls and not self._rises(model, best)
+        return falls and not self.rises(model, best)
 
-    def _rises(self, before: Scored, after: Scored) -> bool:
+    def rises(self, before: Scored, after: Scored) -> bool:
         """Whether the held-out error rises by what counts."""
         rise = after.heldout_square - before.heldout_square
         return rise > max(self.settings.veto * before.heldout_square, self.least**2)

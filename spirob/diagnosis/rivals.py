@@ -16,11 +16,17 @@ if TYPE_CHECKING:
 
 
 def rivals(search: Search[Any], model: Model, effect: type[Effect]) -> list[Model]:
-    """Exchanges of an effect that are not clearly worse, nor richer."""
+    """Exchanges of an effect that are not clearly worse, nor richer; or better held out.
+
+    What the fitted trials prefer, though the held-out ones prefer another by what counts, these
+    data do not tell.
+    """
     plainest = min(filter(is_dry, search.candidates), key=richness, default=None)
-    others = [m for m in search.exchanges(model, effect) if not is_worse(search, m, model)]
-    found = [m for m in others if m.numbers <= model.numbers or plainest in m.effects]
-    return [*found, *_richer(search, model, effect)]
+    others = search.exchanges(model, effect)
+    equal = [m for m in others if not is_worse(search, m, model)]
+    found = [m for m in equal if m.numbers <= model.numbers or plainest in m.effects]
+    better = [m for m in others if m not in found and search.worth.rises(m, model)]
+    return [*found, *better, *_richer(search, model, effect)]
 
 
 def alike(search: Search[Any], model: Model, effect: type[Effect]) -> list[str]:

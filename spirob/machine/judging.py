@@ -198,7 +198,7 @@ def foretelling(
     if not names:
         return ended, weighed, ""
     titles = " and ".join(e.title for e in found.chosen.effects if e.name() in names)
-    off = {n: replace(weighed[n], probability=0.0, together=0.0) for n in names}
+    off = {n: weighed[n].denied for n in names}
     others = [e.name() for e in found.chosen.effects if e.name() not in names]
     kept = search.narrowed(found, others)
     without = Ended(search, kept, search.models.left(kept.chosen))
@@ -210,7 +210,7 @@ def _nameless(
     search: RigSearch, found: Found, weighed: Mapping[str, Weighed]
 ) -> tuple[Ended, dict[str, Weighed]]:
     """A search without any of its names; the weighed are told as unlikely."""
-    unnamed = {n: replace(one, probability=0.0, together=0.0) for n, one in weighed.items()}
+    unnamed = {n: one.denied for n, one in weighed.items()}
     bare = search.narrowed(found, [])
     return Ended(search, bare, search.models.left(bare.chosen)), unnamed
 
