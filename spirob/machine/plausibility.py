@@ -46,6 +46,10 @@ UNUSUAL = (
     "lag or latency of the machine itself, which only `known: {delay: ...}` can tell apart."
 )
 LONG, FAST = 20.0, 5000.0  # m of stroke, rad/s: no motor rig of this kind
+ANSWERS = (
+    ", unless a controller answers the motion with this effort: then its law is seen, not the "
+    "machine's, and excitation of its own has to be added to the command"
+)
 AT_LOAD = (
     "The logs fit a position sensor at the load, behind gear and shaft, better than one at the "
     "motor: taken so. position.side says where it sits."
@@ -250,10 +254,12 @@ def _turned(search: RigSearch, chosen: Model) -> str:
     counts = gained > search.worth.least**2 and 1.0 - turned <= HALF * (1.0 - as_logged)
     if turned < FAMILIAR or not counts:
         return ""
+    commanded = search.models.train.rig.effort.origin == "command"
     return (
         "With the sign of the effort turned, inertia, friction and weight explain all but "
         f"{100.0 * (1.0 - turned):.2g}% of its variance, as it is all but "
-        f"{100.0 * min(1.0, 1.0 - as_logged):.2g}%: give the effort or the motion the factor -1."
+        f"{100.0 * min(1.0, 1.0 - as_logged):.2g}%: give the effort or the motion the factor -1"
+        f"{ANSWERS if commanded else ''}."
     )
 
 
