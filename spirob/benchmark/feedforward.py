@@ -16,8 +16,8 @@ from spirob.export.axis import PLAYED, SIGNALS
 from spirob.export.code import c_files
 from spirob.export.corrected import Corrected, Fitted, Held
 from spirob.export.law import law_of
+from spirob.machine.description.rig import NUMBERS
 from spirob.machine.laws import for_axis
-from spirob.machine.rig import NUMBERS
 
 CALLS = 1_000_000  # in a round of two seconds of trial; fewer in a shorter one
 TIMED = """\

@@ -20,9 +20,9 @@ from spirob.campaign.scoring import outcome
 from spirob.errors import SpirobError
 from spirob.files import write_text
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.recording import Recording, prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.selection import filtered_alike
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import Recording, prepare
+from spirob.machine.recordings.selection import filtered_alike
 
 CLOSE = 1.1  # times the error of the chosen model: candidates within it are near rivals
 

@@ -30,9 +30,9 @@ from spirob.errors import SpirobError
 from spirob.export.code import python_text
 from spirob.export.corrected import Corrected, corrected
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.recording import prepare
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
 from spirob.machine.result import Diagnosis
-from spirob.machine.rig import RigFile
 
 KINDS = (
     "none", "coulomb_friction", "stribeck_friction", "presliding_friction",

@@ -22,10 +22,10 @@ from spirob.errors import SpirobError
 from spirob.identify.scaling import Scaling
 from spirob.machine.axis import base_model
 from spirob.machine.composed.track import along
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import RigSearch
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.models import RigSearch
 
 PASSES = 2  # the load follows from the numbers, which move once the law is there
 PARTS = (0.3, 0.6, 1.0, 1.6)  # of the drawn way: no two simulators turn friction round alike

@@ -31,7 +31,7 @@ from spirob.identify.scaling import Scaling
 from spirob.logs import read_parquet
 from spirob.logs.trace import read_table
 from spirob.machine.arm.replay import again
-from spirob.machine.rig import NUMBERS
+from spirob.machine.description.rig import NUMBERS
 from spirob.plant import Plant, Rig
 from spirob.robot import MOTORS, Scene
 

@@ -1,6 +1,6 @@
 """The equations of a plain axis as one text of plain arithmetic, from which C and Python are made.
 
-    compensate  effort that a motion asks for, by `spirob.machine.inverse_equations`, one sample
+    compensate  effort that a motion asks for, by `spirob.machine.inverse.equations`, one sample
                 after the other, with its memory in a state
     torque      what drive and effects put on the axis at an effort: `spirob.machine.forward`
     reported    an effort as the drive reports it;  framed  as late as the bus brings it
@@ -33,8 +33,8 @@ from spirob.export.corrected import Corrected, Held
 from spirob.export.law import kernel_functions, kernel_name
 from spirob.export.translate import Function
 from spirob.machine.forward.torque import PASSES as SENSED
-from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, READINGS, SENSOR
-from spirob.machine.kernel_loop import PASSES
+from spirob.machine.inverse.equations import ADDED, BEFORE, HINGE, READINGS, SENSOR
+from spirob.machine.inverse.kernel_loop import PASSES
 
 CURRENT, REPORT, FRAME = "sensing.current", "sensing.report", "sensing.frame"
 SHARE = "winch.efficiency"

@@ -1,7 +1,7 @@
 """The functions of a plain axis as text of plain arithmetic; `axis` puts the kernels in.
 
 Names in capitals are constants, `s` is the state.  The equations are those of
-`spirob.machine.inverse_equations` (compensate) and `spirob.machine.forward` (torque).
+`spirob.machine.inverse.equations` (compensate) and `spirob.machine.forward` (torque).
 """
 
 MOVED = """\

@@ -14,7 +14,7 @@ import numpy as np
 from spirob.errors import ConfigError, ExportError
 from spirob.export.arm import CorrectedArm
 from spirob.export.corrected import Corrected
-from spirob.machine.model_file import checked, unheard
+from spirob.machine.description.model_file import checked, unheard
 from spirob.plant.body import build_spec
 from spirob.plant.plant import CYCLE, SUBSTEPS
 from spirob.robot import Scene

@@ -14,9 +14,9 @@ from typing import Any
 from spirob.diagnosis.schema import read
 from spirob.errors import DataError, ExportError
 from spirob.export.law import Law, law_of
+from spirob.machine.description.rig import NUMBERS
+from spirob.machine.inverse.numbers import USUAL
 from spirob.machine.laws import by_module
-from spirob.machine.numbers import USUAL
-from spirob.machine.rig import NUMBERS
 
 FORMAT = 1  # of `model` in a diagnosis
 
@@ -65,7 +65,7 @@ class Corrected:
     """A plain axis with what was fitted and named.
 
     axis      "rad" or "m";  effort, torque  units of the effort and of what it does
-    numbers   those of `spirob.machine.rig.NUMBERS`
+    numbers   those of `spirob.machine.description.rig.NUMBERS`
     angle     position for one radian of the motor;  rest_speed  below which it stands
     stiffness of the driven hinge, which some effects read
     period    of the held-out logs [s]

@@ -24,8 +24,8 @@ from spirob.export.targets import played_alone
 from spirob.identify.measurement import Measurement
 from spirob.identify.problem import rms
 from spirob.logs.trace import read_table
-from spirob.machine.motion import Motion, late
-from spirob.machine.recording import Recording
+from spirob.machine.inverse.motion import Motion, late
+from spirob.machine.recordings.recording import Recording
 from spirob.plant.records import Response
 from spirob.plant.session import CYCLE
 from spirob.robot import MOTORS

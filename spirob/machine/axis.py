@@ -12,26 +12,26 @@ from spirob.diagnosis.search import Search
 from spirob.diagnosis.verdict import TWICE
 from spirob.effects import Effect
 from spirob.errors import DataError
-from spirob.machine.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
-from spirob.machine.differing import counted_alike, differing
+from spirob.machine.description.rig import Bounded, RigFile
 from spirob.machine.document import SHORTER, written
-from spirob.machine.inverse import Work
-from spirob.machine.judging import Judged, Searched, judged_of
-from spirob.machine.models import RigSearch
-from spirob.machine.odd_logs import another_unit
-from spirob.machine.plausibility import (
+from spirob.machine.inverse.problem import Work
+from spirob.machine.recordings.recording import Recording
+from spirob.machine.recordings.selection import ASIDE, ends_aside
+from spirob.machine.result import Diagnosis
+from spirob.machine.search.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
+from spirob.machine.search.differing import counted_alike, differing
+from spirob.machine.search.judging import Judged, Searched, judged_of
+from spirob.machine.search.models import RigSearch
+from spirob.machine.search.odd_logs import another_unit
+from spirob.machine.search.plausibility import (
     AT_LOAD,
     fits_at_load,
     may_sit_at_load,
     only_of_logs,
     untaught,
 )
-from spirob.machine.preparation import Ready, moving, ready_of, search_of
-from spirob.machine.recording import Recording
-from spirob.machine.result import Diagnosis
-from spirob.machine.rig import Bounded, RigFile
-from spirob.machine.selection import ASIDE, ends_aside
-from spirob.machine.wrong_numbers import beyond_bounds, in_scale, released
+from spirob.machine.search.preparation import Ready, moving, ready_of, search_of
+from spirob.machine.search.wrong_numbers import beyond_bounds, in_scale, released
 
 NOT_ELSEWHERE = f"Not looked for about another delay: {SHORTER}"
 UNTRIED = f"The search took so long that it was not repeated: {SHORTER}"

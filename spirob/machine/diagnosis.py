@@ -26,13 +26,13 @@ from spirob.logs.readers import Table, read_table
 from spirob.logs.readers.columns import from_frame
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.description.rig import RigFile
 from spirob.machine.document import plain
 from spirob.machine.loading import chosen, described, files, load_rig
 from spirob.machine.page_tables import laws
-from spirob.machine.recording import of_table
+from spirob.machine.recordings.recording import of_table
+from spirob.machine.recordings.selection import each_once, filtered_alike
 from spirob.machine.result import Diagnosis, Sources
-from spirob.machine.rig import RigFile
-from spirob.machine.selection import each_once, filtered_alike
 
 FAIL = (np.linalg.LinAlgError, ArithmeticError, MemoryError, SimulationError, ValueError)
 # what SciPy and scikit-learn say of numbers that they cannot use; any other ValueError is a bug
@@ -209,7 +209,7 @@ def _arm(
     """Diagnose our arm from logs of somebody else."""
     from spirob.machine.arm import diagnosis as arm
     from spirob.machine.arm.replay import table_of
-    from spirob.machine.model_file import unheard
+    from spirob.machine.description.model_file import unheard
 
     settings = Settings(**asdict(rig.criteria), intervals=False, always=False)
     trials, said = arm.read(rig, train, test)

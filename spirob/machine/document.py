@@ -24,19 +24,19 @@ from spirob.diagnosis.spectrum import orders
 from spirob.effects import Effect
 from spirob.identify.intervals import Interval, covariance_of, score, score_interval
 from spirob.identify.problem import rms
-from spirob.machine.body import RigidBody
 from spirob.machine.composed.law import beyond
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.judging import Judged
+from spirob.machine.description.rig import NUMBERS
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.inverse.numbers import USUAL
+from spirob.machine.inverse.problem import InverseProblem
 from spirob.machine.laws import by_module
-from spirob.machine.leftovers import RigCeiling
-from spirob.machine.models import RigSearch
-from spirob.machine.numbers import USUAL
-from spirob.machine.odd_logs import way_of
 from spirob.machine.page_tables import laws, overlay, parameters, predicted, switches
-from spirob.machine.plausibility import oddities
 from spirob.machine.result import Diagnosis
-from spirob.machine.rig import NUMBERS
+from spirob.machine.search.judging import Judged
+from spirob.machine.search.leftovers import RigCeiling
+from spirob.machine.search.models import RigSearch
+from spirob.machine.search.odd_logs import way_of
+from spirob.machine.search.plausibility import oddities
 from spirob.ports import PORTS
 
 SHORTER = "fewer or slower rows make it shorter."

@@ -21,8 +21,8 @@ from spirob.errors import ConfigError, EffectError
 from spirob.files import checked, content, inside
 from spirob.logs.readers import Crashed, TooLong, apart
 from spirob.machine.arm.description import ArmFile
-from spirob.machine.kernel_loop import loop_of
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.kernel_loop import loop_of
 
 LARGEST = 2**18  # bytes of a description
 KIND = re.compile(r"function-.*|literal\[.*|float|Column")  # which of several an entry may be

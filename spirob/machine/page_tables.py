@@ -18,8 +18,8 @@ from spirob.identify.fit import Fit
 from spirob.identify.intervals import with_bounds
 from spirob.identify.problem import Problem, rms
 from spirob.machine.forward import WINDOW, Forward, Prediction
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import RigSearch
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.search.models import RigSearch
 
 MOST = 3  # effects: seven combinations, of which the search has fitted most
 

@@ -10,7 +10,7 @@ from spirob.campaign.scoring import KINDS, LIBRARY, OUTSIDE, answers
 from spirob.campaign.simulators import SIMULATORS
 from spirob.campaign.simulators.motion import FINE, Motion
 from spirob.effects import all_effects
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
 
 UNSEEN = {"current_gain"}  # what is fitted takes it up
 

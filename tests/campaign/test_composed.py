@@ -7,8 +7,8 @@ from spirob.campaign import true_law
 from spirob.campaign.case import Case, cases, drawn
 from spirob.campaign.running import _lacking
 from spirob.campaign.scoring import group, law_lines, laws, over_true
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
 
 
 def result(law, true=0.01, said=0.05, inside=False, **more):

@@ -9,11 +9,11 @@ from spirob.diagnosis.model import Left
 from spirob.diagnosis.simulated import ROLES, Simulated
 from spirob.diagnosis.verdict import searched
 from spirob.effects import find_effects
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Models
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.models import Models
 from tests.identify.known import residual, spirob
 from tests.machine.rigs import description
 

@@ -11,7 +11,7 @@ from jinja2 import Environment, StrictUndefined
 from spirob.cli.doc_tables import SCHEMA, renewed, schema
 from spirob.diagnosis.schema import Document
 from spirob.machine.arm.description import ArmFile
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
 from spirob.perceive.features import FEATURES
 from tests.docs.blocks import BLOCK, follow
 

@@ -8,14 +8,14 @@ import numpy as np
 from spirob.effects import all_effects
 from spirob.export.corrected import corrected, read_document
 from spirob.identify.intervals import Estimate
-from spirob.machine.body import RigidBody
 from spirob.machine.document import heldout, plain, standing
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.inverse.numbers import log_numbers
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import sizes_of
 from spirob.machine.laws import for_axis
 from spirob.machine.loading import described
-from spirob.machine.numbers import log_numbers
-from spirob.machine.recording import prepare
-from spirob.machine.scaling import sizes_of
+from spirob.machine.recordings.recording import prepare
 from tests.documents import document
 
 PENDULUM = """

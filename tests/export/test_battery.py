@@ -17,7 +17,7 @@ from spirob.export.exporting import LOSS, about_of
 from spirob.export.heldout import Heldout
 from spirob.files import write_text
 from spirob.machine.laws import for_axis
-from spirob.machine.preparation import applicable
+from spirob.machine.search.preparation import applicable
 from tests.export import machines
 from tests.export.machines import exported_model, numbers_of, rig_of
 

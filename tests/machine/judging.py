@@ -10,8 +10,8 @@ from typing import Any
 
 from spirob.effects import all_effects
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import Case
 
 FEW = {

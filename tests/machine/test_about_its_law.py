@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from spirob.machine import axis
-from spirob.machine.rig import Bounded
+from spirob.machine.description.rig import Bounded
 
 PERIOD = 0.01
 USUAL = axis.as_usual(PERIOD)

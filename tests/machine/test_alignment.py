@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
-from spirob.machine.delays import (
+from spirob.machine.description.rig import Bounded, RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.delays import (
     FARTHEST,
     inside,
     is_told,
@@ -15,11 +19,7 @@ from spirob.machine.delays import (
     partnered,
     usual,
 )
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Models
-from spirob.machine.recording import prepare
-from spirob.machine.rig import Bounded, RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.search.models import Models
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

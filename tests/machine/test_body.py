@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spirob.errors import ConfigError, DataError
-from spirob.machine.body import RigidBody
-from spirob.machine.recording import Piece
-from spirob.machine.rig import Body
+from spirob.machine.description.rig import Body
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.recordings.recording import Piece
 from tests.machine.rigs import PENDULUM
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from spirob.errors import ConfigError
-from spirob.machine.preparation import ready_of, search_of
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.wrong_numbers import in_scale
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.preparation import ready_of, search_of
+from spirob.machine.search.wrong_numbers import in_scale
 from tests.machine.rigs import description
 
 INERTIA, VISCOUS, COULOMB = 1.0, 2.0, 3.0

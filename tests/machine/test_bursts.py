@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from spirob.machine.broken_stretches import least_absolute
-from spirob.machine.recording import Recording, prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.broken_stretches import least_absolute
+from spirob.machine.recordings.recording import Recording, prepare
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())

@@ -9,10 +9,10 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
+from spirob.machine.inverse.scaling import Sizes, parameters
+from spirob.machine.inverse.shapes import repeated_waves, seldom_seen, turned_round
 from spirob.machine.laws import for_axis, related
-from spirob.machine.preparation import with_room
-from spirob.machine.scaling import Sizes, parameters
-from spirob.machine.shapes import repeated_waves, seldom_seen, turned_round
+from spirob.machine.search.preparation import with_room
 
 
 def sizes(stroke, gear=1.0):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError, MissingChannel, TooShort
-from spirob.machine import checks
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings import checks
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())

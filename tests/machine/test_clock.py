@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spirob.errors import DataError, NothingLeft, TooShort
-from spirob.machine.clock import clock_of
+from spirob.machine.recordings.clock import clock_of
 
 RATE = 200.0
 

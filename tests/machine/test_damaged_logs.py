@@ -14,10 +14,10 @@ from scipy.optimize import minimize_scalar
 
 from spirob.errors import DataError
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.filtering import smooth
-from spirob.machine.recording import Recording, prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.unwrapping import ANOTHER
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.filtering import smooth
+from spirob.machine.recordings.recording import Recording, prepare
+from spirob.machine.recordings.unwrapping import ANOTHER
 from tests.machine import damages as damaged
 from tests.machine.damages import (
     DAMAGES,

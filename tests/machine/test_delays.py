@@ -5,13 +5,13 @@ import pytest
 
 from spirob.effects import all_effects
 from spirob.errors import DataError
-from spirob.machine import delays
-from spirob.machine.delays import partnered, place, usual, valley
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Models
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search import delays
+from spirob.machine.search.delays import partnered, place, usual, valley
+from spirob.machine.search.models import Models
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

@@ -12,10 +12,10 @@ from spirob.cli.main import main
 from spirob.diagnosis import flexible
 from spirob.diagnosis.criteria import Criteria
 from spirob.errors import ConfigError, DataError, EffectError, MissingLog
-from spirob.machine import judging, leftovers
+from spirob.machine.description.rig import RigFile
 from spirob.machine.diagnosis import diagnose
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search import judging, leftovers
 from tests.effects.test_declaration import GOOD
 from tests.machine.rigs import description
 

@@ -5,9 +5,11 @@ import pytest
 from scipy import signal
 
 from spirob.errors import ConfigError, DataError
-from spirob.machine.checks import EDGE, beside_gaps
-from spirob.machine.clock import SHORTEST
-from spirob.machine.filtering import (
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.scaling import sizes_of
+from spirob.machine.recordings.checks import EDGE, beside_gaps
+from spirob.machine.recordings.clock import SHORTEST
+from spirob.machine.recordings.filtering import (
     BELOW,
     PAD,
     acceleration_noise,
@@ -19,9 +21,7 @@ from spirob.machine.filtering import (
     smooth,
     usual_cutoff,
 )
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import sizes_of
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 

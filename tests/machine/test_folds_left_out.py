@@ -6,12 +6,12 @@ from spirob.diagnosis.flexible import folds_of
 from spirob.diagnosis.regression import left_out_linear
 from spirob.effects import all_effects
 from spirob.identify.fit import fit
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import left_out
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
-from spirob.machine.screening import room
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.models import left_out
+from spirob.machine.search.screening import room
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from spirob.machine.foretold import misleading
+from spirob.machine.search.foretold import misleading
 from tests.machine.forward.test_identity import BASE, POSSIBLE, asked_for
 
 SHAFT = next(e for e in POSSIBLE if e.name() == "gear_compliance")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from spirob.errors import DataError, NothingLeft
-from spirob.machine.grids import FILLED, _grid
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.selection import filtered_alike, split
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.grids import FILLED, _grid
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.recordings.selection import filtered_alike, split
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from spirob.machine.clock import held, of_a_register
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.clock import held, of_a_register
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())

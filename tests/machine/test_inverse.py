@@ -7,17 +7,17 @@ import pytest
 
 from spirob.diagnosis.orders import peaks
 from spirob.effects import all_effects
-from spirob.machine.body import RigidBody
-from spirob.machine.filtering import rates
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.kernel_loop import Cache, loop_of
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.inverse.kernel_loop import Cache, loop_of
+from spirob.machine.inverse.motion import late
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes, dimensions, parameters
+from spirob.machine.inverse.shapes import counts_periods, shaping
 from spirob.machine.laws import for_axis, load_side
-from spirob.machine.motion import late
-from spirob.machine.preparation import applicable
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes, dimensions, parameters
-from spirob.machine.shapes import counts_periods, shaping
+from spirob.machine.recordings.filtering import rates
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.preparation import applicable
 from tests.machine.rigs import PENDULUM, description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

@@ -11,9 +11,11 @@ from spirob.diagnosis.criteria import Criteria, Worth
 from spirob.diagnosis.model import Found
 from spirob.effects import all_effects
 from spirob.identify.intervals import Estimate
-from spirob.machine import dry_friction, judging, leftovers
-from spirob.machine.dry_friction import with_dry, with_instant, with_plainer
-from spirob.machine.judging import (
+from spirob.machine.laws.presliding_friction import PreslidingFriction
+from spirob.machine.laws.stribeck_friction import StribeckFriction
+from spirob.machine.search import dry_friction, judging, leftovers
+from spirob.machine.search.dry_friction import with_dry, with_instant, with_plainer
+from spirob.machine.search.judging import (
     confirmed,
     contradicted,
     explains_all,
@@ -22,8 +24,6 @@ from spirob.machine.judging import (
     numbers,
     outdone,
 )
-from spirob.machine.laws.presliding_friction import PreslidingFriction
-from spirob.machine.laws.stribeck_friction import StribeckFriction
 from tests.diagnosis import machines
 
 

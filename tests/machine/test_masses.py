@@ -7,13 +7,13 @@ import pytest
 
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
-from spirob.machine.body import RigidBody
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import Models
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
-from spirob.machine.wrong_numbers import out_of_scale
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.models import Models
+from spirob.machine.search.wrong_numbers import out_of_scale
 from tests.machine.rigs import description
 
 LEG = """<mujoco><option gravity="0 0 -9.81"/><worldbody>

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spirob.machine.motion import apart, bridged
-from spirob.machine.preparation import ready_of, search_of
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.motion import apart, bridged
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.preparation import ready_of, search_of
 from tests.machine.rigs import description, load
 from tests.machine.rigs.axis import STEP, driven, reference, trials_of
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spirob.errors import ConfigError, DataError, MissingLog, SpirobError
-from spirob.machine.model_file import load
+from spirob.machine.description.model_file import load
 from tests.machine.rigs import PENDULUM
 
 INCLUDE = '<include file="other.xml"/>'

@@ -7,8 +7,8 @@ import pytest
 
 from spirob.diagnosis.model import is_dry
 from spirob.effects import all_effects
+from spirob.machine.inverse.motion import late
 from spirob.machine.laws import related
-from spirob.machine.motion import late
 
 LIBRARY = all_effects()
 

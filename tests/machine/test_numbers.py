@@ -10,13 +10,13 @@ from scipy.ndimage import gaussian_filter1d
 from spirob.errors import ConfigError
 from spirob.machine import axis
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.differing import may_differ, plainest, tells
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.numbers import log_numbers, with_payload
-from spirob.machine.preparation import ready_of, search_of
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.numbers import log_numbers, with_payload
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.differing import may_differ, plainest, tells
+from spirob.machine.search.preparation import ready_of, search_of
 from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 

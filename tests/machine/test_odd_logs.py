@@ -8,10 +8,13 @@ import pandas as pd
 import pytest
 
 import spirob
-from spirob.machine import odd_logs
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.odd_logs import (
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search import odd_logs
+from spirob.machine.search.odd_logs import (
     EFFORTS_APART,
     FAMILIAR,
     UNITS_APART,
@@ -21,9 +24,6 @@ from spirob.machine.odd_logs import (
     poorest,
     way_of,
 )
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
 from tests.machine.rigs import description
 
 

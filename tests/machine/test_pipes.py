@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spirob.machine.kernel_loop import nearby, solved, tangent
+from spirob.machine.inverse.kernel_loop import nearby, solved, tangent
 
 RNG = np.random.default_rng(3)
 WANTED = RNG.uniform(-2.0, 2.0, 200)

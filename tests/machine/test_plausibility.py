@@ -9,12 +9,15 @@ import pytest
 from spirob.diagnosis.criteria import Criteria
 from spirob.diagnosis.search import Search
 from spirob.identify.intervals import Estimate
-from spirob.machine import plausibility
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
 from spirob.machine.laws import LEVER
-from spirob.machine.leftovers import drifting
-from spirob.machine.models import Models
-from spirob.machine.plausibility import (
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search import plausibility
+from spirob.machine.search.leftovers import drifting
+from spirob.machine.search.models import Models
+from spirob.machine.search.plausibility import (
     _computed,
     _of_another_size,
     _senseless,
@@ -23,10 +26,7 @@ from spirob.machine.plausibility import (
     oddities,
     untaught,
 )
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
-from spirob.machine.wrong_numbers import without_sign
+from spirob.machine.search.wrong_numbers import without_sign
 from tests.machine.rigs import description
 
 

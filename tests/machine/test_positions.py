@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description(velocity={"column": "v", "unit": "rad/s"}, filter={}))

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from spirob.effects import find_effects
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.leftovers import depends_on, rig_ceiling
-from spirob.machine.preparation import applicable
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.leftovers import depends_on, rig_ceiling
+from spirob.machine.search.preparation import applicable
 from tests.machine.rigs import description
 
 T = np.arange(0, 8, 2e-3)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from spirob.diagnosis.spectrum import orders
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import sizes_of
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import sizes_of
+from spirob.machine.recordings.recording import prepare
 
 GEAR = 50.0
 

@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 import spirob
-from spirob.machine.preparation import ready_of
-from spirob.machine.recording import prepare
-from spirob.machine.rests import standing, without_rests
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.recordings.rests import standing, without_rests
+from spirob.machine.search.preparation import ready_of
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())

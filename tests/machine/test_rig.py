@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from spirob.errors import ConfigError, DataError, MissingLog
 from spirob.machine.arm.description import ArmFile
+from spirob.machine.description.rig import RigFile
 from spirob.machine.loading import described, load_rig
-from spirob.machine.rig import RigFile
 from tests.machine.arm import elsewhere
 from tests.machine.rigs import description
 

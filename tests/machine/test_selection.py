@@ -8,10 +8,10 @@ import pytest
 
 from spirob.errors import ConfigError, DataError
 from spirob.logs.readers.columns import from_frame
-from spirob.machine.filtering import BELOW, possible_cutoff
-from spirob.machine.recording import Recording, of_table, prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.selection import (
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.filtering import BELOW, possible_cutoff
+from spirob.machine.recordings.recording import Recording, of_table, prepare
+from spirob.machine.recordings.selection import (
     MOST_ROWS,
     ROOM,
     STRETCH,

@@ -5,10 +5,10 @@ import pytest
 
 from spirob.effects import all_effects, find_effects
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.description.rig import RigFile
 from spirob.machine.laws import LEVER, SPRING, related
-from spirob.machine.preparation import ready_of
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.preparation import ready_of
 from tests.machine.rigs import description
 
 RIG = RigFile.model_validate(description())

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.differing import MOST, Log, _columns, turns
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.differing import MOST, Log, _columns, turns
 from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 

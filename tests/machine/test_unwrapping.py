@@ -8,8 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from spirob.errors import DataError
-from spirob.machine.positions import repaired
-from spirob.machine.unwrapping import Track, modulus_of, unwrapped
+from spirob.machine.recordings.positions import repaired
+from spirob.machine.recordings.unwrapping import Track, modulus_of, unwrapped
 
 TURN = 2 * np.pi
 MODULI = st.sampled_from([TURN, 2 * TURN, 0.5 * TURN, 25.0, 360.0, 4096.0, 1.0])

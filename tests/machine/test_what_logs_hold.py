@@ -5,13 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spirob.machine import axis, models
+from spirob.machine import axis
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.inverse import Work
-from spirob.machine.models import Models
-from spirob.machine.plausibility import AT_LOAD
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import Work
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search import models
+from spirob.machine.search.models import Models
+from spirob.machine.search.plausibility import AT_LOAD
 from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 

@@ -26,8 +26,8 @@ from spirob.errors import ConfigError
 from spirob.identify.problem import FITTED
 from spirob.identify.residual import Filter
 from spirob.machine.arm.shape import TOLERANCES
-from spirob.machine.columns import used_once
-from spirob.machine.rig import (
+from spirob.machine.description.columns import used_once
+from spirob.machine.description.rig import (
     ANGLES,
     EFFORTS,
     LENGTHS,

@@ -24,9 +24,9 @@ from spirob.logs.readers import Table
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.arm.rest import BEGUN, held, rests
 from spirob.machine.arm.rows import usable
-from spirob.machine.filtering import derivative, smooth
-from spirob.machine.grids import Logged, even_grids
-from spirob.machine.rig import ANGLES, Column
+from spirob.machine.description.rig import ANGLES, Column
+from spirob.machine.recordings.filtering import derivative, smooth
+from spirob.machine.recordings.grids import Logged, even_grids
 from spirob.plant.tendon import stroke
 from spirob.robot import MOTORS, Scene
 

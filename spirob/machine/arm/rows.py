@@ -23,11 +23,11 @@ from spirob.errors import DataError, SimulationError, TooShort
 from spirob.identify.builds import hinges
 from spirob.identify.measurement import Measurement
 from spirob.identify.residual import BLOCK, STILL, Residual
-from spirob.machine import checks
 from spirob.machine.arm.description import ArmFile
-from spirob.machine.checks import FULL, widened
-from spirob.machine.rests import LEAST
-from spirob.machine.selection import KEPT, SHORTEST_DIVIDED
+from spirob.machine.recordings import checks
+from spirob.machine.recordings.checks import FULL, widened
+from spirob.machine.recordings.rests import LEAST
+from spirob.machine.recordings.selection import KEPT, SHORTEST_DIVIDED
 from spirob.robot import MOTORS
 
 CYCLE = 1e-3  # s, of the model

@@ -24,10 +24,10 @@ from spirob.machine.composed.greedy import compose
 from spirob.machine.composed.ground import ground_of
 from spirob.machine.composed.law import Law, law_of
 from spirob.machine.composed.writing import Units, formula, told, written
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.kernel_loop import LEAST
-from spirob.machine.models import STEP, Models, RigSearch
+from spirob.machine.inverse.kernel_loop import LEAST
+from spirob.machine.inverse.problem import InverseProblem
 from spirob.machine.page_tables import laws, without
+from spirob.machine.search.models import STEP, Models, RigSearch
 
 NAME = "law"
 SURE = 1.96  # deviations of a 95 % interval

@@ -24,8 +24,8 @@ from spirob.diagnosis.model import Model, Scored, is_dry
 from spirob.diagnosis.regression import error, joined, left_out_linear, products, step
 from spirob.machine.composed.ground import Ground, Side, ground_of
 from spirob.machine.composed.terms import LOST, WAY, Shape, Term
-from spirob.machine.kernel_loop import Cache
-from spirob.machine.models import RigSearch
+from spirob.machine.inverse.kernel_loop import Cache
+from spirob.machine.search.models import RigSearch
 
 NOTHING = 1e-6  # of the residual: a column so small says nothing of it
 

@@ -25,8 +25,8 @@ from spirob.identify.problem import effort_rms
 from spirob.identify.residual import Residual
 from spirob.identify.scaling import Scaling
 from spirob.machine.composed.track import Ranges, Track, ranges_of
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.models import STEP, RigSearch
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.search.models import STEP, RigSearch
 from spirob.plant import Plant
 from spirob.plant.motor import own
 from spirob.robot import MOTORS

@@ -19,7 +19,7 @@ from spirob.effects import Effect
 from spirob.machine.composed.draft import Draft
 from spirob.machine.composed.terms import DRIVE, NUMBERS, Shape, Term, closed
 from spirob.machine.composed.track import MEMORIES, SHORT, SIGNALS, Ranges
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.inverse.problem import InverseProblem
 
 MOST = 20.0  # times an amplitude, or the effort: how large a fit may make it
 HEIGHT = 3.0  # of a curve's heights over its largest

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.inverse.problem import InverseProblem
 from spirob.ports import SIGNALS as PORT_SIGNALS
 
 LONG = 1e3  # s since a turn that never was

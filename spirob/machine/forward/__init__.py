@@ -16,8 +16,8 @@ import numpy as np
 
 from spirob.identify.intervals import score_interval
 from spirob.machine.forward.axis import Axis, BodyTable, drive_reading, logged
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.motion import Motion
+from spirob.machine.inverse.motion import Motion
+from spirob.machine.inverse.problem import InverseProblem
 
 WINDOW = 0.5  # s, of a short horizon that starts again from the measured motion
 ROWS = {"position": "q", "speed": "v"}  # of a prediction -> of the motion

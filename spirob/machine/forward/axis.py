@@ -14,12 +14,12 @@ from functools import cached_property
 
 import numpy as np
 
-from spirob.machine.body import RigidBody
 from spirob.machine.forward.torque import AT, OWN, loop_of, memory_of
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.inverse_equations import ADDED, BEFORE, HINGE, AskedEffort
-from spirob.machine.motion import Motion, late
-from spirob.machine.recording import Piece
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.inverse.equations import ADDED, BEFORE, HINGE, AskedEffort
+from spirob.machine.inverse.motion import Motion, late
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.recordings.recording import Piece
 
 NODES, NODES_BESIDE = 257, 33  # positions at least; fewer where each of them has many rows
 DENSE, DENSE_BESIDE = 0.05, 0.15  # rad or m between them at most, as some joints turn round

@@ -6,8 +6,8 @@ import pytest
 from spirob.effects import all_effects
 from spirob.machine.axis import base_model
 from spirob.machine.composed.draft import is_bent
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 COULOMB, COGGING = (all_effects()[name] for name in ("coulomb_friction", "cogging"))

@@ -3,9 +3,9 @@
 import numpy as np
 
 from spirob.machine.axis import diagnose_recordings
-from spirob.machine.judging import ALL_FIT
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
+from spirob.machine.description.rig import RigFile
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.judging import ALL_FIT
 from tests.machine.rigs import description
 
 RATE, NOISE = 200.0, 0.01

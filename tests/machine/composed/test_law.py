@@ -13,7 +13,7 @@ from spirob.machine.composed.grammar import bristled, losses, terms
 from spirob.machine.composed.law import law_of
 from spirob.machine.composed.track import Ranges, Track, along
 from spirob.machine.composed.writing import formula, told, written
-from spirob.machine.scaling import Sizes
+from spirob.machine.inverse.scaling import Sizes
 
 STEP, SAMPLES = 0.01, 300
 SIZES = Sizes(0.5, 1.0, 1.0, 3.0, 0.5, 0.1, "N·m", "A", "rad")

@@ -12,10 +12,10 @@ from spirob.machine.composed.draft import Drafts
 from spirob.machine.composed.grammar import losses
 from spirob.machine.composed.ground import Side
 from spirob.machine.composed.track import Ranges, Track
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.description.rig import RigFile
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 STEP, SAMPLES, FOLDS = 0.01, 1200, 4

@@ -6,13 +6,13 @@ import mujoco
 import numpy as np
 
 from spirob.effects import find_effects
-from spirob.machine.body import RigidBody
+from spirob.machine.description.rig import RigFile
 from spirob.machine.forward import Forward, horizons
 from spirob.machine.forward.axis import Axis, BodyTable, drive_reading
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.inverse.body import RigidBody
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import PENDULUM, description
 
 RATE, FINE = 1e-3, 2e-4  # s, of the log and of MuJoCo's own steps

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from spirob.effects import find_effects
+from spirob.machine.description.rig import RigFile
 from spirob.machine.forward import Forward
-from spirob.machine.inverse import InverseProblem
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

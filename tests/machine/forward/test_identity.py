@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from spirob.effects import all_effects
+from spirob.machine.description.rig import RigFile
 from spirob.machine.forward import Forward
-from spirob.machine.inverse import InverseProblem
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.inverse.scaling import Sizes
 from spirob.machine.laws import for_axis
-from spirob.machine.preparation import applicable
-from spirob.machine.recording import prepare
-from spirob.machine.rig import RigFile
-from spirob.machine.scaling import Sizes
+from spirob.machine.recordings.recording import prepare
+from spirob.machine.search.preparation import applicable
 from tests.machine.rigs import description
 
 SIZES = Sizes(0.5, 2.0, 1.0, 4.0, 0.5, 0.1, "N·m", "N·m", "rad")

@@ -6,12 +6,12 @@ import pytest
 from spirob.effects import all_effects
 from spirob.effects.check import check
 from spirob.effects.replay import run
+from spirob.machine.description.rig import RigFile
 from spirob.machine.laws import AXIS, FRICTION, LEVER, LOAD_SIDE, LOSSES, TURNED, for_axis
 from spirob.machine.laws.backlash import Backlash
 from spirob.machine.laws.direction_dependent_efficiency import OfDescribedLoad
 from spirob.machine.laws.gear_compliance import GearCompliance
-from spirob.machine.preparation import applicable
-from spirob.machine.rig import RigFile
+from spirob.machine.search.preparation import applicable
 from tests.machine.rigs import description
 
 DT = 1e-3

@@ -1,0 +1,63 @@
+"""Names that do not hold when the motion is foretold.
+
+From the motion to the effort a law may take what is none of it.  One that swings by itself is a
+filter there, and under an effort of one line, a sine, a filter that smooths the motion takes what
+friction or noise leaves.  Where the effort has one size, as under a relay, dry friction is the
+effort itself up to a factor, and so is a constant where it has one sign, too: they take whatever
+the speed does besides.  Forward
+the measured effort has to move the axis as it moved; with a law that is none it does so far worse.
+Of other laws that is not asked: run forward, a good law of an axis that is hardly damped drifts
+away with the noise of its effort, and a bad one that resists too much stays where it is.
+"""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from spirob.diagnosis.criteria import HALVED
+from spirob.diagnosis.model import Model, is_constant, is_dry
+from spirob.effects import Effect
+from spirob.machine.forward import Forward
+from spirob.machine.forward.axis import PORTS
+from spirob.machine.inverse.problem import InverseProblem
+from spirob.machine.search.models import RigSearch
+
+SCATTER = 0.05  # of the squared efforts: what is no size with a sign, where they have one size
+
+
+def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list[str]:
+    """Those of the names with which the motion of all logs is foretold far worse than without.
+
+    Far worse: without it half of the squared error is left, of the speed within half a second, and
+    less than of an axis that stands still: of two that both run away neither foretells anything.
+    Of all logs, since those held out may hold one speed, which every balance keeps.
+    """
+    named = [e for e in chosen.effects if e.name() in names]
+    level = [e for e in named if is_dry(e) or is_constant(e)]
+    relay = bool(level) and _of_one_size(search.models.train)
+    asked = [e for e in named if _swings(e) or (relay and e in level)]
+    if not asked:
+        return []
+    runs = [Forward(problem) for problem in (search.models.train, search.models.heldout)]
+    return [e.name() for e in asked if _is_worse(runs, search.without(chosen, e), chosen)]
+
+
+def _swings(effect: type[Effect]) -> bool:
+    """Whether it may begin with any state, and acts on the torque that moves the axis."""
+    return bool(effect.free) and effect.port in PORTS
+
+
+def _of_one_size(problem: InverseProblem) -> bool:
+    """Whether the efforts that are compared are hardly more than a size with a sign."""
+    efforts = np.concatenate([p.raw[p.use] for r in problem.recordings for p in r.pieces])
+    return float(np.mean(np.abs(efforts)) ** 2) >= (1.0 - SCATTER) * float(np.mean(efforts**2))
+
+
+def _is_worse(runs: Sequence[Forward], without: Model, chosen: Model) -> bool:
+    models = without.fit.changes, chosen.fit.changes
+    if any(run.absent(changes) for run in runs for changes in models):
+        return False
+    before, after = (np.concatenate([r.missed(changes) for r in runs]) for changes in models)
+    moved = np.concatenate([run.problem.asked.motion.v for run in runs])
+    told = float(np.nanmean(before**2))
+    return told < min(HALVED * float(np.nanmean(after**2)), float(np.mean(moved**2)))
