@@ -107,7 +107,9 @@ def tried(path: str, kernel: bool) -> None:
     """
     checked(path, "effect file")
     try:
-        loading, own, running = apart(_trial, path, LONGEST, longest=WAITED * LONGEST)
+        loading, own, running = apart(
+            _trial, path, LONGEST, needs=(__name__,), longest=WAITED * LONGEST
+        )
     except TooLong:
         raise EffectError(
             f"effect file '{path}' does not end in {LONGEST:.0f} s of computing or "
