@@ -5,7 +5,8 @@ How long an example takes says how busy the machine is, and fails no test.
 Files are handed out in their order, the costly ones first: a worker that begins one last is waited
 for.  Workers are as many as cores, so none of them, and no process that it starts, takes a second
 core for its linear algebra.  What is compiled of Python stays, as what Numba compiles does: each of
-these processes would compile it again.
+these processes would compile it again.  Where files are read apart, the process from which those
+are forked has loaded what files of effects need, too, whichever is read first.
 """
 
 import os
@@ -48,6 +49,12 @@ COSTLY = (  # the costliest first; where one moves, the order is worth a little 
     "machine/test_effort_by_itself.py",
     "tests/test_ending.py",  # which waits more than it works, and would be the last
 )
+
+
+def pytest_sessionstart():
+    from spirob.logs import readers  # loads NumPy
+
+    readers.ALWAYS = (*readers.ALWAYS, "spirob.machine.loading")
 
 
 def pytest_collection_modifyitems(items):
