@@ -10,7 +10,6 @@ from spirob.machine.axis import diagnose_recordings
 from spirob.machine.description.rig import RigFile
 from spirob.machine.recordings.recording import prepare
 from spirob.machine.search.differing import MOST, Log, _columns, turns
-from tests.machine.judging import OTHERS
 from tests.machine.rigs import description
 
 TURN = 2 * np.pi
