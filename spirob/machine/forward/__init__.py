@@ -65,11 +65,11 @@ class Forward:
         given = drive_reading(self.problem.asked, axis.p)
         return Prediction(axis.motion, axis.run(self._long, given), axis.run(self._short, given))
 
-    def missed(self, changes: Mapping[str, float]) -> np.ndarray:
-        """Error of the speed within half seconds, under the measured effort, (n,); NaN outside."""
+    def missed(self, changes: Mapping[str, float]) -> float:
+        """Mean squared error of the speed within half seconds, under the measured effort."""
         axis = self._axis(changes)
         _, v, _ = axis.run(self._short, drive_reading(self.problem.asked, axis.p))
-        return np.asarray(v - axis.motion.v)
+        return float(np.nanmean((v - axis.motion.v) ** 2))
 
     def errors(self, changes: Mapping[str, float], found: Prediction) -> dict[str, Any]:
         """RMS errors of a prediction with 95 % intervals.

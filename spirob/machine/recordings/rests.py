@@ -11,7 +11,8 @@ speed says how it turns round.
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+import scipy
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from spirob.machine.recordings.filtering import sensor_noise
 from spirob.machine.recordings.recording import MOVES, Recording
@@ -22,7 +23,7 @@ LONGER = (1.0, 2.0, 4.0)  # times: the noise of as many rows as a second holds s
 SMEAR = 0.25  # periods of the cutoff, over which the first filter carries a rest into the motion
 LEAST = 0.2  # of the rows have to be left, or
 ENOUGH = 2.0  # s of them: else the log is one of holds and is used as it is
-TELLS = 0.5  # of the variance of the effort in rests: a speed that tells more is one of friction
+TELLS = 0.5  # of the variance of ranks in rests: a speed that tells more is one of friction
 
 
 def without_rests(
@@ -31,7 +32,7 @@ def without_rests(
     """The trials without the rows at standstill, and a sentence for each that lost some."""
     kept, said = [], []
     rests = [standing(recording, rest_speed) for recording in recordings]
-    if _creeps(recordings, rest_speed):
+    if _creeps(recordings, rests, rest_speed):
         return recordings, []
     for recording, stands in zip(recordings, rests, strict=True):
         pieces = [
@@ -61,54 +62,44 @@ def standing(recording: Recording, rest_speed: float) -> list[np.ndarray]:
     that way, A·w²/8 = v_rest·w, and so long that the way is a count of the sensor; or, for noise
     that is more than its counts, a few times longer.
     """
-    smear, found = SMEAR / recording.cutoff, []
-    for piece, window in zip(recording.pieces, _windows(recording, rest_speed), strict=True):
+    size = float(np.sqrt(np.mean(np.concatenate([p.a for p in recording.pieces]) ** 2)))
+    smear = SMEAR / recording.cutoff
+    found = []
+    for piece in recording.pieces:
+        count = COUNT * sensor_noise(piece.path)
+        window = max(TURNS * 8.0 * rest_speed / max(size, 1e-300), count / rest_speed, smear)
         stands = np.zeros(len(piece.path), dtype=bool)
         for times in LONGER:
-            rows = _rows(times * window, recording.period)
-            middle = _still(piece.path, rows, rest_speed, recording.period)
-            wide = rows + 2 * round(smear / recording.period)
-            stands |= maximum_filter1d(middle.astype(np.uint8), wide, mode="constant") > 0
+            stands |= _within(piece.path, times * window, rest_speed, smear, recording.period)
         found.append(stands)
     return found
 
 
-def _windows(recording: Recording, rest_speed: float) -> list[float]:
-    """Seconds over which an axis at rest is seen to be, of each piece."""
-    size = float(np.sqrt(np.mean(np.concatenate([p.a for p in recording.pieces]) ** 2)))
-    least = max(TURNS * 8.0 * rest_speed / max(size, 1e-300), SMEAR / recording.cutoff)
-    return [max(least, COUNT * sensor_noise(p.path) / rest_speed) for p in recording.pieces]
+def _creeps(recordings: list[Recording], rests: list[list[np.ndarray]], rest_speed: float) -> bool:
+    """Whether the speed of rows at rest tells most of their effort, by their order in all logs.
+
+    The effort is as logged: a filter mixes the last rows of a wait with the effort that sets in and
+    with the motion that it makes, which tell one another.  By their order, as these few rows would
+    outweigh the wait.
+    """
+    rows = [
+        np.stack([p.v, p.raw])[:, still & (np.abs(p.v) < rest_speed)]
+        for recording, stands in zip(recordings, rests, strict=True)
+        for p, still in zip(recording.pieces, stands, strict=True)
+    ]
+    v, effort = np.concatenate(rows, axis=1)
+    if len(v) < 3 or np.ptp(v) == 0.0 or np.ptp(effort) == 0.0:
+        return False
+    return bool(scipy.stats.spearmanr(v, effort).statistic ** 2 > TELLS)
 
 
-def _rows(window: float, period: float) -> int:
-    return max(3, round(window / period)) | 1
-
-
-def _still(path: np.ndarray, rows: int, rest_speed: float, period: float) -> np.ndarray:
-    """Middles of windows in which a path (n,) spans no more than at the speed of rest, (n,)."""
+def _within(
+    path: np.ndarray, window: float, rest_speed: float, smear: float, period: float
+) -> np.ndarray:
+    """Rows of windows [s] in which a path (n,) spans no more than at the speed of rest, widened."""
+    rows = max(3, round(window / period)) | 1
     if rows >= len(path):
         return np.zeros(len(path), dtype=bool)
     span = maximum_filter1d(path, rows) - minimum_filter1d(path, rows)
-    return np.asarray(span <= rest_speed * rows * period)
-
-
-def _creeps(recordings: list[Recording], rest_speed: float) -> bool:
-    """Whether the mean speed of windows at rest tells most of their mean effort, in all logs.
-
-    As logged: a filter mixes the last rows of a rest with an effort that sets in and with the
-    motion that it makes, which tell one another.
-    """
-    found = []
-    for recording in recordings:
-        for piece, window in zip(recording.pieces, _windows(recording, rest_speed), strict=True):
-            rows = _rows(window, recording.period)
-            still = np.flatnonzero(_still(piece.path, rows, rest_speed, recording.period))
-            first, last = still - rows // 2, still + rows // 2
-            whole = (first >= 0) & (last < len(piece.path))
-            way = piece.path[last[whole]] - piece.path[first[whole]]
-            speed = way / ((rows - 1) * recording.period)
-            found.append([speed, uniform_filter1d(piece.raw, rows)[still[whole]]])
-    v, effort = np.concatenate(found, axis=1)
-    if len(v) < 3 or np.ptp(v) == 0.0 or np.ptp(effort) == 0.0:
-        return False
-    return bool(np.corrcoef(v, effort)[0, 1] ** 2 > TELLS)
+    middle = (span <= rest_speed * rows * period).astype(np.uint8)
+    return maximum_filter1d(middle, rows + 2 * round(smear / period), mode="constant") > 0

@@ -10,7 +10,7 @@ Of other laws that is not asked: run forward, a good law of an axis that is hard
 away with the noise of its effort, and a bad one that resists too much stays where it is.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 import numpy as np
 
@@ -26,11 +26,11 @@ SCATTER = 0.05  # of the squared efforts: what is no size with a sign, where the
 
 
 def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list[str]:
-    """Those of the names with which the motion of all logs is foretold far worse than without.
+    """Those of the names with which motion is foretold far worse than without.
 
     Far worse: without it half of the squared error is left, of the speed within half a second, and
     less than of an axis that stands still: of two that both run away neither foretells anything.
-    Of all logs, since those held out may hold one speed, which every balance keeps.
+    Held-out logs are asked and fitted ones: either may hold one speed, which every balance keeps.
     """
     named = [e for e in chosen.effects if e.name() in names]
     level = [e for e in named if is_dry(e) or is_constant(e)]
@@ -39,7 +39,8 @@ def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list
     if not asked:
         return []
     runs = [Forward(problem) for problem in (search.models.train, search.models.heldout)]
-    return [e.name() for e in asked if _is_worse(runs, search.without(chosen, e), chosen)]
+    lesser = {e.name(): search.without(chosen, e) for e in asked}
+    return [n for n, model in lesser.items() if any(_is_worse(r, model, chosen) for r in runs)]
 
 
 def _swings(effect: type[Effect]) -> bool:
@@ -53,11 +54,10 @@ def _of_one_size(problem: InverseProblem) -> bool:
     return float(np.mean(np.abs(efforts)) ** 2) >= (1.0 - SCATTER) * float(np.mean(efforts**2))
 
 
-def _is_worse(runs: Sequence[Forward], without: Model, chosen: Model) -> bool:
+def _is_worse(run: Forward, without: Model, chosen: Model) -> bool:
     models = without.fit.changes, chosen.fit.changes
-    if any(run.absent(changes) for run in runs for changes in models):
+    if any(run.absent(changes) for changes in models):
         return False
-    before, after = (np.concatenate([r.missed(changes) for r in runs]) for changes in models)
-    moved = np.concatenate([run.problem.asked.motion.v for run in runs])
-    told = float(np.nanmean(before**2))
-    return told < min(HALVED * float(np.nanmean(after**2)), float(np.mean(moved**2)))
+    before, after = (run.missed(changes) for changes in models)
+    moved = float(np.mean(run.problem.asked.motion.v**2))
+    return before < min(HALVED * after, moved)
