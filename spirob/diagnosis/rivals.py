@@ -22,11 +22,13 @@ def rivals(search: Search[Any], model: Model, effect: type[Effect]) -> list[Mode
     data do not tell.
     """
     plainest = min(filter(is_dry, search.candidates), key=richness, default=None)
-    others = search.exchanges(model, effect)
-    equal = [m for m in others if not is_worse(search, m, model)]
-    found = [m for m in equal if m.numbers <= model.numbers or plainest in m.effects]
-    better = [m for m in others if m not in found and search.worth.rises(m, model)]
-    return [*found, *better, *_richer(search, model, effect)]
+
+    def stands(other: Model) -> bool:
+        plain = other.numbers <= model.numbers or plainest in other.effects
+        return (plain and not is_worse(search, other, model)) or search.worth.rises(other, model)
+
+    found = [m for m in search.exchanges(model, effect) if stands(m)]
+    return [*found, *_richer(search, model, effect)]
 
 
 def alike(search: Search[Any], model: Model, effect: type[Effect]) -> list[str]:

@@ -75,7 +75,9 @@ def test_a_sign_is_blamed_only_where_turning_it_makes_the_model_fit():
 
     assert said(resisting) == ""
     assert "factor -1" in said(lambda *motion: -resisting(*motion))
-    assert "as it is all but 95%" in said(lambda *motion: -resisting(*motion))
+    turned = said(lambda *motion: -resisting(*motion))
+    assert "as it is all but 95%" in turned
+    assert "controller" not in turned  # a measured effort is no answer to the motion
     noise = np.random.default_rng(0).normal(size=5000)
     assert said(lambda q, v, a: noise) == ""
 
@@ -186,6 +188,11 @@ def test_no_sign_is_blamed_where_what_was_found_explains_the_effort_as_logged():
     assert _turned(search, bare)
     little = np.full_like(bare.left, 1e-6)
     assert _turned(search, replace(bare, left=little, heldout=little)) == ""
+
+
+def test_a_commanded_effort_may_answer_the_motion():
+    search = search_of(lambda q, v, a: -2.0 * v - 5.0 * np.sin(q), origin="command")
+    assert "unless a controller answers" in _turned(search, search.models.fitted((), {}))
 
 
 def test_no_sign_is_blamed_where_hardly_anything_is_left_as_logged():

@@ -1,5 +1,6 @@
 """Rests are left out, however short; reversals not; and what lies in a rest weighs nothing."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -157,3 +158,24 @@ def test_an_axis_that_waits_for_a_step_does_not_creep():
     (kept,), (said,) = without_rests([made], 0.1)
     assert "where the axis stands" in said
     assert kept.pieces[0].seconds[kept.pieces[0].use].min() > 1.8
+
+
+def test_friction_that_turns_round_softly_creeps_at_each_reversal():
+    """A controller draws the axis through each of them while its friction turns round."""
+    q = v = 0.0
+    rows, angular = [], 2 * np.pi * np.array([0.3, 0.7])
+    for k in range(int(10.0 / STEP)):
+        t = k * STEP
+        if k % 10 == 0:
+            goal, rate = (
+                0.4 * np.sin(angular * t).sum(),
+                0.4 * (angular * np.cos(angular * t)).sum(),
+            )
+            u = 20.0 * (goal - q) + 1.5 * (rate - v)
+            rows.append((t, q, u))
+        v += STEP * (u - VISCOUS * v - DRY * math.tanh(v / 0.01)) / (2.0 * INERTIA)
+        q += STEP * v
+    noise = np.random.default_rng(1).normal(0.0, (0.0, 1e-4, 5e-3), (len(rows), 3))
+    made = prepare("log", dict(zip("tqu", (np.array(rows) + noise).T, strict=True)), RIG)
+    assert np.mean(standing(made, 0.03)) > 0.1
+    assert without_rests([made], 0.03) == ([made], [])
