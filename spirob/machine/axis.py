@@ -20,6 +20,7 @@ from spirob.machine.recordings.selection import ASIDE, ends_aside
 from spirob.machine.result import Diagnosis
 from spirob.machine.search.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
 from spirob.machine.search.differing import counted_alike, differing
+from spirob.machine.search.foretold import foretells, passes
 from spirob.machine.search.judging import Judged, Searched, judged_of
 from spirob.machine.search.models import RigSearch
 from spirob.machine.search.odd_logs import another_unit
@@ -100,7 +101,7 @@ def _found(ready: Ready) -> Searched:
     if another_unit((search.models.train, search.models.heldout)):  # no law means anything
         return Searched(placed, search, gate, Found([search.models.fitted((), {})]))
     done = _set_free(_once_more(Searched(placed, search, gate, search.run())))
-    return _set_free(_with_sensor_at_load(_with_numbers_of_logs(done)))
+    return _foretelling(_set_free(_with_sensor_at_load(_with_numbers_of_logs(done))))
 
 
 def base_model(
@@ -135,6 +136,20 @@ def _with_sensor_at_load(done: Searched) -> Searched:
     if not done.search.worth.halves(done.chosen, found.chosen):
         return done
     return Searched(replace(told, said=[*told.said, AT_LOAD]), search, gate, found)
+
+
+def _foretelling(done: Searched) -> Searched:
+    """Without laws between the effort and its torque, where the effort is foretold better so."""
+    search = done.search
+    if not any(map(passes, done.chosen.effects)):
+        return done
+    done.ready.progress("once more, without laws between the effort and its torque")
+    others = [e for e in search.candidates if not passes(e)]
+    other = Search(search.models, others, search.criteria, done.ready.progress)
+    found = other.run()
+    if foretells(search.models, done.chosen, found.chosen):
+        return done
+    return replace(done, search=other, found=found)
 
 
 def _set_free(done: Searched) -> Searched:

@@ -116,13 +116,16 @@ def _slope(passed: Pipes, effort: np.ndarray, step: float) -> np.ndarray:
 def solved(passed: Pipes, wanted: np.ndarray) -> np.ndarray:
     """e with P(e) = wanted, (n,), by secants from e = wanted.
 
-    Where an effort changes nothing, in a dead band, the steps grow until it does; a secant over
-    its edge is of no use there.
+    Where an effort makes more than itself, the first step is as much shorter.  Where it changes
+    nothing, in a dead band, the steps grow until it does; a secant over its edge is of no use
+    there.
     """
-    effort = wanted
     close = SOLVED * np.max(np.abs(wanted))
-    step, missed = np.ones_like(effort), np.full_like(effort, np.inf)
-    moved, edges = np.zeros_like(effort), np.zeros(len(effort), bool)
+    made = passed(wanted)
+    missed, more = wanted - made, made * np.sign(wanted) > np.abs(wanted)
+    step = np.divide(wanted, made, out=np.ones_like(wanted), where=more)
+    moved, edges = step * missed, np.zeros(len(wanted), bool)
+    effort = wanted + moved
     for _ in range(PASSES):
         miss = wanted - passed(effort)
         if np.max(np.abs(miss)) <= close:
@@ -140,7 +143,7 @@ def _secant(moved: np.ndarray, gained: np.ndarray) -> np.ndarray:
     """Step for each unit that is missed, from the last move and its gain; 1 where far from it."""
     with np.errstate(divide="ignore", invalid="ignore"):
         steps = moved / gained
-    return np.where((steps > SHRINKS) & (steps < 1.0 / SHRINKS), steps, 1.0)
+    return np.where((steps > 0.0) & (steps < 1.0 / SHRINKS), steps, 1.0)
 
 
 def loop_of(effect: type[Effect]) -> Callable[..., None]:

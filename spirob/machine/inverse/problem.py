@@ -152,6 +152,16 @@ class InverseProblem:
         """The modelled effort at every sample of every piece, filtered, (n,)."""
         return self._model(self.completed(changes))
 
+    def foretold(self, changes: Mapping[str, float]) -> np.ndarray:
+        """Model minus measurement, (N,), where the effort follows from the motion alone.
+
+        Where no effort makes a torque, it is the largest that the drive gave.
+        """
+        p = self._table.vector(self.completed(changes))
+        most = float(np.max(np.abs(self.asked.motion.effort)))
+        effort = np.clip(np.nan_to_num(self.asked.effort(p)), -most, most)
+        return self._swings.taken(self.smoothed(effort) - self._measured, p, effort)
+
     def _residual(self, changes: Mapping[str, float]) -> np.ndarray:
         self.work.add(len(self.asked.motion.q))
         p = self._table.vector(changes)

@@ -1,4 +1,4 @@
-"""Names that do not hold when the motion is foretold.
+"""Names that do not hold when the motion, or the effort, is foretold.
 
 From the motion to the effort a law may take what is none of it.  One that swings by itself is a
 filter there, and under an effort of one line, a sine, a filter that smooths the motion takes what
@@ -8,6 +8,10 @@ the speed does besides.  Forward
 the measured effort has to move the axis as it moved; with a law that is none it does so far worse.
 Of other laws that is not asked: run forward, a good law of an axis that is hardly damped drifts
 away with the noise of its effort, and a bad one that resists too much stays where it is.
+
+A law between an effort and its torque is fitted about the measured effort, whose own peaks a
+saturation or a dead band then swallows.  By the motion alone it has to foretell the effort better
+than what is found without such laws.
 """
 
 from collections.abc import Collection
@@ -19,8 +23,9 @@ from spirob.diagnosis.model import Model, is_constant, is_dry
 from spirob.effects import Effect
 from spirob.machine.forward import Forward
 from spirob.machine.forward.axis import PORTS
+from spirob.machine.inverse.equations import BEFORE, LAST
 from spirob.machine.inverse.problem import InverseProblem
-from spirob.machine.search.models import RigSearch
+from spirob.machine.search.models import Models, RigSearch
 
 SCATTER = 0.05  # of the squared efforts: what is no size with a sign, where they have one size
 
@@ -41,6 +46,31 @@ def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list
     runs = [Forward(problem) for problem in (search.models.train, search.models.heldout)]
     lesser = {e.name(): search.without(chosen, e) for e in asked}
     return [n for n, model in lesser.items() if any(_is_worse(r, model, chosen) for r in runs)]
+
+
+def passes(effect: type[Effect]) -> bool:
+    """Whether a law lies between the effort and the torque that it makes."""
+    return effect.port in (*BEFORE, LAST)
+
+
+def foretells(models: Models, named: Model, without: Model) -> bool:
+    """Whether the effort is foretold better with laws between it and its torque than without.
+
+    Both where they were fitted and held out.
+    """
+    problems = models.train, models.heldout
+    return all(_missed(p, named) < _missed(p, without) for p in problems)
+
+
+def swallowing(search: RigSearch, chosen: Model, names: Collection[str]) -> list[str]:
+    """Those of the names between effort and torque with which the effort is foretold no better."""
+    asked = {e.name(): e for e in chosen.effects if passes(e) and e.name() in names}
+    lesser = {name: search.without(chosen, e) for name, e in asked.items()}
+    return [n for n, model in lesser.items() if not foretells(search.models, chosen, model)]
+
+
+def _missed(problem: InverseProblem, model: Model) -> float:
+    return float(np.mean(problem.foretold(model.fit.changes) ** 2))
 
 
 def _swings(effect: type[Effect]) -> bool:

@@ -22,7 +22,7 @@ from spirob.machine.composed.draft import Draft, is_bent
 from spirob.machine.inverse.shapes import shaping
 from spirob.machine.search.delays import only_smoothing
 from spirob.machine.search.dry_friction import with_dry, with_instant, with_plainer
-from spirob.machine.search.foretold import misleading
+from spirob.machine.search.foretold import misleading, swallowing
 from spirob.machine.search.leftovers import RigCeiling, noisy, structured, unexplained
 from spirob.machine.search.models import RigSearch
 from spirob.machine.search.odd_logs import FAMILIAR, another_unit, poorest
@@ -33,6 +33,10 @@ ALL_FIT = "A law composed without any name fits all logs, which no model of the 
 DENIED = (
     "Not named: {}. The effort would follow from the motion by it, but run forward by the effort "
     "the model moves far worse with it than without."
+)
+SWALLOWED = (
+    "Not named: {}. About the measured effort it explains much; by the motion alone the effort is "
+    "foretold no better with it than without."
 )
 TERM = 2  # numbers, an amplitude and what shapes it: a law is plainer by a term at least
 OUTDONE = (
@@ -189,21 +193,29 @@ def confirmed(ended: Ended, weighed: Mapping[str, Weighed]) -> tuple[Ended, Mapp
 def foretelling(
     ended: Ended, weighed: Mapping[str, Weighed]
 ) -> tuple[Ended, Mapping[str, Weighed], str]:
-    """What stands of a search, without names that mislead where motion is foretold; what is said.
+    """What stands of a search, without names that mislead where more is foretold; what is said.
 
     Those beside them are weighed again.
     """
-    search, found = ended.search, ended.found
-    names = misleading(search, found.chosen, likely(weighed))
+    search, found, told = ended.search, ended.found, likely(weighed)
+    wrong = {
+        DENIED: misleading(search, found.chosen, told),
+        SWALLOWED: swallowing(search, found.chosen, told),
+    }
+    names = [name for off in wrong.values() for name in off]
     if not names:
         return ended, weighed, ""
-    titles = " and ".join(e.title for e in found.chosen.effects if e.name() in names)
+    said = " ".join(why.format(_titles(found.chosen, off)) for why, off in wrong.items() if off)
     off = {n: weighed[n].denied for n in names}
     others = [e.name() for e in found.chosen.effects if e.name() not in names]
     kept = search.narrowed(found, others)
     without = Ended(search, kept, search.models.left(kept.chosen))
     again = weigh(without, lambda m: contradicted(search, m))
-    return *confirmed(without, {**off, **again}), DENIED.format(titles)
+    return *confirmed(without, {**off, **again}), said
+
+
+def _titles(model: Model, names: Collection[str]) -> str:
+    return " and ".join(e.title for e in model.effects if e.name() in names)
 
 
 def _nameless(
