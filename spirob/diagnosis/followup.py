@@ -145,6 +145,21 @@ def sifted(
     return settled(among, among, settings)
 
 
+def alone(
+    models: Sequence[Contestant],
+    kept: Sequence[str],
+    own: Mapping[str, Residual],
+    settings: Settings,
+) -> Ended:
+    """What was found, without those of its effects that a proof leaves unlikely."""
+    base, whole, *_ = models
+    effects = tuple(e for e in whole.effects if e.name() in kept)
+    off = {e.name() for e in whole.effects} - set(kept)
+    names = tuple(n for n in whole.names if n.partition(".")[0] not in off)
+    among = compared([base, replace(whole, effects=effects, names=names)], own, settings)
+    return settled(among, among, settings)
+
+
 def proved(verdict: Verdict, proof: Proof) -> Verdict:
     """The verdict that stands after the proof of what was found."""
     if verdict.kind != "named":
@@ -286,7 +301,14 @@ def _proved(
     if held is not None:
         stands = _settled(stands, held)
     proof = proofs[frozenset(stands.models[1].effects)]
-    return replace(stands, verdict=proved(stands.verdict, proof), proof=proof)
+    verdict, named = proved(stands.verdict, proof), stands.verdict.named
+    kept = likely(verdict.weighed)
+    if not named or not 0 < len(kept) < len(named):
+        return replace(stands, verdict=verdict, proof=proof)
+    fewer = _settled(stands, alone(stands.models, kept, own, settings))
+    if fewer.verdict.kind in FOUND:
+        return _proved(fewer, played, own, known, settings)
+    return replace(fewer, proof=proof)
 
 
 def _settled(stands: Answer, ended: Ended) -> Answer:

@@ -22,6 +22,7 @@ from spirob.identify.problem import effort_rms
 SENSELESS = "No verdict: the data or the model do not fit together."
 ATLAS = "The regimes that hold the error say what it depends on."
 AGAIN = "Repeat the trials at a second load and at half the speed, and look at the atlas again."
+SAID = 0.005  # least probability that is no 0 % in words
 TWICE = 2.0  # times the least effect: what counts where nothing names it
 
 
@@ -191,11 +192,11 @@ class Words:
     def _unknown(self) -> tuple[str, str]:
         if not self._chosen.effects:
             return self.ended.left.unknown
-        partly = " and ".join(
-            f"{e.title} with {self.weighed[e.name()].probability:.0%}" for e in self._chosen.effects
-        )
+        sure = {e.title: self.weighed[e.name()].probability for e in self._chosen.effects}
+        partly = " and ".join(f"{title} with {p:.0%}" for title, p in sure.items() if p >= SAID)
+        nearest = f"; nearest: {partly}" if partly else ""
         return (
-            f"Something is missing, and no name for it is likely enough; nearest: {partly}.",
+            f"Something is missing, and no name for it is likely enough{nearest}.",
             self._fall_and_left(),
         )
 

@@ -149,6 +149,7 @@ def _foretelling(done: Searched) -> Searched:
     found = other.run()
     if foretells(search.models, done.chosen, found.chosen):
         return done
+    search.models.forget(passes)
     return replace(done, search=other, found=found)
 
 

@@ -48,7 +48,7 @@ def question(kind="named", decide=(), prove=()):
 def protocol(monkeypatch):
     """The answer to a question where judging and fitting end like this, and what was played."""
 
-    def answer(asked, share=0.9, again=None, held=None, kind="named", logs=True):
+    def answer(asked, share=0.9, again=None, held=None, kind="named", logs=True, proofs=None):
         played = []
 
         def play(one):
@@ -58,7 +58,7 @@ def protocol(monkeypatch):
         judged = {
             "joined": lambda own, further: (own, further["train"]),
             "decided_again": lambda models, own, known, settings, before: again,
-            "put_to_proof": lambda name, models, own, known, settings: {NAME: Proof(name, share)},
+            "put_to_proof": lambda name, *about: proofs or {NAME: Proof(name, share)},
             "sifted": lambda models, proofs, own, settings: held,
             "weigh": lambda ended: WEIGHED,
             "judge": lambda ended, weighed: replace(VERDICT, kind=kind),
@@ -105,6 +105,28 @@ def test_who_holds_is_judged_without_the_others(protocol):
     held = SimpleNamespace()
     answer, _ = protocol(question("undecided", prove=(BEST,)), held=held, kind="undecided")
     assert (answer.ended, answer.verdict.kind) == (held, "undecided")
+
+
+@pytest.mark.parametrize(("share", "names"), [(0.95, ["coulomb_friction"]), (0.5, [])])
+def test_a_lesser_name_that_falls_in_its_proof_takes_no_other_with_it(
+    protocol, monkeypatch, share, names
+):
+    """Alone, what stays likely is put to the same proof."""
+    asked, seen = question(prove=(BEST,)), []
+    sure = {"coulomb_friction": Weighed(0.99, 0.99), "creep": Weighed(0.6, 0.6)}
+    two = replace(VERDICT, weighed=sure)
+    both = replace(BASE, effects=tuple(find_effects(["coulomb_friction", "creep"])))
+    shares = {frozenset(both.effects): 0.78, NAME: share}
+
+    def alone(models, kept, own, settings):
+        seen.append(kept)
+        return SimpleNamespace()
+
+    monkeypatch.setattr(followup, "alone", alone)
+    proofs = {effects: Proof("hold", found) for effects, found in shares.items()}
+    answer, played = protocol(replace(asked, verdict=two, models=(BASE, both)), proofs=proofs)
+    assert (seen, played) == ([["coulomb_friction"]], [BEST])
+    assert (answer.verdict.named, answer.proof) == (names, proofs[NAME])
 
 
 @pytest.mark.parametrize("kind", ["unknown", "nothing_missing"])

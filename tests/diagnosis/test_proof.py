@@ -7,14 +7,14 @@ import pytest
 from spirob.diagnosis.certainty import proven
 from spirob.diagnosis.conclusion import Weighed, weigh
 from spirob.diagnosis.contest import Contestant, in_question, joined
-from spirob.diagnosis.followup import Proof, proved, put_to_proof, sifted, to_prove
+from spirob.diagnosis.followup import Proof, alone, proved, put_to_proof, sifted, to_prove
 from spirob.diagnosis.proposals import told
 from spirob.diagnosis.verdict import AGAIN, Verdict, judge
 from spirob.effects.tendon.stretch import Stretch
 from spirob.effects.winch.backlash import Backlash
 from spirob.robot import MOTORS
 from tests.diagnosis import machines
-from tests.diagnosis.contested import SETTINGS, Robot, beside
+from tests.diagnosis.contested import NAMES, SETTINGS, Robot, beside
 
 TRUE = {"backlash.play": 1.5e-3}
 NUMBERS = {Stretch: "stretch.toe", Backlash: "backlash.play"}
@@ -84,6 +84,15 @@ def test_of_two_that_say_the_same_the_one_that_holds_is_named(robot):
     verdict = judge(left, weigh(left))
     assert (verdict.kind, verdict.named) == ("named", ["backlash"])
     assert not verdict.contested
+
+
+def test_what_stays_likely_is_fitted_without_what_does_not(robot):
+    bare, whole = (m.fit.changes for m in robot.ended(Backlash).found.rungs)
+    numbers = tuple(robot.numbers[e] for e in (Backlash, Stretch))
+    both = Contestant((Backlash, Stretch), (*NAMES, *numbers), {**bare, **whole})
+    left = alone([Contestant((), tuple(NAMES), bare), both], ["backlash"], robot.trials, SETTINGS)
+    assert [e.name() for e in left.found.chosen.effects] == ["backlash"]
+    assert set(left.found.chosen.fit.estimates) == {*NAMES, robot.numbers[Backlash]}
 
 
 @pytest.mark.parametrize("share", [0.2, 0.9])

@@ -48,10 +48,17 @@ def test_a_name_that_holds_on_held_out_trials_is_named():
 def test_a_name_that_does_not_is_unknown(heldout):
     verdict = judged(found(heldout))
     assert (verdict.kind, verdict.probability, verdict.named) == ("unknown", 0.0, [])
-    assert verdict.sentence.endswith(f"nearest: {EFFECT.title} with {sure(heldout):.0%}.")
+    assert verdict.sentence.endswith("likely enough.")  # what is denied is not near
     assert f"coulomb friction ({sure(heldout):.0%})" in verdict.explanation  # how unlikely, is said
     assert verdict.next_experiment == AGAIN
     assert ("rises from 10 to 20 mA, from 1.0% to 2.0%" in verdict.explanation) is (heldout > 0.01)
+
+
+@pytest.mark.parametrize(("near", "said"), [(0.3, " with 30%."), (0.004, "likely enough.")])
+def test_what_is_near_is_told_with_how_near_it_is(near, said):
+    verdict = judge(found(), {NAME: Weighed(near, near)})
+    assert verdict.kind == "unknown"
+    assert verdict.sentence.endswith(said)
 
 
 def test_of_effects_that_hide_each_other_the_one_that_is_needed_stays():

@@ -16,6 +16,7 @@ import pandas as pd
 
 from spirob.diagnosis.model import Found, Model
 from spirob.effects import Effect, load_file
+from spirob.effects.motor.coulomb_friction import CoulombFriction
 from spirob.identify.descent import slopes_ahead
 from spirob.identify.intervals import Estimate, block_covariance
 from spirob.identify.scaling import Scaling
@@ -108,7 +109,7 @@ def composed(
     drafts, draft = drafted
     law = law_of(draft, drafts.ranges, search.models.train.sizes.torque)
     with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
-        beside = _Beside(search, base, drafts.ground.changes, found.offers[0].effect, Path(folder))
+        beside = _Beside(search, base, drafts.ground.changes, _first(found), Path(folder))
         one = _pruned(beside, law)
         if law.of_drive and not _drives(one):
             return None
@@ -262,7 +263,7 @@ def _nearest(
     def beside(values: np.ndarray) -> np.ndarray:
         return np.asarray(values - span @ (span.T @ values))
 
-    own, best = beside(law), (found.offers[0].effect, 0.0)
+    own, best = beside(law), (_first(found), 0.0)
     for offer in found.offers:
         point = {**base.fit.changes, **offer.values}
         other = beside(search.models.train.added(offer.effect, point, base.fit.residual))
@@ -270,6 +271,11 @@ def _nearest(
         alike = float(np.dot(own, other) ** 2 / power) if power > 0.0 else 0.0
         best = max(best, (offer.effect, alike), key=lambda pair: pair[1])
     return best
+
+
+def _first(found: Found) -> type[Effect]:
+    """The best of the library alone; dry friction where nothing of it is a candidate."""
+    return found.offers[0].effect if found.offers else CoulombFriction
 
 
 def _band(problems: tuple[InverseProblem, InverseProblem], model: Model, name: str) -> np.ndarray:

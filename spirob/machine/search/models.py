@@ -234,6 +234,11 @@ class Models(Predictor):
             self.tried[key] = self._model(effects, self._each_wave_once(effects, start))
         return self.tried[key]
 
+    def forget(self, denied: Callable[[type[Effect]], bool]) -> None:
+        """No model with a denied effect stands beside the others any more."""
+        kept = {n: m for n, m in self.tried.items() if not any(map(denied, m.effects))}
+        self.tried = kept
+
     def numbers(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Fit:
         """The fit of a set alone, kept or made: what it leaves of folds left out takes as long."""
         known = self.tried.get(frozenset(e.name() for e in effects))
