@@ -125,13 +125,14 @@ def _drafted(
     """The law of this place, and the mean square that it leaves of the folds left out."""
     train = bare["train"]
     ground = arm_ground(train, bare["validate"], names, changes, place, settings, progress)
-    drafted = compose(ground)
-    if drafted is None:
+    drafts = compose(ground)
+    if not drafts:
         return None
+    _, draft = drafts[0]
     table = train.table
     constant = table.vector(changes)[table.position("motor.torque_constant")]
-    law = law_of(drafted[1], ground.ranges, float(constant) * effort_rms(train))
-    return ground, law, drafted[1].mean_square
+    law = law_of(draft, ground.ranges, float(constant) * effort_rms(train))
+    return ground, law, draft.mean_square
 
 
 def _fitted(

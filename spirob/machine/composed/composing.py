@@ -28,6 +28,7 @@ from spirob.machine.composed.writing import Units, formula, told, written
 from spirob.machine.inverse.kernel_loop import LEAST
 from spirob.machine.inverse.problem import InverseProblem
 from spirob.machine.page_tables import laws, without
+from spirob.machine.search.foretold import foretells
 from spirob.machine.search.models import STEP, Models, RigSearch
 
 NAME = "law"
@@ -99,24 +100,34 @@ def composed(
     """The law of what `base` leaves; None where no term is needed, or the file does not hold.
 
     It has to explain what no set of effects explains: not the model alone, and not the one that the
-    search chose, likely or not.
+    search chose, likely or not.  Where the better of a law beside the drive and one on it does not
+    do so once it is fitted in full, the other is asked.
 
     wanted  whether a law drafted so is to be fitted in full
     """
-    drafted = compose(ground_of(search, list(base.fit.estimates), base.fit.changes))
-    if drafted is None or not wanted(drafted[1]):
-        return None
-    drafts, draft = drafted
-    law = law_of(draft, drafts.ranges, search.models.train.sizes.torque)
-    with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
-        beside = _Beside(search, base, drafts.ground.changes, _first(found), Path(folder))
-        one = _pruned(beside, law)
-        if law.of_drive and not _drives(one):
-            return None
-        for other in (base, found.chosen):
-            if not search.worth.matters(other, one.model) or search.worth.denied(other, one.model):
-                return None
-        return _told(search, found, base, one)
+    for drafts, draft in compose(ground_of(search, list(base.fit.estimates), base.fit.changes)):
+        if not wanted(draft):
+            continue
+        law = law_of(draft, drafts.ranges, search.models.train.sizes.torque)
+        with tempfile.TemporaryDirectory(prefix="spirob-law-") as folder:
+            beside = _Beside(search, base, drafts.ground.changes, _first(found), Path(folder))
+            one = _pruned(beside, law)
+            if _stands(search, (base, found.chosen), one):
+                return _told(search, found, base, one)
+    return None
+
+
+def _stands(search: RigSearch, others: Sequence[Model], one: _Fitted) -> bool:
+    """Whether a law explains what these models do not.
+
+    Of a drive's, enough of a strong effort is left, and it foretells the effort.
+
+    others  the model beside which it was composed, then any more
+    """
+    worth, model = search.worth, one.model
+    if one.law.of_drive and not (_drives(one) and foretells(one.models, model, others[0])):
+        return False
+    return all(worth.matters(m, model) and not worth.denied(m, model) for m in others)
 
 
 def _drives(one: _Fitted) -> bool:

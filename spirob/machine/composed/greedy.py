@@ -19,16 +19,17 @@ MOVES = 4  # of the fitted numbers, once a term is there
 SETTLED = 1e-3  # relative, of the mean square: a refinement ends
 
 
-def compose(ground: Ground) -> tuple[Drafts, Draft] | None:
-    """The terms that a law of what a model leaves is made of, None where none is needed.
+def compose(ground: Ground) -> list[tuple[Drafts, Draft]]:
+    """The terms that a law of what a model leaves is made of; none where none is needed.
 
-    A law acts beside the drive or on it: both are composed, and chosen from as terms are.
+    A law acts beside the drive or on it: both are composed, and come in the order in which terms
+    are chosen.
     """
     laws = [law for grammar in (terms, losses) if (law := _composed(ground, grammar)) is not None]
     if not laws:
-        return None
+        return []
     plain = _simplest(laws[0][0], [draft for _, draft in laws])
-    return next(law for law in laws if law[1] is plain)
+    return sorted(laws, key=lambda law: law[1] is not plain)
 
 
 Grammar = Callable[[Ranges, np.ndarray, dict[str, np.ndarray], bool], list[Term]]

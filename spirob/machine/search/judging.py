@@ -25,7 +25,7 @@ from spirob.machine.search.dry_friction import with_dry, with_instant, with_plai
 from spirob.machine.search.foretold import misleading, swallowing
 from spirob.machine.search.leftovers import RigCeiling, noisy, structured, unexplained
 from spirob.machine.search.models import RigSearch
-from spirob.machine.search.odd_logs import FAMILIAR, another_unit, poorest
+from spirob.machine.search.odd_logs import FAMILIAR, another_unit, poorest, strangers
 from spirob.machine.search.plausibility import doubts, only_of_logs
 from spirob.machine.search.preparation import Ready
 
@@ -121,10 +121,20 @@ def judged_of(done: Searched) -> Judged:
     if verdict.doubts:
         return _in_all_logs(judged)
     if verdict.kind == "unknown":
-        return replace(judged, law=composed(search, ended.found, ended.found.rungs[0]))
+        return _taught(judged, ended, composed(search, ended.found, ended.found.rungs[0]))
     judged = _beside_laws(judged)
     told = judged.verdict.kind in ("named", "undecided")
     return judged.noted(said) if said and told else judged
+
+
+def _taught(judged: Judged, ended: Ended, law: Composed | None) -> Judged:
+    """With a law of what is left; in doubt instead, where it fits all logs but some strangers."""
+    models = judged.search.models
+    residuals = (law.model.fit.residual, law.model.heldout) if law else ()
+    odd = strangers((models.train, models.heldout), residuals) if residuals else None
+    if odd is None:
+        return replace(judged, law=law)
+    return replace(judged, verdict=judge(ended, judged.verdict.weighed, [odd.said]))
 
 
 def contradicted(search: RigSearch, model: Model) -> set[str]:

@@ -5,8 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spirob.campaign.case import Case
+from spirob.campaign.running import result
 from spirob.effects import load_file
 from spirob.machine.axis import diagnose_recordings
+from spirob.machine.composed import composing
 from spirob.machine.composed.composing import _drives
 from spirob.machine.composed.draft import Drafts
 from spirob.machine.composed.grammar import losses
@@ -165,3 +168,24 @@ def test_a_model_that_holds_the_law_misses_nothing(dead_band, tmp_path):
     assert law.port == "motor.drive_torque"
     again = diagnose_recordings(rig, folder, read[:-1], read[-1:], own=[law])
     assert again.document["verdict"] == "nothing_missing"
+
+
+def test_where_a_law_on_the_drive_does_not_stand_one_beside_it_is_asked():
+    """Friction by a power of the speed, of 20 rows a second: a drive that loses it swallows it."""
+    found = result(Case("two_mass", "power_friction", 52201))
+    assert found["composed"]["terms"] == ["power"]
+    assert found["heldout"]["law"] < 1.3 * found["heldout"]["true"]
+
+
+@pytest.mark.parametrize(("drive", "foretold", "stands"), [(1, 0.1, 1), (1, 2.0, 0), (0, 2.0, 1)])
+def test_a_law_on_the_drive_has_to_foretell_the_effort(monkeypatch, drive, foretold, stands):
+    def left(changes):
+        return np.full(4, changes["left"])
+
+    bare, made = (SimpleNamespace(fit=SimpleNamespace(changes={"left": x})) for x in (1, foretold))
+    problems = SimpleNamespace(train=SimpleNamespace(foretold=left), heldout=None)
+    problems.heldout = problems.train
+    one = SimpleNamespace(law=SimpleNamespace(of_drive=drive), models=problems, model=made)
+    worth = SimpleNamespace(matters=lambda *two: True, denied=lambda *two: False)
+    monkeypatch.setattr(composing, "_drives", lambda one: True)
+    assert composing._stands(SimpleNamespace(worth=worth), (bare,), one) == bool(stands)
