@@ -213,6 +213,24 @@ def test_a_drive_that_clips_loses_those_rows(share):
     assert not any("steps of the command" in said for said in made.said)
 
 
+def test_a_command_is_what_the_axis_got_unless_its_limit_is_given():
+    log = good()
+    clipped = {**log, "u": np.clip(log["u"], -0.3, 0.3)}
+    for limit, left in (({}, 1.0), ({"limit": 0.3}, 0.98)):
+        effort = {"column": "u", "unit": "N·m", "kind": "torque", "origin": "command", **limit}
+        made = prepare("log", clipped, RigFile.model_validate(description(effort=effort)))
+        piece = made.pieces[0]
+        assert np.abs(piece.raw[piece.use]).max() <= left * 0.3
+        assert np.any(np.abs(piece.raw[piece.use]) == 0.3) == (not limit)
+        assert any("saturates" in said for said in made.said) == bool(limit)
+
+
+def test_an_effort_of_one_sign_rests_at_zero():
+    log = good()
+    made = prepare("log", {**log, "u": np.maximum(log["u"], 0.0)}, RIG)
+    assert not any("saturates" in said for said in made.said)
+
+
 @pytest.mark.parametrize("period", [2.0, 8.0])
 @pytest.mark.parametrize("top", [0.8, 0.797])  # of a step of 0.01
 def test_the_tops_of_a_slow_curve_in_coarse_steps_are_no_saturation(period, top):

@@ -203,13 +203,18 @@ def saturated(
 ) -> list[np.ndarray]:
     """Rows of each piece of a log in which the drive saturates, by its limit or the log's ends.
 
-    Where most rows lie at the ends, they are what moves the axis: a relay.  Where most of the
-    others stay at one value as well, the ends are the outermost steps of a staircase.
+    A command is what the axis got: none of it is left out unless a limit is given.  An effort of
+    one sign rests at zero, which is no limit.  Where most rows lie at the ends, they are what moves
+    the axis: a relay.  Where most of the others stay at one value as well, the ends are the
+    outermost steps of a staircase.
     """
     if rig.effort.limit is not None:
         limit = rig.effort.limit * rig.effort.scale
         return [np.abs(effort) >= FULL * limit for effort in efforts]
-    ends = max(e.max() for e in efforts), min(e.min() for e in efforts)
+    if rig.effort.origin == "command":
+        return [np.zeros(len(effort), bool) for effort in efforts]
+    extremes = max(e.max() for e in efforts), min(e.min() for e in efforts)
+    ends = [end for end in extremes if end != 0.0]
     full = [_stuck(effort, ends) for effort in efforts]
     share = float(np.mean(np.concatenate(full)))
     if share <= RELAY and not _is_staircase(efforts, full):
