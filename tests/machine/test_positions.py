@@ -85,3 +85,21 @@ def test_of_a_noisy_speed_the_scale_or_sign_is_told_too(scale):
 def test_a_speed_that_is_mostly_empty_is_left_out():
     said, _ = prepared(lambda t: np.where(np.arange(len(t)) % 10 == 0, motion(t)[1], np.nan))
     assert said == ["log: 'v' is mostly empty and left out."]
+
+
+@pytest.mark.parametrize("rows", [2, 4, 8])
+def test_a_logger_that_stalls_and_catches_up_loses_no_counts(rows):
+    """Its rows hold the place of a later time; a reset of the zero goes on behind it at once."""
+    t = np.arange(2400) / RATE
+    q, speed = motion(t)
+    late, reset = q.copy(), q.copy()
+    at = [k for k in (300, 700, 1100, 1900) if abs(speed[k]) > 0.25 * np.abs(speed).max()]
+    for k in at:
+        late[k : k + rows] = q[k + rows]
+        reset[k:] += rows * (q[k] - q[k - 1])
+    made, zero = (prepare("log", {"t": t, "q": x, "u": np.cos(4 * t)}, BARE) for x in (late, reset))
+    assert len(made.pieces) == 1
+    assert any(f"{rows * len(at)} rows in all: the logger stalled" in said for said in made.said)
+    piece = made.pieces[0]
+    assert np.abs(piece.q - motion(piece.seconds)[0]).max() < 0.01
+    assert not any("stalled" in said for said in zero.said)

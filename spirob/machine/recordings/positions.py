@@ -21,6 +21,8 @@ UNUSUAL = ((0.98, 8.0), (0.9, 30.0))  # so many times what such a share of the r
 BACK = 0.2  # of a spike by which the position may have moved on behind it
 SURELY = 6.0  # times what is usual: a change of speed, and a speed that is none of its noise
 LACKING, WHOLE = 4, 0.15  # rows that may lack without a stamp that tells, and how near to whole
+HALF, FEWEST = 0.5, 3  # of a row's way, or of the rows; rows that tell a speed
+STOOD, NEAR = 0.25, 0.25  # of the speed before: that stands; of a stall's rows, so near as many
 COUNTS = "lost counts or a reset"
 SEEN = 0.01  # of the span: smaller spikes and jumps are left alone
 
@@ -50,8 +52,14 @@ def repaired(where: str, name: str, track: Track, said: list[str]) -> Repaired:
     wraps = 0
     if modulus is not None:
         track, wraps = without_wraps(where, name, track, modulus, said)
+    stalled, kept = _stalled(track), np.flatnonzero(~spikes)
+    if stalled.any():
+        said.append(
+            f"{where}: '{name}' moves by the way of some rows in one and then stands for as many, "
+            f"{int(stalled.sum())} rows in all: the logger stalled; they were bridged."
+        )
+        track, kept = track.without(stalled), kept[~stalled]
     jumps, track = _jumps(where, name, track, said)
-    kept = np.flatnonzero(~spikes)
     values = np.interp(np.arange(len(spikes)), kept, track.values)
     return Repaired(values, kept[jumps], modulus if wraps else None)
 
@@ -70,6 +78,37 @@ def _spikes(track: Track, modulus: float | None) -> np.ndarray:
     back = np.abs(short(off[:-1] + off[1:])) <= np.maximum(least, BACK * np.abs(off[1:]))
     spikes[1:-1] = large[:-1] & large[1:] & back
     return spikes if spikes.sum() <= max(LEAST, SINGLE * len(spikes)) else np.zeros_like(spikes)
+
+
+def _stalled(track: Track) -> np.ndarray:
+    """Rows that a logger wrote behind the time of their stamps, a mask (n,).
+
+    It reads the way of some rows in one, and then mostly the same place until the axis, at the
+    speed before and behind, would be there: over all of them it is steady, as no lost counts make
+    it.
+    """
+    rates, stalled = track.rates(), np.zeros(len(track.values), bool)
+    for k in np.flatnonzero(_alone(rates, track.values)):
+        speed = float(np.median(rates[max(k - FEWEST, 0) : k])) if k else 0.0
+        if speed != 0.0 and (rows := _stall(rates[k:] / speed)):
+            stalled[k + 1 : k + 1 + rows] = True
+    return stalled
+
+
+def _stall(rates: np.ndarray) -> int:
+    """Rows that a stall before these, over the speed before, lasts; 0 where it is none.
+
+    It ends where two rows in turn move once some stood.
+    """
+    stands = np.abs(rates) < STOOD
+    stood = np.cumsum(stands[:-2]) > 0
+    ends = np.flatnonzero(stood & ~stands[1:-1] & ~stands[2:])
+    rows = int(ends[0]) if len(ends) else 0
+    if not rows or np.mean(stands[1 : rows + 1]) < HALF or rates[rows + 1] < STOOD:
+        return 0
+    way = 0.5 * (1.0 + rates[rows + 1])
+    ahead = float(np.sum(rates[: rows + 1])) - (rows + 1) * way
+    return rows if abs(ahead) <= max(1.0, NEAR * rows) * max(way, 1.0) else 0
 
 
 def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.ndarray, Track]:
