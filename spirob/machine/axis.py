@@ -20,7 +20,7 @@ from spirob.machine.recordings.selection import ASIDE, ends_aside
 from spirob.machine.result import Diagnosis
 from spirob.machine.search.delays import AS_LOGGED, DELAY, as_usual, place, turning, widened
 from spirob.machine.search.differing import counted_alike, differing
-from spirob.machine.search.foretold import foretells, passes
+from spirob.machine.search.foretold import foretells, passes, swallows
 from spirob.machine.search.judging import Judged, Searched, judged_of
 from spirob.machine.search.models import RigSearch
 from spirob.machine.search.odd_logs import another_unit
@@ -139,9 +139,9 @@ def _with_sensor_at_load(done: Searched) -> Searched:
 
 
 def _foretelling(done: Searched) -> Searched:
-    """Without laws between the effort and its torque, where the effort is foretold better so."""
+    """Without laws that swallow the effort, where it is foretold better so."""
     search = done.search
-    if not any(map(passes, done.chosen.effects)):
+    if not swallows(search.models, done.chosen):
         return done
     done.ready.progress("once more, without laws between the effort and its torque")
     others = [e for e in search.candidates if not passes(e)]

@@ -10,8 +10,8 @@ Of other laws that is not asked: run forward, a good law of an axis that is hard
 away with the noise of its effort, and a bad one that resists too much stays where it is.
 
 A law between an effort and its torque is fitted about the measured effort, whose own peaks a
-saturation or a dead band then swallows.  By the motion alone it has to foretell the effort better
-than what is found without such laws.
+saturation or a dead band may swallow.  Where it does, it has to foretell the effort by the motion
+alone better than what is found without such laws.
 """
 
 from collections.abc import Collection
@@ -51,6 +51,21 @@ def misleading(search: RigSearch, chosen: Model, names: Collection[str]) -> list
 def passes(effect: type[Effect]) -> bool:
     """Whether a law lies between the effort and the torque that it makes."""
     return effect.port in (*BEFORE, LAST)
+
+
+def swallows(models: Models, model: Model) -> bool:
+    """Whether the effort is foretold worse than it is told about the measured one, by what counts.
+
+    Only of laws between the effort and its torque; of fitted logs or of held-out ones.
+    """
+    if not any(map(passes, model.effects)):
+        return False
+    told = (
+        float(np.mean(model.fit.residual**2)),
+        float(np.mean(models.heldout(model.fit.changes) ** 2)),
+    )
+    problems, least = (models.train, models.heldout), models.least**2
+    return any(_missed(p, model) > near + least for p, near in zip(problems, told, strict=True))
 
 
 def foretells(models: Models, named: Model, without: Model) -> bool:
