@@ -148,10 +148,6 @@ class InverseProblem:
         """Residuals at several points."""
         return [self(point) for point in points]
 
-    def model(self, changes: Mapping[str, float]) -> np.ndarray:
-        """The modelled effort at every sample of every piece, filtered, (n,)."""
-        return self._model(self.completed(changes))
-
     def foretold(self, changes: Mapping[str, float]) -> np.ndarray:
         """Model minus measurement, (N,), where the effort follows from the motion alone.
 
@@ -173,9 +169,6 @@ class InverseProblem:
         """Of an effort that was played besides, (n,), what is compared, (N,)."""
         self.work.add(len(effort))
         return self.smoothed(effort)
-
-    def _model(self, changes: Mapping[str, float]) -> np.ndarray:
-        return self._smooth(self.asked.effort(self._table.vector(changes)))
 
     def stretches(self) -> list[Stretch]:
         """One stretch for each piece of each trial."""

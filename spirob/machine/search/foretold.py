@@ -60,12 +60,11 @@ def swallows(models: Models, model: Model) -> bool:
     """
     if not any(map(passes, model.effects)):
         return False
-    told = (
-        float(np.mean(model.fit.residual**2)),
-        float(np.mean(models.heldout(model.fit.changes) ** 2)),
+    changes, least = model.fit.changes, models.least**2
+    return any(
+        _missed(p, model) > float(np.mean(p(changes) ** 2)) + least
+        for p in (models.train, models.heldout)
     )
-    problems, least = (models.train, models.heldout), models.least**2
-    return any(_missed(p, model) > near + least for p, near in zip(problems, told, strict=True))
 
 
 def foretells(models: Models, named: Model, without: Model) -> bool:

@@ -236,8 +236,7 @@ class Models(Predictor):
 
     def forget(self, denied: Callable[[type[Effect]], bool]) -> None:
         """No model with a denied effect stands beside the others any more."""
-        kept = {n: m for n, m in self.tried.items() if not any(map(denied, m.effects))}
-        self.tried = kept
+        self.tried = {n: m for n, m in self.tried.items() if not any(map(denied, m.effects))}
 
     def numbers(self, effects: tuple[type[Effect], ...], start: Mapping[str, float]) -> Fit:
         """The fit of a set alone, kept or made: what it leaves of folds left out takes as long."""
