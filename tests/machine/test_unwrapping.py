@@ -173,6 +173,28 @@ def test_rows_that_no_stamp_misses_are_lost_samples_and_keep_the_zero(rows, seed
     assert f"'q' moves by the way of {rows} rows in one" in said[0]
 
 
+@pytest.mark.parametrize("rows", [2, 3])
+def test_an_accelerating_motor_that_mostly_rests_loses_samples_and_no_counts(rows):
+    """The row behind the loss is many counts faster than the one before it."""
+    moving = np.cumsum(np.r_[np.linspace(0, 300, 20), np.linspace(300, 0, 20)])
+    rest = np.full(600, moving[-1])
+    whole = np.round(np.r_[np.zeros(600), moving, rest, moving + moving[-1], rest + moving[-1]])
+    kept = np.delete(whole, np.s_[612 : 611 + rows])
+    said: list[str] = []
+    found = repaired("log", "q", Track(kept, 0.01 * np.arange(len(kept)), 0.01, 0.055), said)
+    np.testing.assert_array_equal(found.values, kept)
+    assert f"'q' moves by the way of {rows} rows in one" in said[0]
+    assert "samples were lost that no stamp tells" in said[0]
+
+
+def test_how_many_rows_lack_is_not_told_where_the_speed_changes_by_more_than_a_row():
+    steps = np.r_[np.zeros(600), np.linspace(0, 100, 20), 600, np.full(20, 300), np.zeros(600)]
+    said: list[str] = []
+    track = Track(np.cumsum(np.round(steps)), 0.01 * np.arange(len(steps)), 0.01, 0.055)
+    repaired("log", "q", track, said)
+    assert "lost counts or a reset" in said[0]
+
+
 def steady(rate, modulus=TURN, speed=None):
     """What is said of an axis that moves by so many moduli a row from the first to the last."""
     seconds = 0.01 * np.arange(1200)

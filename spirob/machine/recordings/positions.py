@@ -129,8 +129,10 @@ def _jumps(where: str, name: str, track: Track, said: list[str]) -> tuple[np.nda
         rates[np.minimum(at + 1, len(rates) - 1)],
         track.seconds[at + 1],
     )
-    moving = _goes_on(rates, found.before, found.after) & (track.apart[at] <= LONG * track.period)
-    lost = moving & found.whole_rows
+    moves, alike = _goes_on(rates, found.before, found.after)
+    near = track.apart[at] <= LONG * track.period
+    lost = near & moves & (alike | found.told) & found.whole_rows
+    moving = near & moves & (alike | lost)
     said += _lost(where, name, found, lost)
     most = max(LEAST, FEW * len(rates))
     whole = FULL * float(np.ptp(track.values))
@@ -166,6 +168,11 @@ class _Jumps:
         rows = self.step / np.where(self.way == 0.0, np.inf, self.way)
         whole = np.rint(rows)
         return np.asarray((whole > 1) & (whole <= LACKING) & (np.abs(rows - whole) < WHOLE))
+
+    @property
+    def told(self) -> np.ndarray:
+        """Of which the speeds before and after differ by less than one in how many rows it is."""
+        return np.asarray(np.abs(self.step * (self.after - self.before)) < self.way**2)
 
 
 def _lost(where: str, name: str, found: _Jumps, lost: np.ndarray) -> list[str]:
@@ -225,12 +232,14 @@ def _leaps(where: str, name: str, track: Track, said: list[str]) -> None:
         )
 
 
-def _goes_on(rates: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Whether the axis moves at one speed before and after each of some jumps, (k,)."""
+def _goes_on(
+    rates: np.ndarray, before: np.ndarray, after: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whether the axis moves before and after each of some jumps, and at one speed, (k,) each."""
     usual, rough = (float(np.median(np.abs(np.diff(rates, k)))) for k in (1, 2))
     alike = np.abs(after - before) <= SURELY * usual
     moves = np.minimum(np.abs(before), np.abs(after)) > SURELY * rough
-    return np.asarray(alike & moves)
+    return np.asarray(moves), np.asarray(alike)
 
 
 def _alone(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
