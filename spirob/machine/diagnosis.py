@@ -31,6 +31,7 @@ from spirob.machine.document import plain
 from spirob.machine.loading import chosen, described, files, load_rig
 from spirob.machine.page_tables import laws
 from spirob.machine.recordings.recording import of_table
+from spirob.machine.recordings.saturation import ends_of_logs
 from spirob.machine.recordings.selection import each_once, filtered_alike
 from spirob.machine.result import Diagnosis, Sources
 
@@ -134,7 +135,10 @@ def diagnose(
         else:
 
             def found_of(fitted: Sequence[Table], held: Sequence[Table]) -> Diagnosis:
-                trials = filtered_alike(lambda log, cut: of_table(log, told, cut), fitted, held)
+                ends = ends_of_logs(told, [*fitted, *held])
+                trials = filtered_alike(
+                    lambda log, cut: of_table(log, told, cut, ends), fitted, held
+                )
                 return diagnose_recordings(told, folder, *trials, settings, progress, own)
 
             found = _of_the_others(found_of, fitted, held, progress)

@@ -25,8 +25,9 @@ from spirob.identify.measurement import Measurement
 from spirob.identify.residual import BLOCK, STILL, Residual
 from spirob.machine.arm.description import ArmFile
 from spirob.machine.recordings import checks
-from spirob.machine.recordings.checks import FULL, widened
+from spirob.machine.recordings.checks import widened
 from spirob.machine.recordings.rests import LEAST
+from spirob.machine.recordings.saturation import FULL
 from spirob.machine.recordings.selection import KEPT, SHORTEST_DIVIDED
 from spirob.robot import MOTORS
 

@@ -4,7 +4,8 @@ recording.py    one trial
 selection.py    which logs take part, and which are held out
 checks.py, broken_stretches.py
                 which of their rows
-rests.py        rows at which the axis stands
+saturation.py, rests.py
+                rows at which the drive saturates, at which the axis stands
 grids.py, clock.py
                 even grids of a log's columns; when each row was, and which hold the frame before
 filtering.py    filters

@@ -5,7 +5,6 @@ cannot repair it raises as DataError.  A diagnosis from bad data would be believ
 """
 
 from collections import Counter
-from collections.abc import Sequence
 
 import numpy as np
 import scipy
@@ -141,13 +140,6 @@ def not_counts(where: str, name: str, raw: np.ndarray) -> None:
         )
 
 
-FULL = 0.98  # of the drive's limit counts as saturated
-# Of the rows at the ends, or of the others in runs of one value: that is the excitation, not what
-# cuts it off
-RELAY = 0.5
-TOP = 0.2  # of a top, that the next steps last
-TWO_STEPS = 2.0  # of a staircase may go to one value in a row, at its turn
-STUCK = 5  # equal extreme values in a row are a limit that nobody declared
 # Periods of the cutoff from an end, where acceleration as compared is good to 3 %, and to 0.1 %
 EDGE, SETTLED = 2.5, 6.0
 SHARE = 0.05  # of a piece that may be lost at each end for that
@@ -196,85 +188,6 @@ def usable(
 def stands(q: np.ndarray, stroke: float) -> bool:
     """Whether a piece stands, its positions being (n,), where its log has a stroke."""
     return float(np.ptp(q)) <= STILL * stroke
-
-
-def saturated(
-    where: str, efforts: Sequence[np.ndarray], rig: RigFile, said: list[str]
-) -> list[np.ndarray]:
-    """Rows of each piece of a log in which the drive saturates, by its limit or the log's ends.
-
-    A command is what the axis got: none of it is left out unless a limit is given.  An effort of
-    one sign rests at zero, which is no limit.  Where most rows lie at the ends, they are what moves
-    the axis: a relay.  Where most of the others stay at one value as well, the ends are the
-    outermost steps of a staircase.
-    """
-    if rig.effort.limit is not None:
-        limit = rig.effort.limit * rig.effort.scale
-        return [np.abs(effort) >= FULL * limit for effort in efforts]
-    if rig.effort.origin == "command":
-        return [np.zeros(len(effort), bool) for effort in efforts]
-    extremes = max(e.max() for e in efforts), min(e.min() for e in efforts)
-    ends = [end for end in extremes if end != 0.0]
-    full = [_stuck(effort, ends) for effort in efforts]
-    share = float(np.mean(np.concatenate(full)))
-    if share <= RELAY and not _is_staircase(efforts, full):
-        return [_without_tops(*pair) for pair in zip(efforts, full, strict=True)]
-    if (shown := f"{share:.0%}") != "0%":
-        said.append(
-            f"{where}: {shown} of the efforts are the largest or smallest of the log: taken as "
-            "steps of the command, not as a drive that saturates; give `effort.limit` where it "
-            "does."
-        )
-    return [np.zeros_like(rows) for rows in full]
-
-
-def _is_staircase(efforts: Sequence[np.ndarray], full: Sequence[np.ndarray]) -> bool:
-    """Whether the rows that are not full lie in runs of one value, about as long as those that are.
-
-    A coarse effort, or one of a slow controller, stays at its limit for longer than at any value.
-    """
-    runs = [_runs(effort) for effort in efforts]
-    lengths = np.concatenate([length for _, length in runs])
-    ends = np.concatenate([f[start] for f, (start, _) in zip(full, runs, strict=True)])
-    ending, inner = lengths[ends], lengths[~ends]
-    steady = inner[inner >= STUCK]
-    if not len(ending) or steady.sum() <= RELAY * inner.sum():
-        return False
-    return bool(np.median(ending) <= TWO_STEPS * np.median(steady))
-
-
-def _runs(effort: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First row and length of each run of one value, (k,) each."""
-    starts = np.flatnonzero(np.append(True, np.diff(effort) != 0))
-    return starts, np.diff(np.append(starts, len(effort)))
-
-
-def _stuck(effort: np.ndarray, ends: Sequence[float]) -> np.ndarray:
-    """Rows (n,) that stay at one of these ends for a while."""
-    full = np.zeros(len(effort), bool)
-    for extreme in ends:
-        at = np.concatenate([[0], (effort == extreme).astype(int), [0]])
-        edges = np.flatnonzero(np.diff(at))
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
-            if stop - start >= STUCK:
-                full[start:stop] = True
-    return full
-
-
-def _without_tops(effort: np.ndarray, full: np.ndarray) -> np.ndarray:
-    """The full rows (n,) without those that are tops of a curve in coarse steps.
-
-    Of a parabola the next steps last (√2 - 1)/2 of the top at least, of a clipped curve far less.
-    """
-    kept = full.copy()
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], full.astype(int), [0]])))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        long = stop - start
-        beside = [effort[max(start - long, 0) : start], effort[stop : stop + long]]
-        lasting = [int(_runs(part)[1].max()) for part in beside if len(part)]
-        if lasting and min(lasting) >= max(2, TOP * long):
-            kept[start:stop] = False
-    return kept
 
 
 def widened(mask: np.ndarray, reach: int) -> np.ndarray:

@@ -33,6 +33,7 @@ from spirob.machine.recordings.filtering import (
 )
 from spirob.machine.recordings.grids import FILLED, Logged, even_grids
 from spirob.machine.recordings.measured_speed import measured
+from spirob.machine.recordings.saturation import Ends, saturated
 from spirob.units import UNITS
 
 FINEST = 1000.0  # Hz; no filter passes what is faster, and kernels run at every sample
@@ -132,8 +133,10 @@ class Recording:
         return lambda values: np.asarray(self.last(values * moves) / share)
 
 
-def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recording:
-    """A log as a recording; `cutoff` overrides the rig's where trials are to be filtered alike.
+def of_table(
+    table: Table, rig: RigFile, cutoff: float | None = None, ends: Ends | None = None
+) -> Recording:
+    """A log as a recording, by what all logs of the rig have: a cutoff, the ends of the efforts.
 
     Raises MissingChannel and DataError in a sentence that names the file; NothingLeft where others
     may do without it.
@@ -141,7 +144,7 @@ def of_table(table: Table, rig: RigFile, cutoff: float | None = None) -> Recordi
     for name in rig.columns():
         table.column(name)
     rig = rig.model_copy(update={"time": rig.time.told(table.name, table.units)})
-    return prepare(table.name, table.columns, rig, list(table.said), cutoff)
+    return prepare(table.name, table.columns, rig, list(table.said), cutoff, ends)
 
 
 def prepare(
@@ -150,6 +153,7 @@ def prepare(
     rig: RigFile,
     said: list[str] | None = None,
     cutoff: float | None = None,
+    ends: Ends | None = None,
 ) -> Recording:
     """Columns in the log's own units as a recording in SI; raises as `of_table` does."""
     said = [] if said is None else said
@@ -188,7 +192,7 @@ def prepare(
         every = thinned(name, (rig.filter.decimate, every), effort, cutoff, period, said)
     lost: Counter[str] = Counter()
     duty = [g["effort"] / g["supply"] if "supply" in g else g["effort"] for g in grids]
-    full = checks.saturated(name, duty, rig, said)
+    full = saturated(name, duty, rig, ends, said)
     pieces = [_piece(*one, rig, period, cutoff, lost) for one in zip(grids, full, strict=True)]
     least = min(cutoff, max(least_cutoff(grid["position"], period) for grid in grids))
     made = Recording(name, period, cutoff, every, pieces, said, name, turn, least)
