@@ -128,6 +128,11 @@ def dragged(q, v, a):
     return 0.01 * a + 0.05 * v + 0.1 * np.tanh(v / 0.02)
 
 
+def unwound(q, v, a):
+    """The effort of a cable that its load unwinds, and that is slack on the way back."""
+    return np.where(v < 0, 0.3 - 0.05 * v, 0.02)
+
+
 @pytest.mark.parametrize(
     ("effort", "said"),
     [
@@ -142,6 +147,7 @@ def dragged(q, v, a):
         (lambda q, v, a: 1.0 + 0.3 * np.sin(9 * q), False),
         (lambda q, v, a: 0.2 + np.exp(2 * q) + 0.05 * v, False),  # a spring that stiffens
         (lambda q, v, a: np.abs(np.random.default_rng(0).normal(size=len(q))), False),
+        (unwound, False),
     ],
 )
 def test_an_effort_without_its_sign_is_told_only_where_that_of_the_speed_makes_it_fit(effort, said):
@@ -159,6 +165,14 @@ def test_no_sign_is_missed_where_the_axis_moves_one_way_or_what_was_found_fits()
     assert without_sign(search, replace(bare, left=little, heldout=little)) == ""
     onward = search_of(lambda q, v, a: dragged(q, v + 6.0, a), onward=6.0)
     assert without_sign(onward, onward.models.fitted((), {})) == ""
+
+
+@pytest.mark.parametrize(("held", "said"), [(dragged, True), (unwound, False)])
+def test_held_out_logs_have_to_show_that_a_sign_is_missed(held, said):
+    """They may have it themselves."""
+    search = search_of(lambda *motion: np.abs(dragged(*motion)))
+    search.models.heldout = search_of(held).models.train
+    assert bool(without_sign(search, search.models.fitted((), {}))) == said
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,15 @@ def beside_plain(
     return (found / size)[:count], left
 
 
+def plain_numbers(effort: np.ndarray, plain: Sequence[np.ndarray], resisting: int) -> np.ndarray:
+    """Numbers (k,) of plain columns that fit an effort (N,); the first ones can only resist."""
+    design = np.column_stack(plain)
+    size = np.linalg.norm(design, axis=0) + 1e-300
+    low = np.r_[np.zeros(resisting), np.full(len(plain) - resisting, -np.inf)]
+    found = scipy.optimize.lsq_linear(design / size, effort, (low, np.full(len(plain), np.inf)))
+    return np.asarray(found.x / size)
+
+
 def explained(measured: np.ndarray, modelled: np.ndarray, constant: float | None = None) -> float:
     """Share of the variance that a model explains; below 0 where it misses more than the mean.
 

@@ -9,7 +9,7 @@ asks for, is told where it is nearer to ten than to one, and where it makes iner
 beside it fit; otherwise a payload, a spring or a law may be what is missing.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,13 @@ from spirob.machine.inverse.problem import InverseProblem
 from spirob.machine.recordings.checks import TENFOLD
 from spirob.machine.search.models import RigSearch
 from spirob.machine.search.odd_logs import FAMILIAR, HALF, RARE, level
-from spirob.machine.search.plain_columns import RESISTING, beside_plain, explained, plain_columns
+from spirob.machine.search.plain_columns import (
+    RESISTING,
+    beside_plain,
+    explained,
+    plain_columns,
+    plain_numbers,
+)
 from spirob.machine.search.preparation import Ready
 from spirob.units import PREFIX
 
@@ -226,24 +232,58 @@ def without_sign(search: RigSearch, chosen: Model) -> str:
 
     It has one sign though the axis moves both ways by similar amounts, and inertia, friction and
     weight leave less than half the squared error where it has the sign of the speed.  A weight that
-    holds its sign fits as logged.  Not where what was found halves what is left with it.
+    holds its sign fits as logged.  A chain, a cable or a propeller has one sign, too: its drive
+    holds against what pulls back, and with the sign of the speed nothing fits the way back.  So
+    both ways have to show it, held out as well.  Not where what was found halves what is left.
     """
-    problem = search.models.train
+    problem, heldout = search.models.train, search.models.heldout
     effort, speed = problem.measured(), problem.signals()["speed"]
     sums = [float(np.sum(np.maximum(way * s, 0.0))) for s in (effort, speed) for way in (1, -1)]
     one_sign = min(sums[:2]) <= RARE * max(sums[:2])
     if not one_sign or min(sums[2:]) < HALF * max(sums[2:]):
         return ""
-    plain, none = plain_columns(problem), np.zeros((len(effort), 0))
-    directed = np.abs(effort) * np.tanh(speed / problem.rest_speed)
-    logged, signed = (beside_plain(e, plain, RESISTING, none)[1] for e in (effort, directed))
-    size = float(np.mean(effort**2))
-    fits = signed <= (1.0 - FAMILIAR) * size and signed <= HALF * logged
-    left = (1.0 - found_of(search, chosen)) * float(np.var(effort))
+    plain = plain_columns(problem)
+    numbers = [plain_numbers(e, plain, RESISTING) for e in (_directed(problem), effort)]
+    everywhere = _left(problem, numbers, np.ones(len(effort), bool))
+    ways = [left for p in (problem, heldout) for left in _left_each_way(p, numbers)]
+    fits = all(
+        signed <= min(1.0 - FAMILIAR, HALF * logged) for signed, logged in (everywhere, *ways)
+    )
+    signed, logged = everywhere
+    left = (1.0 - found_of(search, chosen)) * float(np.var(effort)) / float(np.mean(effort**2))
     if not fits or left < HALF * signed:
         return ""
     return (
         "The effort has one sign while the axis moves both ways. With the sign of the speed "
-        f"inertia, friction and weight leave {np.sqrt(signed / size):.0%} of it, as it is "
-        f"{np.sqrt(logged / size):.0%}: was it logged without its sign?"
+        f"inertia, friction and weight leave {np.sqrt(signed):.0%} of it, as it is "
+        f"{np.sqrt(logged):.0%}: was it logged without its sign?"
     )
+
+
+def _directed(problem: InverseProblem) -> np.ndarray:
+    """The size of the effort with the sign of the speed, (N,)."""
+    speed = problem.signals()["speed"]
+    return np.asarray(np.abs(problem.measured()) * np.tanh(speed / problem.rest_speed))
+
+
+def _left_each_way(
+    problem: InverseProblem, numbers: Sequence[np.ndarray]
+) -> list[tuple[float, float]]:
+    """What `_left` tells of either direction of motion that there is."""
+    speed = problem.signals()["speed"]
+    ways = [way * speed > problem.rest_speed for way in (1, -1)]
+    return [_left(problem, numbers, rows) for rows in ways if np.mean(rows) > RARE]
+
+
+def _left(
+    problem: InverseProblem, numbers: Sequence[np.ndarray], rows: np.ndarray
+) -> tuple[float, float]:
+    """Shares of the square of some rows, a mask (N,), left of the directed effort and as logged.
+
+    numbers  of the plain columns, (k,) for either
+    """
+    columns, effort = np.column_stack(plain_columns(problem)), problem.measured()
+    missed = [e - columns @ n for e, n in zip((_directed(problem), effort), numbers, strict=True)]
+    size = max(float(np.mean(effort[rows] ** 2)), 1e-300)
+    signed, logged = (float(np.mean(one[rows] ** 2)) / size for one in missed)
+    return signed, logged
